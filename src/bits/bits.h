@@ -1,6 +1,7 @@
 /* bits.h - words of 64 voxels: counting, masks, prefix parity. Not installed.
  *
- * The plain forms are the specification; where the compiler is told of an instruction it gives the same bits. */
+ * The plain forms are the specification; where the compiler is told of an instruction it gives the same
+ * bits. */
 #ifndef BVXI_BITS_H
 #define BVXI_BITS_H
 

@@ -1,7 +1,7 @@
 /* rank.h - the number of set bits before a bit, in constant time. Not installed.
  *
- * Source: Jacobson. Space-efficient static trees and graphs. 1989. One 32-bit prefix every four words (a 64-byte
- * line holds two blocks): a look-up adds at most four popcounts and never scans a row. */
+ * Source: Jacobson. Space-efficient static trees and graphs. 1989. One 32-bit prefix every four words (a
+ * 64-byte line holds two blocks): a look-up adds at most four popcounts and never scans a row. */
 #ifndef BVXI_RANK_H
 #define BVXI_RANK_H
 
@@ -26,9 +26,11 @@ static inline uint64_t bvxi_rank_bytes(uint64_t word_count)
 }
 
 /* Fill the prefixes; prefix has bvxi_rank_bytes. Returns the total, which must stay below 2^32. */
-static inline uint64_t bvxi_rank_build(bvxi_rank *rank, const uint64_t *words, uint64_t word_count, uint32_t *prefix)
+static inline uint64_t bvxi_rank_build(bvxi_rank *rank, const uint64_t *words, uint64_t word_count,
+                                       uint32_t *prefix)
 {
     uint64_t total = 0;
+
     for (uint64_t i = 0; i < word_count; i++) {
         if (i % BVXI_RANK_WORDS == 0) prefix[i / BVXI_RANK_WORDS] = (uint32_t)total;
         total += bvxi_popcount(words[i]);

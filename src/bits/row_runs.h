@@ -27,6 +27,7 @@ static inline void bvxi_row_runs_start(bvxi_row_runs *r, const uint64_t *row, in
 static inline int32_t bvxi_row_runs_change(bvxi_row_runs *r)
 {
     int32_t x;
+
     while (r->changes == 0) {
         uint64_t w;
         if (r->column == r->words) return r->size;

@@ -1,7 +1,7 @@
 /* runs.h - the runs of equal bits in rows of words, all rows taken as one long line. Not installed.
  *
- * Whole words are passed in one step; inside a word a run ends at the lowest bit that differs. Bits past a row's end are
- * not looked at. */
+ * Whole words are passed in one step; inside a word a run ends at the lowest bit that differs. Bits past a
+ * row's end are not looked at. */
 #ifndef BVXI_RUNS_H
 #define BVXI_RUNS_H
 
@@ -15,7 +15,7 @@ typedef struct bvxi_runs {
     int32_t left;         /* bits in open */
     int32_t column;       /* of next in its row */
     int32_t row_words;
-    int32_t tail;         /* bits in a row's last word */
+    int32_t tail; /* bits in a row's last word */
 } bvxi_runs;
 
 /* rows rows of bits bits each, one behind the other, (bits + 63) / 64 words a row. */
@@ -31,11 +31,12 @@ static inline void bvxi_runs_start(bvxi_runs *runs, const uint64_t *words, uint6
     runs->tail = bits - (runs->row_words - 1) * BVXI_WORD_BITS;
 }
 
-/* The length of the next run: zeros first (0 long when the first bit is set), then ones, zeros and so on. Not to be asked
- * again when the lengths add up to all bits. */
+/* The length of the next run: zeros first (0 long when the first bit is set), then ones, zeros and so on. Not
+ * to be asked again when the lengths add up to all bits. */
 static inline uint64_t bvxi_runs_next(bvxi_runs *runs)
 {
     uint64_t length = 0;
+
     for (;;) {
         uint64_t const ends = (runs->open ^ runs->flip) & bvxi_tail_mask(runs->left);
         if (ends != 0 && runs->left != 0) {

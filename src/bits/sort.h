@@ -1,5 +1,5 @@
-/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded, so that no
- * input makes it quadratic. Not installed. */
+/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded, so
+ * that no input makes it quadratic. Not installed. */
 #ifndef BVXI_SORT_H
 #define BVXI_SORT_H
 

@@ -77,72 +77,72 @@ struct cli_options {
     const char *input[CLI_MAX_FILES];
     int inputs;
     const char *output;
-    const char *output_dir;     /* a folder for the outputs of several inputs */
-    int32_t format;             /* of standard input and output, BVX_FORMAT_... */
+    const char *output_dir; /* a folder for the outputs of several inputs */
+    int32_t format;         /* of standard input and output, BVX_FORMAT_... */
     cli_list resolution, levels, triangles, window, size;
     double spacing;
     cli_triple origin, from, up;
     int32_t padding;
-    int32_t fill;               /* BVX_FILL_... */
-    int32_t method;             /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
-    cli_errors errors;          /* of levels that edges collapse to, and what else these need: */
-    int32_t error_kind;         /* BVX_ERROR_... */
-    int32_t count, source;      /* source: BVX_LEVELS_... */
-    int32_t open;               /* BVX_OPEN_... */
+    int32_t fill;          /* BVX_FILL_... */
+    int32_t method;        /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
+    cli_errors errors;     /* of levels that edges collapse to, and what else these need: */
+    int32_t error_kind;    /* BVX_ERROR_... */
+    int32_t count, source; /* source: BVX_LEVELS_... */
+    int32_t open;          /* BVX_OPEN_... */
     int32_t no_sharp, outer_hull, strict, if_needed;
     double even, colour_weight;
     double threshold;
     int32_t edge_samples;
     double collapse;
-    int64_t samples;            /* -1: not given */
+    int64_t samples; /* -1: not given */
     int32_t smooth;
-    int32_t voxels;             /* along the longest axis; 0: draw the mesh */
+    int32_t voxels; /* along the longest axis; 0: draw the mesh */
     int32_t carry, wireframe, difference, turntable;
     int64_t seed;
     cli_planes cut;
     cli_sheet slices;
-    int32_t mode;               /* of voxelize: CLI_MODE_... */
+    int32_t mode; /* of voxelize: CLI_MODE_... */
     int32_t close_gaps, add_shell, check_edges, check_thin, compare_fills;
-    double base;                /* height that columns stand on */
-    const char *second;         /* the other terrain's file */
-    int32_t up_axis;            /* 1 to 3 */
+    double base;        /* height that columns stand on */
+    const char *second; /* the other terrain's file */
+    int32_t up_axis;    /* 1 to 3 */
     int32_t merge;
     int32_t base_voxels, depth, outer_levels, expand, leaves;
-    int32_t states;             /* BVX_STATE_... added */
+    int32_t states; /* BVX_STATE_... added */
     double adaptive;
-    cli_list seeds;             /* three numbers each */
-    const char *mesh;           /* the file of a surface's mesh */
+    cli_list seeds;   /* three numbers each */
+    const char *mesh; /* the file of a surface's mesh */
     int32_t connectivity;
     int32_t layers, caps, nesting, mend, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
-    double close_gap;           /* between the ends of a contour */
-    int32_t sign;               /* BVX_SIGN_... */
-    int32_t interpolation;      /* BVX_EDGE_... */
+    double close_gap;      /* between the ends of a contour */
+    int32_t sign;          /* BVX_SIGN_... */
+    int32_t interpolation; /* BVX_EDGE_... */
     int32_t sharp, measure;
-    int32_t count_crossings;    /* info: of meshes */
-    int32_t normals;            /* of vertices, in a mesh's file */
-    cli_triple output_origin;   /* taken from the positions of a mesh's file */
-    int32_t resample;           /* boolean: grids of other lattices are sampled */
-    double shell;               /* thickness in voxels */
-    int32_t thin;               /* BVX_THIN_... */
+    int32_t count_crossings;  /* info: of meshes */
+    int32_t normals;          /* of vertices, in a mesh's file */
+    cli_triple output_origin; /* taken from the positions of a mesh's file */
+    int32_t resample;         /* boolean: grids of other lattices are sampled */
+    double shell;             /* thickness in voxels */
+    int32_t thin;             /* BVX_THIN_... */
     int64_t least_part, least_cavity;
-    double half_width;          /* of a field's band; 0: no end */
+    double half_width;              /* of a field's band; 0: no end */
     int64_t keep_largest, at_least; /* components */
     int32_t fill_cavities;
-    const char *labels;             /* the file of their numbers */
-    int32_t minimum, body;          /* clouds of points */
-    int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
+    const char *labels;                                     /* the file of their numbers */
+    int32_t minimum, body;                                  /* clouds of points */
+    int32_t vectors, value_type;                            /* value_type: BVX_F32, BVX_F64 */
     int32_t neighbourhood, steps, beyond, side, drain_side; /* morph: by the places among their names */
     double radius, thickness, drain;
-    double level;               /* of volumes */
+    double level; /* of volumes */
     cli_pair range;
     int64_t value_label;
     int32_t all_labels, below;
-    cli_list shape;             /* of samples alone */
-    int32_t sample_type;        /* BVX_SAMPLE_... */
+    cli_list shape;      /* of samples alone */
+    int32_t sample_type; /* BVX_SAMPLE_... */
     int32_t big_endian;
-    int64_t skip;               /* bytes before the samples */
+    int64_t skip; /* bytes before the samples */
     cli_triple voxel_size;
 };
 
@@ -150,7 +150,13 @@ struct cli_options {
 enum { CLI_METHOD_COLLAPSE = 3 };
 
 /* What voxelize sets: the solid, or 1 + BVX_SURFACE_...; or distances in place of voxels. */
-enum { CLI_MODE_SOLID = 0, CLI_MODE_CONSERVATIVE = 1, CLI_MODE_THIN = 2, CLI_MODE_SAMPLED = 3, CLI_MODE_FIELD = 4 };
+enum {
+    CLI_MODE_SOLID = 0,
+    CLI_MODE_CONSERVATIVE = 1,
+    CLI_MODE_THIN = 2,
+    CLI_MODE_SAMPLED = 3,
+    CLI_MODE_FIELD = 4
+};
 
 /* What a value is, and the type of its field: */
 typedef enum cli_kind {
@@ -174,16 +180,16 @@ typedef enum cli_kind {
 } cli_kind;
 
 typedef struct cli_argument {
-    const char *name;          /* with its dashes */
-    const char *value;         /* as the help shows it; NULL for a flag */
+    const char *name;  /* with its dashes */
+    const char *value; /* as the help shows it; NULL for a flag */
     cli_kind kind;
-    int32_t commands;          /* bits */
-    size_t field;              /* in cli_options */
+    int32_t commands; /* bits */
+    size_t field;     /* in cli_options */
     double low, high;
     int least, most;
     const char *const *choice; /* names, NULL behind the last */
     int base;
-    const char *help;          /* lines */
+    const char *help; /* lines */
 } cli_argument;
 
 /* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */

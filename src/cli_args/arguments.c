@@ -1,6 +1,8 @@
-/* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes their values.
+/* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes
+ * their values.
  *
- * An option stands once, takes one value (behind it or after "="), and is refused by commands that have no use for it. */
+ * An option stands once, takes one value (behind it or after "="), and is refused by commands that have no
+ * use for it. */
 #include "cli_args/args.h"
 
 #include <stdio.h>
@@ -32,6 +34,7 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
 {
     const char *nearest = NULL, *name;
     size_t least = 0;
+
     for (int i = 0; (name = next(user, i)) != NULL; i++) {
         size_t d = name_distance(word, name);
         if (strlen(word) >= 4 && strncmp(word, name, strlen(word)) == 0) d = 1; /* cut short: --res */
@@ -65,7 +68,8 @@ static int find_argument(const char *name, size_t length, int32_t bit)
 {
     const cli_argument *a;
     for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
-        if ((a->commands & bit) != 0 && strlen(a->name) == length && strncmp(a->name, name, length) == 0) return k;
+        if ((a->commands & bit) != 0 && strlen(a->name) == length && strncmp(a->name, name, length) == 0)
+            return k;
     return -1;
 }
 
@@ -91,7 +95,8 @@ static const char *new_name(int32_t bit, const char *name)
     static const struct {
         int32_t command;
         const char *old, *now;
-    } renamed[] = {{CLI_REFINE, "--levels", "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
+    } renamed[] = {{CLI_REFINE, "--levels",
+                    "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
 
     for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
         if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
@@ -103,14 +108,20 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     char name[64];
     const char *nearest;
     int32_t const bit = run->command->bit;
+
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
-    if (new_name(bit, name) != NULL) return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name, new_name(bit, name));
+    if (new_name(bit, name) != NULL)
+        return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name,
+                         new_name(bit, name));
     if (find_argument(word, length, CLI_ALL) >= 0)
-        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name, run->command->name);
+        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name,
+                         run->command->name);
     nearest = cli_nearest(name, next_option, &bit);
     if (nearest != NULL)
-        return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name, nearest);
-    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help'", name, run->command->name, run->command->name);
+        return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
+                         nearest);
+    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help'", name, run->command->name,
+                     run->command->name);
 }
 
 /* ---- the command line ---- */
@@ -124,6 +135,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
     const cli_argument *const a = row >= 0 ? cli_argument_at(row) : NULL;
     const char *value = equals != NULL ? equals + 1 : NULL;
     char wanted[256];
+
     if (a == NULL) return refuse_option(run, text, length);
     if (run->given[row] && a->kind != CLI_CUT) return cli_usage(run, "%s is given twice", a->name);
     run->given[row] = 1;
@@ -138,7 +150,8 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
         if (*at == count) return cli_usage(run, "%s lacks its value, %s", a->name, wanted);
         value = word[(*at)++];
     }
-    if (!cli_take_value(a, value, run->options)) return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
+    if (!cli_take_value(a, value, run->options))
+        return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
     return CLI_DONE;
 }
 
@@ -146,12 +159,16 @@ static int take_input(cli_run *run, const char *name)
 {
     cli_options *const o = run->options;
     int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
-    if (o->inputs == most && o->output_dir == NULL && most == 1 && find_argument("--output-dir", 12, run->command->bit) >= 0)
-        return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name, run->command->name);
+
+    if (o->inputs == most && o->output_dir == NULL && most == 1 &&
+        find_argument("--output-dir", 12, run->command->bit) >= 0)
+        return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name,
+                         run->command->name);
     if (o->inputs == most)
         return cli_usage(run, "'%s' is one input too many; %s takes %d", name, run->command->name, most);
     for (int i = 0; i < o->inputs; i++)
-        if (strcmp(name, "-") == 0 && strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input can be read only once");
+        if (strcmp(name, "-") == 0 && strcmp(o->input[i], "-") == 0)
+            return cli_usage(run, "standard input can be read only once");
     o->input[o->inputs++] = name;
     return CLI_DONE;
 }
@@ -160,9 +177,13 @@ int cli_parse(cli_run *run, int count, char **word)
 {
     cli_options *const o = run->options;
     int only_inputs = 0, at = 0, status = CLI_DONE;
-    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) { /* decide how an error is told and whether there is one */
+
+    /* decide how an error is told and whether there is one */
+    for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) {
         if (strcmp(word[i], "--json") == 0) o->general.json = 1;
-        if (find_argument("--output-dir", 12, run->command->bit) >= 0 && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
+        if (find_argument("--output-dir", 12, run->command->bit) >= 0 &&
+            strncmp(word[i], "--output-dir", 12) == 0)
+            o->output_dir = "";
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->general.help = 1;
     }
     if (o->general.help) return CLI_DONE;
@@ -184,6 +205,7 @@ int cli_parse(cli_run *run, int count, char **word)
 void cli_print_options(int32_t command_bit)
 {
     const cli_argument *a;
+
     for (int k = 0; (a = cli_argument_at(k)) != NULL; k++) {
         char left[40];
         if ((a->commands & command_bit) == 0) continue;

@@ -1,4 +1,5 @@
-/* manual.c - the manual page (troff) and the completion script for bash, made from the tables of commands and options. */
+/* manual.c - the manual page (troff) and the completion script for bash,
+ * made from the tables of commands and options. */
 #include "cli_args/args.h"
 
 #include <stdio.h>
@@ -43,6 +44,7 @@ static void put_item(const char *term, const char *text)
 static void put_options(int32_t bit, int common)
 {
     const cli_argument *a;
+
     for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
         if ((a->commands & bit) == 0 || (a->commands == CLI_ALL) != common) continue;
         printf(".TP\n\\fB");
@@ -75,7 +77,8 @@ static void put_commands(const cli_command *const *commands)
     put_section("COMMANDS");
     for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
-    put_roff("Tells the commands, the options of one, this page, or a script for bash to be read by its \"source\".\n");
+    put_roff(
+        "Tells the commands, the options of one, this page, or a script for bash to be read by its \"source\".\n");
     putchar('\n');
     printf(".SS \"bitvox \\-\\-version\"\nTells the version.\n");
 }
@@ -83,6 +86,7 @@ static void put_commands(const cli_command *const *commands)
 static void put_examples(const cli_command *const *commands)
 {
     const cli_command *c;
+
     put_section("EXAMPLES");
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf(".PP\n");
@@ -101,46 +105,59 @@ static void put_examples(const cli_command *const *commands)
 void cli_print_manual(const cli_command *const *commands)
 {
     int32_t const v = bvx_version();
-    printf(".\\\" Printed by 'bitvox help --man'.\n.TH BITVOX 1 \"\" \"bitvox %d.%d.%d\" \"User Commands\"\n", (int)(v / 10000),
-           (int)(v / 100 % 100), (int)(v % 100));
+
+    printf(".\\\" Printed by 'bitvox help --man'.\n.TH BITVOX 1 \"\" \"bitvox %d.%d.%d\" \"User Commands\"\n",
+           (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
     put_section("NAME");
     printf("bitvox \\- shapes to bit\\-packed voxels and back\n");
     put_section("SYNOPSIS");
     printf("\\fBbitvox\\fR \\fICOMMAND\\fR \\fIIN\\fR... [\\fB\\-o\\fR \\fIOUT\\fR] [\\fIoptions\\fR]\n");
     put_section("DESCRIPTION");
-    put_roff("bitvox turns triangle meshes into bit-packed solids, and solids into closed manifold meshes of several sizes; it converts, "
-             "compares and draws both. "
-             "The endings of names tell the formats of files. Results do not depend on the machine or on the number of threads.");
+    put_roff(
+        "bitvox turns triangle meshes into bit-packed solids, and solids into closed manifold meshes of several sizes; it converts, "
+        "compares and draws both. "
+        "The endings of names tell the formats of files. Results do not depend on the machine or on the number of threads.");
     putchar('\n');
-    put_paragraph("Options stand anywhere, once each, with their value behind a space or an equals sign; behind -- every word "
-                  "is an input. As an input, - is standard input, whose format --format tells.");
+    put_paragraph(
+        "Options stand anywhere, once each, with their value behind a space or an equals sign; behind -- every word "
+        "is an input. As an input, - is standard input, whose format --format tells.");
     put_commands(commands);
     put_section("COMMON OPTIONS");
     put_options(CLI_ALL, 1);
     put_section("PROGRESS AND REPORT");
-    put_roff("On a terminal a bar shows the percentage of the whole run, the stage and about how much time is left, once half a second "
-             "has passed. With --progress=json lines of JSON go to standard error instead, at most ten a second and the last of "
-             "each stage: stage, fraction (of the whole run, never falling; the last line of a run that succeeds has 1), elapsed "
-             "(seconds of the run).");
+    put_roff(
+        "On a terminal a bar shows the percentage of the whole run, the stage and about how much time is left, once half a second "
+        "has passed. With --progress=json lines of JSON go to standard error instead, at most ten a second and the last of "
+        "each stage: stage, fraction (of the whole run, never falling; the last line of a run that succeeds has 1), elapsed "
+        "(seconds of the run).");
     putchar('\n');
-    put_paragraph("With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
-                  "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "
-                  "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, fill adds fill, compare adds difference or "
-                  "distance, render adds pictures, and difference with --compare.");
+    put_paragraph(
+        "With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
+        "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "
+        "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, fill adds fill, compare adds difference or "
+        "distance, render adds pictures, and difference with --compare.");
     put_section("FILES");
-    put_item("FILE.npy.json, FILE.vox.json", "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
-             "window and the centre of the first voxel. It is written with the grid and looked for beside it; without one the "
-             "grid starts at 0 and its voxels have sides of 1.");
-    put_item("bitvox-PID-N.part", "Outputs are written under such a name in their own folder and get their own names when "
-             "all is done, all of them or none. A failure or an interrupt removes them, and what stood there before stays as it "
-             "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them behind, to be deleted. Where an "
-             "output is a pipe or a device it is written in place.");
-    put_item("bitvox-PID-N.old", "What stood in the place of several outputs, for the moment in which they get their names. Where "
-             "the folder refuses names in just that moment, a message tells which of them holds an older file.");
+    put_item(
+        "FILE.npy.json, FILE.vox.json",
+        "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
+        "window and the centre of the first voxel. It is written with the grid and looked for beside it; without one the "
+        "grid starts at 0 and its voxels have sides of 1.");
+    put_item(
+        "bitvox-PID-N.part",
+        "Outputs are written under such a name in their own folder and get their own names when "
+        "all is done, all of them or none. A failure or an interrupt removes them, and what stood there before stays as it "
+        "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them behind, to be deleted. Where an "
+        "output is a pipe or a device it is written in place.");
+    put_item(
+        "bitvox-PID-N.old",
+        "What stood in the place of several outputs, for the moment in which they get their names. Where "
+        "the folder refuses names in just that moment, a message tells which of them holds an older file.");
     put_section("EXIT STATUS");
     put_item("0", "Done.");
-    put_item("1", "Bad input or another failure; standard error tells it in one line. Where it is standard output that cannot be "
-             "written, files that were asked for are complete.");
+    put_item(
+        "1",
+        "Bad input or another failure; standard error tells it in one line. Where it is standard output that cannot be "
+        "written, files that were asked for are complete.");
     put_item("2", "Wrong usage.");
     put_item("130", "Interrupted by SIGINT, SIGTERM or SIGHUP.");
     put_examples(commands);
@@ -155,16 +172,19 @@ static void put_option_names(int32_t bit)
         if ((a->commands & bit) != 0) printf(" %s", a->name);
 }
 
-/* Case lines "command/--option)" for values: names to choose from, files, or nothing that could be guessed. */
+/* Case lines "command/--option)" for values: names to choose from, files, or nothing that could be
+ * guessed. */
 static void put_values(const cli_command *c)
 {
     const cli_argument *a;
+
     for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
         if ((a->commands & c->bit) == 0 || a->kind == CLI_FLAG) continue;
         printf("    %s/%s) ", c->name, a->name);
         if (a->choice != NULL && a->kind != CLI_SET) {
             printf("_bitvox_words '");
-            for (int k = 0; a->choice[k] != NULL; k++) if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
+            for (int k = 0; a->choice[k] != NULL; k++)
+                if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
             printf("'");
         } else {
             printf(a->kind == CLI_FILE ? "_bitvox_files" : ":");
@@ -176,24 +196,26 @@ static void put_values(const cli_command *c)
 void cli_print_completion(const cli_command *const *commands)
 {
     const cli_command *c;
-    printf("# Completion of bitvox for bash, printed by 'bitvox help --bash-completion'; read it with \"source\", or store it in\n"
-           "# ~/.local/share/bash-completion/completions/bitvox.\n\n"
-           "_bitvox_words() { # WORDS: those that begin like the word at the cursor\n"
-           "    local one\n"
-           "    while IFS= read -r one; do COMPREPLY+=(\"$one\"); done < <(compgen -W \"$1\" -- \"$word\")\n"
-           "}\n\n"
-           "_bitvox_files() { # what bash does by itself, with names quoted as they need\n"
-           "    compopt -o default 2>/dev/null || :\n"
-           "}\n\n"
-           "_bitvox() {\n"
-           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]} i\n"
-           "    COMPREPLY=()\n"
-           "    compopt +o default 2>/dev/null\n"
-           "    if [[ $COMP_CWORD -ge 3 && $before == '=' ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
-           "    elif [[ $COMP_CWORD -ge 2 && $word == '=' ]]; then word=\n"
-           "    fi\n"
-           "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
-           "        _bitvox_words '");
+
+    printf(
+        "# Completion of bitvox for bash, printed by 'bitvox help --bash-completion'; read it with \"source\", or store it in\n"
+        "# ~/.local/share/bash-completion/completions/bitvox.\n\n"
+        "_bitvox_words() { # WORDS: those that begin like the word at the cursor\n"
+        "    local one\n"
+        "    while IFS= read -r one; do COMPREPLY+=(\"$one\"); done < <(compgen -W \"$1\" -- \"$word\")\n"
+        "}\n\n"
+        "_bitvox_files() { # what bash does by itself, with names quoted as they need\n"
+        "    compopt -o default 2>/dev/null || :\n"
+        "}\n\n"
+        "_bitvox() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]} i\n"
+        "    COMPREPLY=()\n"
+        "    compopt +o default 2>/dev/null\n"
+        "    if [[ $COMP_CWORD -ge 3 && $before == '=' ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+        "    elif [[ $COMP_CWORD -ge 2 && $word == '=' ]]; then word=\n"
+        "    fi\n"
+        "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
+        "        _bitvox_words '");
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("help --help --version'\n"
            "        return\n"

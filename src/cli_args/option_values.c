@@ -1,4 +1,5 @@
-/* option_values.c - what stands behind an option: strict numbers, lists, planes, choices; and in words what it must be. */
+/* option_values.c - what stands behind an option: strict numbers, lists,
+ * planes, choices; and in words what it must be. */
 #include "cli_args/args.h"
 
 #include <math.h>
@@ -9,8 +10,10 @@
 /* A decimal number that ends at one of the stops or at the end of the text; *rest is behind it. */
 static int take_real(const char *text, const char *stops, double *v, const char **rest)
 {
-    size_t const n = strspn(text, "+-.0123456789eE"); /* leaves out what strtod would take too: hex, inf, nan, spaces */
+    /* leaves out what strtod would take too: hex, inf, nan, spaces */
+    size_t const n = strspn(text, "+-.0123456789eE");
     char *end;
+
     if (n == 0) return 0;
     *v = strtod(text, &end);
     if (end != text + n || *v - *v != 0.0) return 0;
@@ -19,10 +22,12 @@ static int take_real(const char *text, const char *stops, double *v, const char 
     return 1;
 }
 
-static int take_whole(const char *text, const char *stops, double low, double high, int64_t *v, const char **rest)
+static int take_whole(const char *text, const char *stops, double low, double high, int64_t *v,
+                      const char **rest)
 {
     int64_t n = 0;
     const char *p = text;
+
     if (*p < '0' || *p > '9') return 0;
     for (; *p >= '0' && *p <= '9'; p++) {
         if (n > INT64_MAX / 100) return 0;
@@ -37,6 +42,7 @@ static int take_whole(const char *text, const char *stops, double low, double hi
 static int take_list(const cli_argument *a, const char *text, const char *stops, cli_list *list)
 {
     const char *p = text;
+
     list->count = 0;
     for (;;) {
         if (list->count == a->most) return 0;
@@ -63,6 +69,7 @@ static int take_triple(const char *text, cli_triple *t)
 static int take_pair(const char *text, cli_pair *t)
 {
     const char *p = text;
+
     t->value[0] = -HUGE_VAL;
     t->value[1] = HUGE_VAL;
     if (*p != ',' && !take_real(p, ",", &t->value[0], &p)) return 0;
@@ -99,6 +106,7 @@ static int take_axis(const char *text, char stop)
 static int take_planes(const char *text, cli_planes *planes)
 {
     const char *p = text;
+
     for (;;) {
         int const axis = take_axis(p, '=');
         if (axis < 0 || planes->given[axis] || !take_real(p + 2, ",", &planes->value[axis], &p)) return 0;
@@ -123,6 +131,7 @@ static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
     static const char suffix[] = "KMG";
     const char *p;
     int64_t v;
+
     if (!take_whole(text, "KMGkmg", a->low, a->high, &v, &p)) return 0;
     int shift = 0;
     if (*p != 0) {
@@ -149,6 +158,7 @@ static int take_choice(const cli_argument *a, const char *text, int32_t *v)
 static int take_set(const cli_argument *a, const char *text, int32_t *set)
 {
     const char *p = text;
+
     *set = 0;
     for (;;) {
         size_t const n = strcspn(p, ",");
@@ -167,6 +177,7 @@ int cli_take_value(const cli_argument *a, const char *text, cli_options *o)
     const char *rest;
     int64_t whole;
     int good;
+
     switch (a->kind) {
     case CLI_FLAG: *(int32_t *)field = 1; return 1;
     case CLI_FILE:
@@ -186,7 +197,9 @@ int cli_take_value(const cli_argument *a, const char *text, cli_options *o)
         return good && *(double *)field > a->low && *(double *)field < a->high;
     case CLI_TRIPLE: return take_triple(text, field);
     case CLI_PAIR: return take_pair(text, field);
-    case CLI_LIST: good = take_list(a, text, ",", field); return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
+    case CLI_LIST:
+        good = take_list(a, text, ",", field);
+        return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
     case CLI_SIZE: return take_list(a, text, "x", field);
     case CLI_CUT: return take_planes(text, field);
     case CLI_SLICES: return take_slices(a, text, field);
@@ -202,7 +215,8 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
     case CLI_INT:
     case CLI_LONG:
         snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);
-        for (int i = 0; a->choice != NULL && a->choice[i] != NULL; i++) snprintf(text + strlen(text), room - strlen(text), " or %s", a->choice[i]);
+        for (int i = 0; a->choice != NULL && a->choice[i] != NULL; i++)
+            snprintf(text + strlen(text), room - strlen(text), " or %s", a->choice[i]);
         break;
     case CLI_REAL:
         if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
@@ -212,19 +226,32 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
     case CLI_PAIR: snprintf(text, room, "two numbers like 2.5,7 or one of them like 2.5,"); break;
     case CLI_LIST:
         if (a->most == 1) snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);
-        else if (a->most == 3) snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low, a->high);
+        else if (a->most == 3)
+            snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low,
+                     a->high);
         else if (a->least == a->most) snprintf(text, room, "%d whole numbers like 0,0,0,64,64,64", a->most);
-        else if (a->least == 3) snprintf(text, room, "three whole numbers a place like 8,8,8 or 8,8,8,40,40,40, at most %d, from %.0f to %.0f", a->most, a->low, a->high);
-        else snprintf(text, room, "whole numbers like 64,32,16, at most %d, from %.0f to %.0f", a->most, a->low, a->high);
+        else if (a->least == 3)
+            snprintf(
+                text, room,
+                "three whole numbers a place like 8,8,8 or 8,8,8,40,40,40, at most %d, from %.0f to %.0f",
+                a->most, a->low, a->high);
+        else
+            snprintf(text, room, "whole numbers like 64,32,16, at most %d, from %.0f to %.0f", a->most,
+                     a->low, a->high);
         break;
-    case CLI_SIZE: snprintf(text, room, "a width and a height like 1024x768, each from 1 to %.0f", a->high); break;
+    case CLI_SIZE:
+        snprintf(text, room, "a width and a height like 1024x768, each from 1 to %.0f", a->high);
+        break;
     case CLI_CUT: snprintf(text, room, "planes like x=0.5 or x=0.5,z=1, each axis once"); break;
-    case CLI_SLICES: snprintf(text, room, "an axis and a count from %.0f to %.0f, like z:16", a->low, a->high); break;
+    case CLI_SLICES:
+        snprintf(text, room, "an axis and a count from %.0f to %.0f, like z:16", a->low, a->high);
+        break;
     case CLI_BYTES: snprintf(text, room, "a count of bytes like 500M or 2G, above 0"); break;
     case CLI_CHOICE:
         snprintf(text, room, "one of:");
         for (int i = 0; a->choice[i] != NULL; i++)
-            if (a->choice[i][0] != 0) snprintf(text + strlen(text), room - strlen(text), "%s %s", i == 0 ? "" : ",", a->choice[i]);
+            if (a->choice[i][0] != 0)
+                snprintf(text + strlen(text), room - strlen(text), "%s %s", i == 0 ? "" : ",", a->choice[i]);
         break;
     case CLI_FILE: snprintf(text, room, "the name of a file"); break;
     case CLI_TEXT: snprintf(text, room, "a text that is not empty"); break;

@@ -1,14 +1,15 @@
-/* plan.c - what a command does, in its order, and about how long each stage takes beside the others: where in the run's progress
- * a stage begins and ends.
+/* plan.c - what a command does, in its order, and about how long each stage takes beside the others: where in
+ * the run's progress a stage begins and ends.
  *
- * Measured on meshes of 100,000 triangles and grids of 200 to 300 voxels a side. A stage that is left out costs a jump, one that
- * is not listed stands where the run is; neither lets the fraction fall. */
+ * Measured on meshes of 100,000 triangles and grids of 200 to 300 voxels a side. A stage that is left out
+ * costs a jump, one that is not listed stands where the run is; neither lets the fraction fall. */
 #include "cli_args/args.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows that follow each other with the same number are gone through again and again, once for each of them. */
+/* Rows that follow each other with the same number are gone through again and again, once for each of
+ * them. */
 enum { PLAN_ONCE, PLAN_FILES, PLAN_MADE, PLAN_CARRIED, PLAN_MEASURED };
 
 typedef struct plan_row {
@@ -87,7 +88,8 @@ static const plan_row plan_rows[] = {
     {CLI_ALL & ~CLI_INFO & ~CLI_COMPARE & ~CLI_RENDER, "check file", 2, PLAN_ONCE},
     {CLI_SLICE, "write", 70, PLAN_ONCE},
     {CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS, "write", 15, PLAN_ONCE},
-    {CLI_ALL & ~(CLI_INFO | CLI_COMPARE | CLI_SLICE | CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS), "write", 4, PLAN_ONCE},
+    {CLI_ALL & ~(CLI_INFO | CLI_COMPARE | CLI_SLICE | CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS),
+     "write", 4, PLAN_ONCE},
 };
 enum { PLAN_ROWS = sizeof plan_rows / sizeof plan_rows[0] };
 
@@ -112,12 +114,14 @@ static int suits_files(const cli_run *run, const char *stage)
         if (strncmp(stage, "check", 5) == 0 || strcmp(stage, "distance") == 0) return mesh_in;
     }
     if (bit == CLI_REFINE) {
-        if (strcmp(stage, "expand") == 0) return is_name_of(o->output, BVX_GRIDS_READ) && bvx_format_of_name(o->output) != BVX_FORMAT_BVX;
+        if (strcmp(stage, "expand") == 0)
+            return is_name_of(o->output, BVX_GRIDS_READ) && bvx_format_of_name(o->output) != BVX_FORMAT_BVX;
         if (strcmp(stage, "surface") == 0) return mesh_out;
     }
     if (bit == CLI_CONVERT && mesh_in && mesh_out)
-        return strncmp(stage, "read", 4) == 0 || strcmp(stage, "parse") == 0 || strcmp(stage, "simplify") == 0 ||
-               strcmp(stage, "check file") == 0 || strcmp(stage, "write") == 0;
+        return strncmp(stage, "read", 4) == 0 || strcmp(stage, "parse") == 0 ||
+               strcmp(stage, "simplify") == 0 || strcmp(stage, "check file") == 0 ||
+               strcmp(stage, "write") == 0;
     return 1;
 }
 
@@ -136,7 +140,8 @@ static int is_planned(const cli_run *run, const plan_row *row)
     if (strcmp(s, "crossings") == 0) return o->count_crossings;
     if (strcmp(s, "simplify") == 0) return cli_reduces(run);
     if (strcmp(s, "carry") == 0) return o->carry;
-    if (strcmp(s, "distance") == 0) return bit == CLI_REPAIR ? o->measure && cli_reduces(run) : o->samples != 0;
+    if (strcmp(s, "distance") == 0)
+        return bit == CLI_REPAIR ? o->measure && cli_reduces(run) : o->samples != 0;
     return 1;
 }
 
@@ -166,26 +171,32 @@ static size_t split_name(const char *name, int *number)
 
 static int is_row(const cli_run *run, int row, const char *name, size_t length)
 {
-    const char *const s = strncmp(name, "render", length) == 0 && run->options->turntable != 0 ? "frames" : name;
+    const char *const s = strncmp(name, "render", length) == 0 && run->options->turntable != 0 ? "frames"
+                                                                                               : name;
     size_t const n = s == name ? length : strlen(s);
 
-    return is_planned(run, &plan_rows[row]) && strlen(plan_rows[row].stage) == n && strncmp(plan_rows[row].stage, s, n) == 0;
+    return is_planned(run, &plan_rows[row]) && strlen(plan_rows[row].stage) == n &&
+           strncmp(plan_rows[row].stage, s, n) == 0;
 }
 
 /* The first and the last row of what is gone through together. */
 static int group_begin(int row)
 {
-    while (row > 0 && plan_rows[row].each != PLAN_ONCE && plan_rows[row - 1].each == plan_rows[row].each) row--;
+    while (row > 0 && plan_rows[row].each != PLAN_ONCE && plan_rows[row - 1].each == plan_rows[row].each)
+        row--;
     return row;
 }
 
 static int group_end(int row)
 {
-    while (row + 1 < PLAN_ROWS && plan_rows[row].each != PLAN_ONCE && plan_rows[row + 1].each == plan_rows[row].each) row++;
+    while (row + 1 < PLAN_ROWS && plan_rows[row].each != PLAN_ONCE &&
+           plan_rows[row + 1].each == plan_rows[row].each)
+        row++;
     return row;
 }
 
-/* The row of a stage that begins: in the present group, in its next round, or further on; -1: none. *time: which round. */
+/* The row of a stage that begins: in the present group, in its next round,
+ * or further on; -1: none. *time: which round. */
 static int find_row(const cli_run *run, const char *name, int *time)
 {
     int const now = run->progress.row;
@@ -207,7 +218,8 @@ static int find_row(const cli_run *run, const char *name, int *time)
     return -1;
 }
 
-/* Sampling takes time by the samples; a level that is taken from voxels is soon made beside one whose edges collapse. */
+/* Sampling takes time by the samples; a level that is taken from voxels is
+ * soon made beside one whose edges collapse. */
 static double weight_of(const cli_run *run, const plan_row *row)
 {
     double const usual = 20000.0, samples = run->options->samples < 0 ? usual : (double)run->options->samples;
@@ -216,11 +228,14 @@ static double weight_of(const cli_run *run, const plan_row *row)
     if (run->command->bit == CLI_REFINE && strcmp(row->stage, "write") == 0 && run->options->output != NULL) {
         int32_t const format = bvx_format_of_name(run->options->output);
 
-        return format == BVX_FORMAT_VTU ? 400.0 : format == BVX_FORMAT_BVX ? 1.0 : 12.0; /* text; bits; triangles */
+        /* text; bits; triangles */
+        return format == BVX_FORMAT_VTU ? 400.0 : format == BVX_FORMAT_BVX ? 1.0 : 12.0;
     }
-    if (run->command->bit == CLI_VOXELIZE && strcmp(row->stage, "write") == 0 && run->options->mode == CLI_MODE_FIELD)
+    if (run->command->bit == CLI_VOXELIZE && strcmp(row->stage, "write") == 0 &&
+        run->options->mode == CLI_MODE_FIELD)
         return 5.0 * row->weight;
-    if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH && run->command->bit != CLI_REPAIR)
+    if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH &&
+        run->command->bit != CLI_REPAIR)
         return row->weight * samples / usual;
     if (strcmp(row->stage, "level") == 0 && run->progress.made > 1) return row->weight / 9.0;
     return row->weight;

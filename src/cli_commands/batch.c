@@ -1,10 +1,11 @@
 /* batch.c - --output-dir: one command over several inputs, each to a file of its name in a folder.
  *
- * Each input is a run of its own, with its own context, report and output; what one of them meets does not stop the others. All
- * names are known before the first one, so that two inputs never go to one file, and no input is replaced. */
+ * Each input is a run of its own, with its own context, report and output; what one of them meets does not
+ * stop the others. All names are known before the first one, so that two inputs never go to one file, and no
+ * input is replaced. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define BATCH_POSIX 1
+#define BATCH_POSIX     1
 #else
 #define BATCH_POSIX 0
 #endif
@@ -22,11 +23,11 @@
 #endif
 
 typedef struct batch {
-    cli_options asked;    /* as the command line gave them */
-    char **path;          /* of each output */
-    cli_text reports;     /* of --json */
+    cli_options asked; /* as the command line gave them */
+    char **path;       /* of each output */
+    cli_text reports;  /* of --json */
     int done, failed;
-    int status;           /* of the first failure */
+    int status; /* of the first failure */
 } batch;
 
 /* ---- names ---- */
@@ -85,12 +86,14 @@ static int name_outputs(cli_run *run, batch *b)
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         for (int k = 0; k < i; k++)
             if (strcmp(b->path[i], b->path[k]) == 0)
-                return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k], o->input[i], b->path[i]);
+                return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
+                                 o->input[i], b->path[i]);
     }
     for (int i = 0; i < o->inputs; i++)
         for (int k = 0; k < o->inputs; k++)
             if (cli_are_one_file(b->path[i], o->input[k]))
-                return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir", b->path[i], o->input[k]);
+                return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir",
+                                 b->path[i], o->input[k]);
     return CLI_DONE;
 }
 
@@ -147,7 +150,8 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_json_string(t, run->options->input[0]);
     cli_text_add(t, ", \"output\": ");
     cli_json_string(t, run->options->output);
-    if (text.size > 2) cli_text_add(t, ", %.*s", (int)(text.size - 2), text.bytes + 1); /* less its { and line end */
+    /* less its { and line end */
+    if (text.size > 2) cli_text_add(t, ", %.*s", (int)(text.size - 2), text.bytes + 1);
     if (text.failed) t->failed = 1;
     cli_text_free(&text);
 }
@@ -186,9 +190,13 @@ int cli_run_batch(cli_run *run)
 
     if (b.asked.general.json) {
         cli_lock();
-        cli_text_add(&run->report.batch, "{\"status\": \"%s\", \"command\": \"%s\", \"done\": %d, \"failed\": %d, \"files\": [%s]}\n",
-                     b.status == CLI_DONE ? "done" : b.status == CLI_INTERRUPTED ? "interrupted" : "failed", run->command->name, b.done,
-                     b.failed, b.reports.bytes != NULL ? b.reports.bytes : "");
+        cli_text_add(
+            &run->report.batch,
+            "{\"status\": \"%s\", \"command\": \"%s\", \"done\": %d, \"failed\": %d, \"files\": [%s]}\n",
+            b.status == CLI_DONE          ? "done"
+            : b.status == CLI_INTERRUPTED ? "interrupted"
+                                          : "failed",
+            run->command->name, b.done, b.failed, b.reports.bytes != NULL ? b.reports.bytes : "");
         run->report.batch.failed |= b.reports.failed;
         cli_unlock();
     }

@@ -10,27 +10,34 @@ int cli_check_cloud_options(cli_run *run, const char *kind)
 
     for (size_t i = 0; i < sizeof of_clouds / sizeof of_clouds[0]; i++)
         if (cli_given(run, of_clouds[i]))
-            return cli_usage(run, "%s is for clouds of points; %s is %s", of_clouds[i], cli_input_name(run->options->input[0]), kind);
+            return cli_usage(run, "%s is for clouds of points; %s is %s", of_clouds[i],
+                             cli_input_name(run->options->input[0]), kind);
     return CLI_DONE;
 }
 
 int cli_check_cloud(cli_run *run, int cloud)
 {
-    static const char *const of_meshes[] = {"--mode", "--fill", "--add-shell", "--check-edges", "--check-thin", "--compare-fills", "--half-width",
-                                            "--sign", "--vectors", "--value-type"};
+    static const char *const of_meshes[] = {
+        "--mode",          "--fill",       "--add-shell", "--check-edges", "--check-thin",
+        "--compare-fills", "--half-width", "--sign",      "--vectors",     "--value-type"};
     const cli_options *const o = run->options;
     const char *const name = cli_input_name(o->input[0]);
+
     for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0] && cloud; i++)
-        if (cli_given(run, of_meshes[i])) return cli_usage(run, "%s is for meshes; %s is a cloud of points", of_meshes[i], name);
+        if (cli_given(run, of_meshes[i]))
+            return cli_usage(run, "%s is for meshes; %s is a cloud of points", of_meshes[i], name);
     if (!cloud && cli_check_cloud_options(run, "a mesh") != CLI_DONE) return CLI_USAGE;
-    if (cloud && cli_given(run, "--close-gaps") && !o->body) return cli_usage(run, "--close-gaps needs --body");
-    if (cloud && o->body && o->window.count != 0) return cli_usage(run, "--body needs the whole lattice, no --window");
+    if (cloud && cli_given(run, "--close-gaps") && !o->body)
+        return cli_usage(run, "--close-gaps needs --body");
+    if (cloud && o->body && o->window.count != 0)
+        return cli_usage(run, "--body needs the whole lattice, no --window");
     return CLI_DONE;
 }
 
 static void tell_cloud(cli_run *run, const bvx_points_report *r)
 {
     cli_text *const t = &run->report.more;
+
     cli_say(run, "  points      %" PRIu64, r->inside);
     if (r->outside != 0) cli_say(run, ", and %" PRIu64 " outside", r->outside);
     cli_say(run, "\n  occupied    %" PRIu64 "\n", r->occupied);
@@ -43,13 +50,15 @@ static void tell_cloud(cli_run *run, const bvx_points_report *r)
     cli_text_add(t, "}");
 }
 
-static int make_cloud_voxels(cli_run *run, const bvx_mesh_view *points, const bvx_window *window, bvx_points_report *report, bvx_grid *grid)
+static int make_cloud_voxels(cli_run *run, const bvx_mesh_view *points, const bvx_window *window,
+                             bvx_points_report *report, bvx_grid *grid)
 {
     const cli_options *const o = run->options;
     bvx_lattice *const l = &run->report.lattice;
     bvx_points_options p;
     bvx_status status = cli_make_cloud_lattice(run, points, l);
     int result;
+
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     run->report.has_lattice = 1;
     result = window->size[0] == 0 ? cli_check_far(run, cli_input_name(o->input[0]), points, 1, l) : CLI_DONE;
@@ -75,6 +84,7 @@ int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_wind
     bvx_points_report report;
     bvx_grid grid;
     int status;
+
     memset(&report, 0, sizeof report);
     memset(&grid, 0, sizeof grid);
     cli_stage_begin(run, "voxelize");
@@ -87,8 +97,11 @@ int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_wind
         tell_cloud(run, &report);
         if (run->report.set == 0) cli_warn(run, "no voxel is set: none holds so many points");
         else if (run->options->body && report.pockets == 0)
-            cli_warn(run, "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32 ", or larger voxels",
-                     run->options->close_gaps);
+            cli_warn(
+                run,
+                "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
+                ", or larger voxels",
+                run->options->close_gaps);
     }
     bvx_grid_free(run->context, &grid);
     return status;

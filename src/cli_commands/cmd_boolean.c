@@ -1,7 +1,8 @@
 /* cmd_boolean.c - bitvox boolean: what two bodies are together, have in common, or have alone.
  *
- * Two meshes that become a mesh keep their surfaces (bvx_boolean). Whenever a grid comes in or goes out the bits are what there
- * is: a mesh is then voxelized, on the grid's own lattice or on one around both meshes. */
+ * Two meshes that become a mesh keep their surfaces (bvx_boolean). Whenever a grid comes in or goes out the
+ * bits are what there is: a mesh is then voxelized, on the grid's own lattice or on one around both
+ * meshes. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -10,17 +11,17 @@
 #include <string.h>
 
 typedef struct boolean_run {
-    int32_t operation;       /* BVX_BOOLEAN_... */
-    int kind;                /* of the output */
-    cli_input in[2];         /* A and B */
+    int32_t operation; /* BVX_BOOLEAN_... */
+    int kind;          /* of the output */
+    cli_input in[2];   /* A and B */
     uint64_t voxels[2];
     bvx_grid grid;
     bvx_mesh mesh;
-    int by_mesh;             /* the mesh was made by bvx_boolean */
+    int by_mesh; /* the mesh was made by bvx_boolean */
     bvx_boolean_report report;
     bvx_solid_report solid[2]; /* of the inputs that are meshes */
     int is_mesh[2];
-    int32_t few, advised;      /* BVX_FEW_..., and the resolution to take */
+    int32_t few, advised; /* BVX_FEW_..., and the resolution to take */
     cli_reduction reduction;
 } boolean_run;
 
@@ -44,23 +45,31 @@ static int take_operation(cli_run *run, boolean_run *b)
 static int check_boolean_options(cli_run *run, boolean_run *b)
 {
     static const char *const of_lattice[] = {"--resolution", "--spacing"};
-    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part", "--thin"};
+    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part",
+                                          "--thin"};
     const char *const out = run->options->output;
     int kind[2], grids, status = take_operation(run, b);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
+
+    for (int i = 0; i < 2 && status == CLI_DONE; i++)
+        status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
     if (status != CLI_DONE) return status;
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
     b->kind = cli_kind_of_format(bvx_format_of_name(out));
     if (b->kind == 0)
-        return cli_usage(run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")", out);
+        return cli_usage(
+            run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")",
+            out);
     for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
-        status = refuse_boolean_option(run, of_lattice[i], "is for two meshes; a grid brings its own lattice");
+        status = refuse_boolean_option(run, of_lattice[i],
+                                       "is for two meshes; a grid brings its own lattice");
     for (int i = 0; i < 5 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
         status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
     if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
-    if (status == CLI_DONE && grids != 2) status = refuse_boolean_option(run, "--resample", "is for two grids");
-    if (status == CLI_DONE && b->kind == CLI_GRID) status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
+    if (status == CLI_DONE && grids != 2)
+        status = refuse_boolean_option(run, "--resample", "is for two grids");
+    if (status == CLI_DONE && b->kind == CLI_GRID)
+        status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
     if (status == CLI_DONE) status = cli_check_reduction(run);
     if (status == CLI_DONE) status = cli_check_lattice(run);
     if (status == CLI_DONE) status = cli_check_sharp(run);
@@ -109,6 +118,7 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
 {
     cli_box box[2], fit;
     bvx_status status;
+
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
     choose_boolean_box(b, box, &fit);
     run->options->padding = 1;
@@ -123,6 +133,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_mesh_view view[2];
     bvx_lattice lattice;
     bvx_status status;
+
     bvx_boolean_options_init(&o, sizeof o);
     o.lattice = &lattice;
     o.position_type = BVX_POSITION_AUTO;
@@ -152,10 +163,12 @@ static int combine_meshes(cli_run *run, boolean_run *b)
 
 /* ---- Grids ---- */
 
-static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice, const bvx_window *window, bvx_solid_report *report)
+static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice,
+                               const bvx_window *window, bvx_solid_report *report)
 {
     bvx_voxelize_options v;
     bvx_mesh_view view;
+
     bvx_voxelize_options_init(&v, sizeof v);
     v.fill = run->options->fill;
     v.window = *window;
@@ -171,6 +184,7 @@ static bvx_status fill_operands(cli_run *run, boolean_run *b)
     bvx_window window = {{0, 0, 0}, {0, 0, 0}};
     bvx_lattice lattice;
     bvx_status status = BVX_OK;
+
     if (with->kind == CLI_GRID) {
         lattice = with->grid.lattice;
         memcpy(window.low, with->grid.low, sizeof window.low);
@@ -189,6 +203,7 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
     bvx_grid there = {0};
     bvx_window window;
     bvx_status status;
+
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
@@ -204,16 +219,21 @@ static int combine_grids(cli_run *run, boolean_run *b)
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_extract_options e;
     bvx_status status;
+
     cli_stage_begin(run, "boolean");
-    cli_stage_calls(run, 1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
+    cli_stage_calls(run,
+                    1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
     if (status == BVX_OK && run->options->resample) status = resample_operand(run, b);
-    for (int i = 0; i < 2 && status == BVX_OK; i++) status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
-    if (status == BVX_OK) status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
+    for (int i = 0; i < 2 && status == BVX_OK; i++)
+        status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
+    if (status == BVX_OK)
+        status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &run->report.set);
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
-    if (status == BVX_OK && b->kind == CLI_MESH) status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
+    if (status == BVX_OK && b->kind == CLI_MESH)
+        status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
     run->report.lattice = b->grid.lattice;
@@ -230,8 +250,9 @@ static int check_boolean_mesh(cli_run *run, boolean_run *b)
     int result;
 
     if (b->mesh.triangle_count == 0)
-        return cli_fail(run, "%s and %s: nothing is left by %s, so there is no mesh to write", cli_input_name(b->in[0].path),
-                        cli_input_name(b->in[1].path), operation_names[b->operation]);
+        return cli_fail(run, "%s and %s: nothing is left by %s, so there is no mesh to write",
+                        cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
+                        operation_names[b->operation]);
 
     result = cli_reduce(run, &b->mesh, &b->reduction);
     if (result != CLI_DONE) return result;
@@ -267,8 +288,10 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
 {
     cli_text *const t = &run->report.more;
     const bvx_solid_report *const r = &b->solid[i];
+
     if (!b->is_mesh[i]) return;
-    cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+    cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b",
+                 cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "doubles", r->doubles);
@@ -285,20 +308,25 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
     for (int i = 0; i < 2; i++) {
         if (!b->is_mesh[i]) continue;
         if (b->solid[i].unbalanced_rows != 0)
-            cli_warn(run, "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", cli_input_name(b->in[i].path),
-                     b->solid[i].unbalanced_rows);
+            cli_warn(run,
+                     "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there",
+                     cli_input_name(b->in[i].path), b->solid[i].unbalanced_rows);
         if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
-            cli_warn(run, "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
-                     "has it solid", cli_input_name(b->in[i].path));
+            cli_warn(
+                run,
+                "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
+                "has it solid",
+                cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
         if (!is_thin_kept(b, i)) cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
-        if (b->is_mesh[i] && b->voxels[i] == 0) cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+        if (b->is_mesh[i] && b->voxels[i] == 0)
+            cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
     for (int i = 0; i < 3; i++)
         if ((b->few >> i & 1) != 0)
-            cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i], i < 2 && b->voxels[i] == 0 ? "no" : "few",
-                     (int)b->advised);
+            cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
+                     i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
 }
 
 static void tell_boolean(cli_run *run, const boolean_run *b)
@@ -306,6 +334,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     cli_text *const t = &run->report.more;
     const int32_t *const n = run->report.lattice.dims;
+
     cli_text_add(t, ", \"boolean\": {\"operation\": \"%s\"", operation_names[b->operation]);
     cli_json_count(t, "voxels_a", b->voxels[0]);
     cli_json_count(t, "voxels_b", b->voxels[1]);
@@ -318,22 +347,30 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
         cli_json_count(t, "parts_dropped", b->report.parts_dropped);
     }
     cli_text_add(t, "}");
-    cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
-            run->options->output);
+    cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path),
+            cli_input_name(b->in[1].path), run->options->output);
     cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
-    cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1], run->report.set);
-    if (b->report.crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n", b->report.crumbs);
-    if (b->report.parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
+    cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1],
+            run->report.set);
+    if (b->report.crumbs != 0)
+        cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n",
+                b->report.crumbs);
+    if (b->report.parts_dropped != 0)
+        cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
         if (b->is_mesh[i]) cli_say_fill(run, &b->solid[i]);
     for (int i = 0; i < 2; i++)
         if (is_thin_kept(b, i))
-            cli_say(run, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n", b->solid[i].thin_voxels, i == 0 ? "A" : "B");
+            cli_say(run, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",
+                    b->solid[i].thin_voxels, i == 0 ? "A" : "B");
     warn_of_boolean(run, b);
     if (b->kind != CLI_MESH) return;
     cli_tell_reduction(run, &b->reduction);
-    cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
-            c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+    cli_say(run,
+            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
+            " components, volume %.6g\n",
+            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
+            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
 }
 
@@ -341,11 +378,14 @@ static int run_boolean(cli_run *run)
 {
     boolean_run b;
     int status;
+
     memset(&b, 0, sizeof b);
     status = check_boolean_options(run, &b);
     if (status == CLI_DONE)
-        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options->output) : cli_open_output(run, run->options->output);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options->input[1 + i], &b.in[i]);
+        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options->output)
+                                    : cli_open_output(run, run->options->output);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++)
+        status = cli_read_input(run, run->options->input[1 + i], &b.in[i]);
     if (status == CLI_DONE) status = b.by_mesh ? combine_meshes(run, &b) : combine_grids(run, &b);
     if (status == CLI_DONE) run->report.has_lattice = run->report.has_set = 1;
     if (status == CLI_DONE) status = write_boolean(run, &b);
@@ -357,13 +397,21 @@ static int run_boolean(cli_run *run)
 }
 
 const cli_command cli_boolean = {
-    "boolean", CLI_BOOLEAN, 3, 3, "OPERATION A B -o OUT [options]", "union, intersection, difference or xor of two bodies",
-    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ ", also\n"
-    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN "),\n"
+    "boolean",
+    CLI_BOOLEAN,
+    3,
+    3,
+    "OPERATION A B -o OUT [options]",
+    "union, intersection, difference or xor of two bodies",
+    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ
+    ", also\n"
+    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
+    "),\n"
     "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
     "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
     "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
     "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
     "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
-    "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx", run_boolean};
+    "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
+    run_boolean};

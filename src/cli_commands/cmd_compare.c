@@ -23,16 +23,21 @@ static void say_only(cli_run *run, const char *name, uint64_t voxels, uint64_t c
 {
     char text[96];
     if (voxels == 0) cli_say(run, "  only in %s   none\n", name);
-    else cli_say(run, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels, pieces_text(count, largest, text, sizeof text));
+    else
+        cli_say(run, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels,
+                pieces_text(count, largest, text, sizeof text));
 }
 
 static void say_grid_difference(cli_run *run, const bvx_grid *g, const bvx_grid_difference *d)
 {
     double const either = (double)d->both + (double)d->only_a + (double)d->only_b;
     double low[3], high[3];
-    cli_say(run, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n", cli_input_name(run->options->input[0]), d->set_a,
-            cli_input_name(run->options->input[1]), d->set_b);
-    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1], g->size[2]);
+
+    cli_say(run, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n",
+            cli_input_name(run->options->input[0]), d->set_a, cli_input_name(run->options->input[1]),
+            d->set_b);
+    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
+            g->size[2]);
     cli_say(run, "  both        %" PRIu64 " voxels", d->both);
     if (either > 0.0) cli_say(run, ", %.6g %% of what either has", 100.0 * (double)d->both / either);
     cli_say(run, "\n");
@@ -46,15 +51,20 @@ static void say_grid_difference(cli_run *run, const bvx_grid *g, const bvx_grid_
         low[a] = g->lattice.origin[a] + ((double)g->low[a] + d->low[a]) * g->lattice.spacing[a];
         high[a] = low[a] + d->size[a] * g->lattice.spacing[a];
     }
-    cli_say(run, "  box         of what differs: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32 ",%" PRId32 ",\n"
+    cli_say(run,
+            "  box         of what differs: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32
+            ",%" PRId32 ",%" PRId32 ",\n"
             "              %.9g, %.9g, %.9g to %.9g, %.9g, %.9g\n",
-            d->size[0], d->size[1], d->size[2], d->low[0], d->low[1], d->low[2], low[0], low[1], low[2], high[0], high[1], high[2]);
+            d->size[0], d->size[1], d->size[2], d->low[0], d->low[1], d->low[2], low[0], low[1], low[2],
+            high[0], high[1], high[2]);
 }
 
 static void report_grid_difference(cli_run *run, const bvx_grid_difference *d)
 {
     cli_text *const t = &run->report.more;
-    cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [", d->only_a + d->only_b == 0 ? "true" : "false");
+
+    cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [",
+                 d->only_a + d->only_b == 0 ? "true" : "false");
     cli_json_string(t, run->options->input[0]);
     cli_text_add(t, ", ");
     cli_json_string(t, run->options->input[1]);
@@ -77,11 +87,12 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 {
     char about[512], more[600] = "";
     bvx_status const status = bvx_grid_compare(run->context, &a->grid, &b->grid, d);
+
     if (status == BVX_OK) return CLI_DONE;
     snprintf(about, sizeof about, "%s and %s", cli_input_name(a->path), cli_input_name(b->path));
     if (status != BVX_ERR_LATTICE || a->placed == b->placed) return cli_fail_status(run, status, about);
-    snprintf(more, sizeof more, "%s (%s has no side-car, so it starts at 0 and its voxels have sides of 1)", about,
-             cli_input_name(a->placed ? b->path : a->path));
+    snprintf(more, sizeof more, "%s (%s has no side-car, so it starts at 0 and its voxels have sides of 1)",
+             about, cli_input_name(a->placed ? b->path : a->path));
     return cli_fail_status(run, status, more);
 }
 
@@ -89,6 +100,7 @@ static int compare_grids(cli_run *run, const cli_input in[2])
 {
     bvx_grid_difference d;
     int status;
+
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &in[0], &in[1], &d);
     cli_stage_end(run);
@@ -107,9 +119,11 @@ static int check_mesh(cli_run *run, const cli_input *in)
     cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes];
     bvx_mesh_view view;
     bvx_status status;
+
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "check %s", run->report.meshes == 0 ? "A" : "B");
-    status = bvx_mesh_check(run->context, &view, 1, &entry->certificate); /* formats differ in what vertices they repeat */
+    /* formats differ in what vertices they repeat */
+    status = bvx_mesh_check(run->context, &view, 1, &entry->certificate);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
     entry->path = in->path;
@@ -123,11 +137,13 @@ static void say_mesh(cli_run *run, const char *name, const cli_mesh_entry *m)
 {
     const bvx_certificate *const c = &m->certificate;
     cli_say(run, "%s  %s\n", name, cli_input_name(m->path));
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices, %" PRIu64 " components\n", c->triangles, c->vertices, c->components);
+    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices, %" PRIu64 " components\n", c->triangles,
+            c->vertices, c->components);
     cli_say(run, "  surface     %s, %s, %s\n", c->closed ? "closed" : "not closed",
-            c->edge_manifold && c->vertex_manifold ? "manifold" : "not manifold", c->oriented ? "oriented" : "not oriented");
-    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume, c->closed ? "" : " (of an open mesh: depends on its place)",
-            c->area);
+            c->edge_manifold && c->vertex_manifold ? "manifold" : "not manifold",
+            c->oriented ? "oriented" : "not oriented");
+    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
+            c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
 }
 
 static void say_way(cli_run *run, const char *way, double mean, double most, double diagonal)
@@ -138,7 +154,9 @@ static void say_way(cli_run *run, const char *way, double mean, double most, dou
 
 static void say_distance(cli_run *run, const bvx_distance_report *d, double diagonal)
 {
-    cli_say(run, "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64 " random points on each mesh, seed %" PRIu64 "\n",
+    cli_say(run,
+            "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
+            " random points on each mesh, seed %" PRIu64 "\n",
             diagonal, d->samples, d->seed);
     cli_say(run, "  %22s%24s\n", "mean", "max");
     say_way(run, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
@@ -149,6 +167,7 @@ static void say_distance(cli_run *run, const bvx_distance_report *d, double diag
 static void report_distance(cli_run *run, const bvx_distance_report *d, double diagonal)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);
     cli_json_value(t, "mean", d->mean);
@@ -172,6 +191,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2])
     bvx_distance_report d;
     double diagonal;
     int status = check_mesh(run, &in[0]);
+
     if (status == CLI_DONE) status = check_mesh(run, &in[1]);
     if (status == CLI_DONE && samples != 0) {
         bvx_mesh_view_of(&in[0].mesh, &a);
@@ -197,15 +217,19 @@ static int check_compare_options(cli_run *run)
 {
     const cli_options *const o = run->options;
     int kind[2], status = CLI_DONE;
+
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, o->input[i], &kind[i]);
     if (status != CLI_DONE) return status;
     if (kind[0] != kind[1])
-        return cli_usage(run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "
-                         "or make a mesh of the grid with 'bitvox lod'");
-    if (kind[0] == CLI_MESH && o->samples == 0 && cli_given(run, "--seed")) return cli_usage(run, "--seed has no use with --samples 0");
+        return cli_usage(
+            run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "
+                 "or make a mesh of the grid with 'bitvox lod'");
+    if (kind[0] == CLI_MESH && o->samples == 0 && cli_given(run, "--seed"))
+        return cli_usage(run, "--seed has no use with --samples 0");
     if (kind[0] == CLI_MESH) return CLI_DONE;
     if (o->samples >= 0) return cli_usage(run, "--samples is for meshes; grids are compared voxel by voxel");
-    if (cli_given(run, "--seed")) return cli_usage(run, "--seed is for meshes; grids are compared voxel by voxel");
+    if (cli_given(run, "--seed"))
+        return cli_usage(run, "--seed is for meshes; grids are compared voxel by voxel");
     return CLI_DONE;
 }
 
@@ -213,17 +237,25 @@ static int run_compare(cli_run *run)
 {
     static cli_input in[2]; /* zeroed */
     int status = check_compare_options(run);
-    for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_read_input(run, run->options->input[i], &in[i]);
-    if (status == CLI_DONE) status = in[0].kind == CLI_MESH ? compare_meshes(run, in) : compare_grids(run, in);
+    for (int i = 0; i < 2 && status == CLI_DONE; i++)
+        status = cli_read_input(run, run->options->input[i], &in[i]);
+    if (status == CLI_DONE)
+        status = in[0].kind == CLI_MESH ? compare_meshes(run, in) : compare_grids(run, in);
     for (int i = 0; i < 2; i++) cli_free_input(run, &in[i]);
     return status;
 }
 
 const cli_command cli_compare = {
-    "compare", CLI_COMPARE, 2, 2, "A B [options]", "what two grids or two meshes have in common, and how far apart they are",
+    "compare",
+    CLI_COMPARE,
+    2,
+    2,
+    "A B [options]",
+    "what two grids or two meshes have in common, and how far apart they are",
     "Grids of one lattice: voxels of both and of one alone, in how many pieces and where.\n"
     "Meshes: counts, volumes, whether they are closed, manifold and oriented, and the distances from\n"
     "random points on each to the other. The exit status is 0 whether they differ or not;\n"
     "--json tells it to programs.",
     "bitvox convert fixtures/knot.ply -o knot.stl\n"
-    "bitvox compare fixtures/knot.ply knot.stl", run_compare};
+    "bitvox compare fixtures/knot.ply knot.stl",
+    run_compare};

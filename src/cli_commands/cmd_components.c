@@ -1,4 +1,5 @@
-/* cmd_components.c - bitvox components: the connected parts of a grid, told in a table, kept or dropped, numbered. */
+/* cmd_components.c - bitvox components: the connected parts of a grid, told
+ * in a table, kept or dropped, numbered. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -29,10 +30,14 @@ static int check_components_options(cli_run *run)
 {
     const cli_options *const o = run->options;
     int kind, status = cli_input_kind(run, o->input[0], &kind);
+
     if (status != CLI_DONE) return status;
     if (kind == CLI_MESH)
-        return cli_usage(run, "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it", cli_input_name(o->input[0]));
-    if (o->seeds.count % 3 != 0) return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
+        return cli_usage(run,
+                         "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
+                         cli_input_name(o->input[0]));
+    if (o->seeds.count % 3 != 0)
+        return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
         return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
     return o->output != NULL ? cli_check_grid_name(run, o->output) : CLI_DONE;
@@ -41,7 +46,8 @@ static int check_components_options(cli_run *run)
 /* Outputs in this order: the grid and its side-car, the labels and theirs. */
 static int open_components_outputs(cli_run *run)
 {
-    int const status = run->options->output != NULL ? cli_open_grid_output(run, run->options->output) : CLI_DONE;
+    int const status = run->options->output != NULL ? cli_open_grid_output(run, run->options->output)
+                                                    : CLI_DONE;
     return status == CLI_DONE && labels_of(run) != NULL ? cli_open_grid_output(run, labels_of(run)) : status;
 }
 
@@ -52,6 +58,7 @@ static int keep_components(cli_run *run, components_job *job)
     const cli_list *const list = &run->options->seeds;
     bvx_keep_options k;
     bvx_status status;
+
     bvx_keep_options_init(&k, sizeof k);
     k.connectivity = job->connectivity;
     k.largest = (uint64_t)run->options->keep_largest;
@@ -84,13 +91,16 @@ static int list_components(cli_run *run, components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;
     bvx_status status;
+
     cli_stage_begin(run, "components");
     status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
     if (status == BVX_OK && (job->count >= SIZE_MAX / sizeof *job->parts ||
                              (job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts)) == NULL))
         return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
-    if (status == BVX_OK) status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
-    if (status == BVX_OK && job->connectivity != 18) status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
+    if (status == BVX_OK)
+        status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
+    if (status == BVX_OK && job->connectivity != 18)
+        status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
     if (status == BVX_OK) status = bvx_grid_count(run->context, g, &run->report.set);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
@@ -113,27 +123,31 @@ static void say_components(cli_run *run, const components_job *job)
 {
     const bvx_grid *const g = &job->in.grid;
     const cli_options *const o = run->options;
+
     if (o->output != NULL) cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), o->output);
     else cli_say(run, "%s\n", cli_input_name(job->in.path));
     cli_say_grid(run, g, run->report.set, job->in.placed);
     if (job->kept.dropped != 0)
-        cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", job->kept.kept,
-                job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
+        cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n",
+                job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
     if (o->fill_cavities) cli_say(run, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
     cli_say(run, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
     if (job->connectivity != 18)
-        cli_say(run, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n", job->topology.cavities,
-                job->topology.tunnels, job->topology.euler);
-    if (job->count != 0) cli_say(run, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
+        cli_say(run, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
+                job->topology.cavities, job->topology.tunnels, job->topology.euler);
+    if (job->count != 0)
+        cli_say(run, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
     for (uint64_t i = 0; i < job->count && i < PARTS_SAID; i++) {
         const bvx_component *const p = &job->parts[i];
         char first[48];
         int32_t v[3];
         first_of(g, p, v);
         snprintf(first, sizeof first, "%" PRId32 ",%" PRId32 ",%" PRId32, v[0], v[1], v[2]);
-        cli_say(run, "  %8" PRIu64 " %14" PRIu64 " %8.3f%%   %-18s %" PRId32 " x %" PRId32 " x %" PRId32 " from %" PRId32 ",%" PRId32 ",%" PRId32 "\n",
-                p->reserved, p->voxels, 100.0 * (double)p->voxels / (double)run->report.set, first, p->size[0], p->size[1], p->size[2],
-                p->low[0], p->low[1], p->low[2]);
+        cli_say(run,
+                "  %8" PRIu64 " %14" PRIu64 " %8.3f%%   %-18s %" PRId32 " x %" PRId32 " x %" PRId32
+                " from %" PRId32 ",%" PRId32 ",%" PRId32 "\n",
+                p->reserved, p->voxels, 100.0 * (double)p->voxels / (double)run->report.set, first,
+                p->size[0], p->size[1], p->size[2], p->low[0], p->low[1], p->low[2]);
     }
     if (job->count > PARTS_SAID) cli_say(run, "           and %" PRIu64 " more\n", job->count - PARTS_SAID);
 }
@@ -141,6 +155,7 @@ static void say_components(cli_run *run, const components_job *job)
 static void report_components(cli_run *run, const components_job *job)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"components\": {\"connectivity\": %" PRId32, job->connectivity);
     cli_json_count(t, "count", job->count);
     cli_json_count(t, "dropped", job->kept.dropped);
@@ -148,7 +163,8 @@ static void report_components(cli_run *run, const components_job *job)
     cli_json_count(t, "filled", job->filled);
     if (job->connectivity != 18) {
         cli_json_count(t, "cavities", job->topology.cavities);
-        cli_text_add(t, ", \"tunnels\": %" PRId64 ", \"euler\": %" PRId64, job->topology.tunnels, job->topology.euler);
+        cli_text_add(t, ", \"tunnels\": %" PRId64 ", \"euler\": %" PRId64, job->topology.tunnels,
+                     job->topology.euler);
     }
     cli_text_add(t, ", \"parts\": [");
     for (uint64_t i = 0; i < job->count && i < PARTS_REPORTED; i++) {
@@ -170,8 +186,11 @@ static void report_components(cli_run *run, const components_job *job)
 /* u32, axes x, y, z, x fastest. */
 static size_t labels_head(const bvx_grid *g, unsigned char *head)
 {
-    int const n = snprintf((char *)head + 10, LABELS_HEAD - 10, "{'descr': '<u4', 'fortran_order': True, 'shape': (%" PRId32 ", %" PRId32 ", %" PRId32 "), }",
+    int const n = snprintf((char *)head + 10, LABELS_HEAD - 10,
+                           "{'descr': '<u4', 'fortran_order': True, 'shape': (%" PRId32 ", %" PRId32
+                           ", %" PRId32 "), }",
                            g->size[0], g->size[1], g->size[2]);
+
     memcpy(head, "\x93NUMPY\x01\x00", 8);
     head[8] = LABELS_HEAD - 10;
     head[9] = 0;
@@ -193,6 +212,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
     bvx_buffer file, side_car;
     bvx_status status;
     int result;
+
     memset(&file, 0, sizeof file);
     memset(&side_car, 0, sizeof side_car);
     if (voxels < (SIZE_MAX - LABELS_HEAD) / 4) {
@@ -217,7 +237,8 @@ static int write_labels(cli_run *run, components_job *job, int number)
     free(file.bytes);
     if (result != CLI_DONE) return result;
     status = bvx_write_lattice(run->context, g, &side_car);
-    result = status == BVX_OK ? cli_write_output(run, number + 1, &side_car) : cli_fail_status(run, status, labels_of(run));
+    result = status == BVX_OK ? cli_write_output(run, number + 1, &side_car)
+                              : cli_fail_status(run, status, labels_of(run));
     bvx_buffer_free(run->context, &side_car);
     return result;
 }
@@ -236,6 +257,7 @@ static int run_components(cli_run *run)
     static const int32_t neighbours[3] = {6, 18, 26}; /* by the place of --connectivity among its names */
     components_job job;
     int status;
+
     memset(&job, 0, sizeof job);
     job.connectivity = neighbours[run->options->connectivity];
     status = check_components_options(run);
@@ -258,10 +280,16 @@ static int run_components(cli_run *run)
 }
 
 const cli_command cli_components = {
-    "components", CLI_COMPONENTS, 1, 1, "GRID [-o OUT] [options]", "the connected parts of a grid: listed, kept or dropped, numbered",
+    "components",
+    CLI_COMPONENTS,
+    1,
+    1,
+    "GRID [-o OUT] [options]",
+    "the connected parts of a grid: listed, kept or dropped, numbered",
     "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
     "--seed do not keep, fills cavities where asked, and tells of what is left: the largest parts with\n"
     "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
     "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid.",
     "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
-    "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy", run_components};
+    "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
+    run_components};

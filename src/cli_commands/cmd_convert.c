@@ -8,8 +8,10 @@ static int refuse_other_kind(cli_run *run, int from)
 {
     const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;
     if (from == CLI_MESH)
-        return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh", in, out);
-    return cli_usage(run, "%s is a grid and %s would be a mesh: 'bitvox lod --levels N' makes meshes of a grid", in, out);
+        return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
+                         in, out);
+    return cli_usage(
+        run, "%s is a grid and %s would be a mesh: 'bitvox lod --levels N' makes meshes of a grid", in, out);
 }
 
 static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
@@ -18,17 +20,22 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     int32_t const format = bvx_format_of_name(o->output);
     int const to = format == BVX_FORMAT_VTU ? CLI_TREE : cli_kind_of_format(format);
     int status = cli_input_kind(run, o->input[0], kind);
+
     if (status != CLI_DONE) return status;
-    if (format == BVX_FORMAT_PNG) return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
+    if (format == BVX_FORMAT_PNG)
+        return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
         return cli_usage(run, "%s: the name ends in no format that is written (%s)", o->output,
                          *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS ", .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
-        return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees", cli_input_name(o->input[0]), o->output);
+        return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees",
+                         cli_input_name(o->input[0]), o->output);
     if (to != CLI_TREE && *kind != to) return refuse_other_kind(run, *kind);
     for (int i = 0; i < 3 && *kind == CLI_MESH; i++) {
         static const char *const for_voxels[3] = {"--window", "--expand", "--states"};
-        if (cli_given(run, for_voxels[i])) return cli_usage(run, "%s is for grids and octrees; %s is a mesh", for_voxels[i], cli_input_name(o->input[0]));
+        if (cli_given(run, for_voxels[i]))
+            return cli_usage(run, "%s is for grids and octrees; %s is a mesh", for_voxels[i],
+                             cli_input_name(o->input[0]));
     }
     if (*kind != CLI_MESH && o->normals)
         return cli_usage(run, "--normals is for meshes; %s holds voxels", cli_input_name(o->input[0]));
@@ -41,12 +48,13 @@ static int convert_mesh(cli_run *run)
     const char *const out = run->options->output;
     bvx_mesh mesh = {0};
     int result = cli_open_output(run, out);
+
     if (result == CLI_DONE) result = cli_read_mesh(run, run->options->input[0], &mesh);
     if (result == CLI_DONE) result = cli_write_mesh(run, &mesh);
     if (result == CLI_DONE) {
         cli_warn_of_lost(run, out, &mesh);
-        cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", cli_input_name(run->options->input[0]), out,
-                mesh.triangle_count, mesh.vertex_count);
+        cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n",
+                cli_input_name(run->options->input[0]), out, mesh.triangle_count, mesh.vertex_count);
     }
     bvx_mesh_free(run->context, &mesh);
     return result;
@@ -55,6 +63,7 @@ static int convert_mesh(cli_run *run)
 static int write_tree(cli_run *run, cli_input *in, cli_tree *t)
 {
     int status = cli_take_tree(run, in->tree, t);
+
     in->tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
     if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
@@ -73,8 +82,10 @@ static int write_grid(cli_run *run, const cli_input *in)
     const bvx_grid *const grid = &in->grid;
     const char *const out = run->options->output;
     int status = CLI_DONE;
+
     if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
-        return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid", cli_input_name(in->path));
+        return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",
+                         cli_input_name(in->path));
     status = cli_check_grid_format(run, out, &grid->lattice, grid->size);
     if (status == CLI_DONE) status = cli_write_grid(run, grid);
     if (status != CLI_DONE) return status;
@@ -90,7 +101,9 @@ static int convert_voxels(cli_run *run, cli_tree *t)
 {
     const char *const out = run->options->output;
     cli_input in;
-    int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_grid_output(run, out);
+    int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out)
+                                                           : cli_open_grid_output(run, out);
+
     memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_read_grid_or_tree(run, run->options->input[0], &t->window, &in);
     if (status == CLI_DONE) status = in.kind == CLI_TREE ? write_tree(run, &in, t) : write_grid(run, &in);
@@ -110,11 +123,17 @@ static int run_convert(cli_run *run)
 }
 
 const cli_command cli_convert = {
-    "convert", CLI_CONVERT, 1, 1, "IN -o OUT [options]", "a mesh, a grid or an octree in another format",
+    "convert",
+    CLI_CONVERT,
+    1,
+    1,
+    "IN -o OUT [options]",
+    "a mesh, a grid or an octree in another format",
     "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
     "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same.\n"
     "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
     "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is told\n"
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
     "bitvox convert fixtures/knot.ply -o knot.glb\n"
-    "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply", run_convert};
+    "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
+    run_convert};

@@ -8,9 +8,11 @@ static int check_faces_options(cli_run *run)
 {
     const char *const out = run->options->output;
     int kind, status = cli_input_kind(run, run->options->input[0], &kind);
+
     if (status != CLI_DONE) return status;
     if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")", out);
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
+                         out);
     if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options->input[0]);
     status = cli_check_lattice(run);
     return status == CLI_DONE ? cli_check_fill(run) : status;
@@ -30,10 +32,12 @@ static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
     cli_mesh_entry *const entry = &run->report.mesh[0];
     bvx_mesh_view view;
     bvx_status status;
+
     bvx_grid_count(run->context, &in->grid, &run->report.set);
     run->report.lattice = in->grid.lattice;
     run->report.has_lattice = run->report.has_set = 1;
-    if (run->report.set == 0) return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
+    if (run->report.set == 0)
+        return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
     cli_stage_begin(run, "faces");
     status = extract(run, &in->grid, mesh);
     entry->milliseconds = cli_stage_end(run) * 1e3;
@@ -52,9 +56,10 @@ static void say_faces(cli_run *run, const cli_input *in)
 {
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     cli_say(run, "%s -> %s\n", cli_input_name(in->path), run->options->output);
-    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set, run->options->merge ? "rectangles" : "faces     ",
-            c->triangles / 2);
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles, c->vertices, c->volume);
+    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
+            run->options->merge ? "rectangles" : "faces     ", c->triangles / 2);
+    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles,
+            c->vertices, c->volume);
 }
 
 static int run_faces(cli_run *run)
@@ -62,6 +67,7 @@ static int run_faces(cli_run *run)
     cli_input in;
     bvx_mesh mesh = {0};
     int status = check_faces_options(run);
+
     memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &in);
@@ -75,9 +81,15 @@ static int run_faces(cli_run *run)
 }
 
 const cli_command cli_faces = {
-    "faces", CLI_FACES, 1, 1, "IN -o OUT [options]", "the sides of voxels as a mesh",
+    "faces",
+    CLI_FACES,
+    1,
+    1,
+    "IN -o OUT [options]",
+    "the sides of voxels as a mesh",
     "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
     "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
     ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
     "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
-    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge", run_faces};
+    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
+    run_faces};

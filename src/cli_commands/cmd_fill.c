@@ -11,12 +11,12 @@ typedef struct fill_job {
     cli_input in;
     bvx_mesh mesh;
     bvx_mesh_view view;
-    bvx_seed search;     /* the search for one seed, where none was given */
-    int32_t *seeds;      /* three numbers each */
+    bvx_seed search; /* the search for one seed, where none was given */
+    int32_t *seeds;  /* three numbers each */
     uint64_t count;
-    int given;           /* by --seed */
-    uint64_t filled;     /* voxels */
-    int reaches_side;    /* of the window */
+    int given;        /* by --seed */
+    uint64_t filled;  /* voxels */
+    int reaches_side; /* of the window */
     bvx_grid out;
 } fill_job;
 
@@ -25,13 +25,21 @@ static int check_fill_options(cli_run *run, int *kind)
     const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
     int mesh, status = cli_input_kind(run, o->input[0], kind);
+
     if (status != CLI_DONE) return status;
-    if (*kind == CLI_MESH) return cli_usage(run, "%s is a mesh; 'bitvox voxelize --mode conservative' makes its surface, or a --fill its solid", path);
-    if (o->seeds.count % 3 != 0) return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
-    if (o->mesh != NULL && o->seeds.count != 0) return cli_usage(run, "--mesh tells which pockets lie inside; with --seed nothing is asked");
+    if (*kind == CLI_MESH)
+        return cli_usage(
+            run,
+            "%s is a mesh; 'bitvox voxelize --mode conservative' makes its surface, or a --fill its solid",
+            path);
+    if (o->seeds.count % 3 != 0)
+        return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
+    if (o->mesh != NULL && o->seeds.count != 0)
+        return cli_usage(run, "--mesh tells which pockets lie inside; with --seed nothing is asked");
     if (o->mesh != NULL) {
         status = cli_input_kind(run, o->mesh, &mesh);
-        if (status == CLI_DONE && mesh != CLI_MESH) status = cli_usage(run, "--mesh takes a mesh; %s is a grid", o->mesh);
+        if (status == CLI_DONE && mesh != CLI_MESH)
+            status = cli_usage(run, "--mesh takes a mesh; %s is a grid", o->mesh);
         if (status != CLI_DONE) return status;
     }
     return cli_check_grid_name(run, o->output);
@@ -72,10 +80,12 @@ static int find_seeds(cli_run *run, fill_job *job)
     const char *const path = cli_input_name(job->in.path);
     uint64_t room = FILL_SEEDS;
     bvx_status status;
+
     if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
     cli_stage_begin(run, "seeds");
     status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
-    if (status == BVX_OK) status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
+    if (status == BVX_OK)
+        status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
     if (status == BVX_ERR_CAPACITY) {
         room = job->count;
         if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
@@ -84,8 +94,11 @@ static int find_seeds(cli_run *run, fill_job *job)
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     if (job->count != 0) return CLI_DONE;
-    return cli_fail(run, "%s: there is no pocket inside these voxels: they hold nothing, or have gaps (thin and conservative surfaces of closed "
-                    "meshes have none); --seed fills from where it says", path);
+    return cli_fail(
+        run,
+        "%s: there is no pocket inside these voxels: they hold nothing, or have gaps (thin and conservative surfaces of closed "
+        "meshes have none); --seed fills from where it says",
+        path);
 }
 
 /* ---- filling ---- */
@@ -93,6 +106,7 @@ static int find_seeds(cli_run *run, fill_job *job)
 static int grid_reaches_side(const bvx_grid *g)
 {
     size_t const row = (size_t)g->words_per_row;
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             const uint64_t *const words = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * row;
@@ -109,8 +123,10 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     static const int32_t neighbours[3] = {6, 18, 26}; /* by the place of --connectivity among its names */
     const bvx_grid *const walls = &job->in.grid;
     bvx_status status;
+
     cli_stage_begin(run, "fill");
-    status = bvx_grid_fill(run->context, walls, job->seeds, job->count, neighbours[run->options->connectivity], &job->out);
+    status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
+                           neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
@@ -128,19 +144,21 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
 static void say_fill(cli_run *run, const fill_job *job)
 {
     const bvx_seed *const s = &job->search;
+
     cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
     cli_say_grid(run, &job->out, run->report.set, job->in.placed);
     if (job->given) cli_say(run, "  seeds       %" PRIu64 "\n", job->count);
     else cli_say(run, "  pockets     %" PRIu64 "\n", job->count);
     for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
-        cli_say(run, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i], job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
+        cli_say(run, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i],
+                job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
     if (job->count > FILL_SEEDS_SAID) cli_say(run, "              and more\n");
     cli_say(run, "  filled      %" PRIu64 "\n", job->filled);
     if (job->given) return;
     cli_say(run, "  search      %s", s->found ? "" : "no seed");
     if (s->found) cli_say(run, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
-    cli_say(run, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0], s->scans[1], s->scans[2],
-            s->verified ? ", inside the mesh" : "");
+    cli_say(run, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
+            s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
 }
 
 static void add_voxel(cli_text *t, const int32_t v[3])
@@ -152,6 +170,7 @@ static void report_fill(cli_run *run, const fill_job *job)
 {
     const bvx_seed *const s = &job->search;
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"fill\": {\"filled\": %" PRIu64, job->filled);
     cli_json_truth(t, "reaches_side", job->reaches_side);
     cli_json_count(t, job->given ? "given" : "pockets", job->count);
@@ -180,15 +199,20 @@ static int run_fill(cli_run *run)
 {
     fill_job job;
     int kind, status;
+
     memset(&job, 0, sizeof job);
     status = check_fill_options(run, &kind);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
     if (status == CLI_DONE) status = read_fill_inputs(run, &job);
-    if (status == CLI_DONE) status = run->options->seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
+    if (status == CLI_DONE)
+        status = run->options->seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
     if (status == CLI_DONE) status = fill_from_seeds(run, &job);
-    if (status == CLI_DONE) status = cli_check_grid_format(run, run->options->output, &job.out.lattice, job.out.size);
+    if (status == CLI_DONE)
+        status = cli_check_grid_format(run, run->options->output, &job.out.lattice, job.out.size);
     if (status == CLI_DONE) status = cli_write_grid(run, &job.out);
-    if (status == CLI_DONE && job.reaches_side) cli_warn(run, "%s: the fill reaches the window's sides: these voxels do not hold it", cli_input_name(job.in.path));
+    if (status == CLI_DONE && job.reaches_side)
+        cli_warn(run, "%s: the fill reaches the window's sides: these voxels do not hold it",
+                 cli_input_name(job.in.path));
     if (status == CLI_DONE) {
         say_fill(run, &job);
         report_fill(run, &job);
@@ -201,10 +225,16 @@ static int run_fill(cli_run *run)
 }
 
 const cli_command cli_fill = {
-    "fill", CLI_FILL, 1, 1, "GRID -o OUT [options]", "what lies inside a surface of voxels, from seeds",
+    "fill",
+    CLI_FILL,
+    1,
+    1,
+    "GRID -o OUT [options]",
+    "what lies inside a surface of voxels, from seeds",
     "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
     "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
     "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
     "It also tells what a search for one seed took: lines scanned along x, y and z.",
     "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
-    "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply", run_fill};
+    "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
+    run_fill};

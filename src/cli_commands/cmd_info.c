@@ -14,29 +14,38 @@ static const char *yes_or_no(int v)
 static void say_certificate(cli_run *run, const bvx_certificate *c)
 {
     static const char axis[] = "xyz";
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles, c->vertices, c->edges);
+
+    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
+            c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_say(run, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
     if (c->collapsed + c->degenerate + c->duplicates != 0)
-        cli_say(run, "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64 " duplicate triangles\n",
+        cli_say(run,
+                "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
+                " duplicate triangles\n",
                 c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
-        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a], c->high[a] - c->low[a]);
+        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
+                c->high[a] - c->low[a]);
     cli_say(run, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_say(run, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_say(run, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
     if (c->nonmanifold_edges + c->nonmanifold_vertices != 0)
-        cli_say(run, ", %" PRIu64 " edges and %" PRIu64 " vertices are not", c->nonmanifold_edges, c->nonmanifold_vertices);
+        cli_say(run, ", %" PRIu64 " edges and %" PRIu64 " vertices are not", c->nonmanifold_edges,
+                c->nonmanifold_vertices);
     cli_say(run, "\n  oriented    %s", yes_or_no(c->oriented));
-    if (c->flipped_edges != 0) cli_say(run, ", %" PRIu64 " edges between triangles of opposite sense", c->flipped_edges);
+    if (c->flipped_edges != 0)
+        cli_say(run, ", %" PRIu64 " edges between triangles of opposite sense", c->flipped_edges);
     if (c->closed && c->oriented && c->volume < 0) cli_say(run, ", inside out");
     cli_say(run, "\n  components  %" PRIu64 ", Euler number %" PRId64 "\n", c->components, c->euler);
-    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume, c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
+    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
+            c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
 }
 
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
 {
     bvx_mesh_view view;
     bvx_status status;
+
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, weld ? "check welded" : "check");
     status = bvx_mesh_check(run->context, &view, weld, c);
@@ -45,8 +54,10 @@ static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-/* Many files repeat a vertex where colours or normals change: then the surface is closed although the indices are not. */
-static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bvx_certificate *welded, int *differs)
+/* Many files repeat a vertex where colours or normals change: then the
+ * surface is closed although the indices are not. */
+static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bvx_certificate *welded,
+                      int *differs)
 {
     int const stl = cli_input_format(run, run->options->input[0]) == BVX_FORMAT_STL;
     int status = check(run, mesh, stl, c); /* STL has no indices */
@@ -61,7 +72,8 @@ static void say_attributes(cli_run *run, const bvx_mesh *mesh)
 {
     if (mesh->colours != NULL) cli_say(run, "  colours     of vertices\n");
     if (mesh->uvs != NULL)
-        cli_say(run, "  texture     coordinates of %s\n", mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
+        cli_say(run, "  texture     coordinates of %s\n",
+                mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
 }
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
@@ -86,6 +98,7 @@ static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
     static bvx_certificate certificate, welded; /* the report points at them until the program ends */
     cli_mesh_entry *const entry = &run->report.mesh[0];
     int differs, status = check_both(run, mesh, &certificate, &welded, &differs);
+
     if (status == CLI_DONE) status = count_crossings(run, mesh, entry);
     if (status != CLI_DONE) return status;
     entry->path = run->options->input[0];
@@ -101,7 +114,8 @@ static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
         cli_say(run, "the same with vertices at equal positions joined\n");
         say_certificate(run, &welded);
     }
-    if (entry->has_crossings) cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
+    if (entry->has_crossings)
+        cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
     return CLI_DONE;
 }
 
@@ -131,13 +145,15 @@ static void find_box(const bvx_grid *g, grid_facts *f)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
     const uint64_t *row = g->words;
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row) {
             int32_t first = 0, last = g->words_per_row - 1;
             while (first <= last && row[first] == 0) first++;
             if (first > last) continue;
             while (row[last] == 0) last--;
-            int32_t const begin[3] = {first * 64 + lowest_bit(row[first]), y, z}, end[3] = {last * 64 + highest_bit(row[last]), y, z};
+            int32_t const begin[3] = {first * 64 + lowest_bit(row[first]), y, z};
+            int32_t const end[3] = {last * 64 + highest_bit(row[last]), y, z};
             for (int a = 0; a < 3; a++) {
                 low[a] = begin[a] < low[a] ? begin[a] : low[a];
                 high[a] = end[a] > high[a] ? end[a] : high[a];
@@ -152,6 +168,7 @@ static void find_box(const bvx_grid *g, grid_facts *f)
 static void say_facts(cli_run *run, const cli_input *in, const grid_facts *f)
 {
     double centre[3];
+
     cli_grid_corner(&in->grid, 0.5, centre);
     cli_say(run, "%s\n", cli_input_name(in->path));
     cli_say(run, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
@@ -159,8 +176,10 @@ static void say_facts(cli_run *run, const cli_input *in, const grid_facts *f)
     cli_say(run, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
     if (run->report.set == 0) cli_say(run, "  box         empty\n");
     else
-        cli_say(run, "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32 ",%" PRId32 "\n", f->size[0],
-                f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
+        cli_say(run,
+                "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32
+                ",%" PRId32 "\n",
+                f->size[0], f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
     cli_say(run, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f->volume, f->hash);
 }
 
@@ -169,6 +188,7 @@ static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
     const bvx_grid *const g = &in->grid;
     cli_text *const t = &run->report.more;
     double corner[3], centre[3];
+
     cli_grid_corner(g, 0.0, corner);
     cli_grid_corner(g, 0.5, centre);
     cli_text_add(t, ", \"grid\": {\"path\": ");
@@ -180,7 +200,8 @@ static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
     cli_json_triple(t, "corner", corner);
     cli_json_triple(t, "center0", centre);
     cli_json_value(t, "share", (double)run->report.set / ((double)g->size[0] * g->size[1] * g->size[2]));
-    cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f->low[0], f->low[1], f->low[2]);
+    cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f->low[0], f->low[1],
+                 f->low[2]);
     cli_json_ints(t, "size", f->size);
     cli_text_add(t, "}");
     cli_json_value(t, "volume", f->volume);
@@ -192,13 +213,15 @@ static int info_of_grid(cli_run *run, const cli_input *in)
     const bvx_grid *const g = &in->grid;
     grid_facts f;
     bvx_status status;
+
     cli_stage_begin(run, "check");
     status = bvx_grid_count(run->context, g, &run->report.set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
-    f.volume = (double)run->report.set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
+    f.volume = (double)run->report.set * g->lattice.spacing[0] * g->lattice.spacing[1] *
+               g->lattice.spacing[2];
     run->report.lattice = g->lattice;
     run->report.has_lattice = run->report.has_set = 1;
     report_facts(run, in, &f);
@@ -213,12 +236,15 @@ static int info_of_tree(cli_run *run, cli_input *in)
     const bvx_lattice *const l = &run->report.lattice;
     cli_tree t;
     int status;
+
     memset(&t, 0, sizeof t);
     status = cli_take_tree(run, in->tree, &t);
     in->tree = NULL;
     if (status == CLI_DONE) {
-        cli_say(run, "%s\n  format      octree, %" PRId32 " levels above the last\n", cli_input_name(in->path), t.levels);
-        cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 " at the last level\n", l->dims[0], l->dims[1], l->dims[2]);
+        cli_say(run, "%s\n  format      octree, %" PRId32 " levels above the last\n",
+                cli_input_name(in->path), t.levels);
+        cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 " at the last level\n", l->dims[0],
+                l->dims[1], l->dims[2]);
         cli_say(run, "  spacing     %.9g, %.9g, %.9g\n", l->spacing[0], l->spacing[1], l->spacing[2]);
         cli_say(run, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
         cli_say_levels(run, &t);
@@ -241,7 +267,8 @@ static int info_of_cloud(cli_run *run, const bvx_mesh *points, const char *path)
         high[a] = -HUGE_VAL;
         for (uint64_t i = 0; i < points->vertex_count; i++) {
             size_t const at = (size_t)i * 3 + (size_t)a;
-            double const p = points->position_type == BVX_F32 ? (double)((const float *)points->positions)[at] : ((const double *)points->positions)[at];
+            double const p = points->position_type == BVX_F32 ? (double)((const float *)points->positions)[at]
+                                                              : ((const double *)points->positions)[at];
             low[a] = p < low[a] ? p : low[a];
             high[a] = p > high[a] ? p : high[a];
         }
@@ -254,7 +281,8 @@ static int info_of_cloud(cli_run *run, const bvx_mesh *points, const char *path)
     cli_json_triple(t, "high", high);
     cli_text_add(t, "}");
     cli_say(run, "%s\n  points      %" PRIu64 ", no triangles\n", cli_input_name(path), points->vertex_count);
-    for (int a = 0; a < 3; a++) cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
+    for (int a = 0; a < 3; a++)
+        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
     return CLI_DONE;
 }
 
@@ -268,21 +296,26 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     const char *const path = run->options->input[0];
     int const points = cli_input_format(run, path) == BVX_FORMAT_XYZ;
     int kind = CLI_MESH, status = points ? CLI_DONE : cli_input_kind(run, path, &kind);
+
     memset(in, 0, sizeof *in);
     in->path = path;
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
     if (cli_input_format(run, path) == BVX_FORMAT_RAW)
-        return cli_fail(run, "%s: a file of samples alone does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
-                        "makes a grid of them", cli_input_name(path));
+        return cli_fail(
+            run,
+            "%s: a file of samples alone does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
+            "makes a grid of them",
+            cli_input_name(path));
     if (run->options->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
         status = cli_tell_samples(run, path);
         if (status != CLI_DONE) return status;
     }
-    return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in) : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
+    return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in)
+                            : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
 }
 
 static int run_info(cli_run *run)
@@ -292,19 +325,27 @@ static int run_info(cli_run *run)
     int cloud, status;
 
     if (cli_is_contours(run, path)) {
-        if (run->options->count_crossings) return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+        if (run->options->count_crossings)
+            return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
         return cli_tell_sections(run, path);
     }
     status = read_for_info(run, &in, &cloud);
     if (status == CLI_DONE && cloud) status = info_of_cloud(run, &in.mesh, in.path);
     else if (status == CLI_DONE)
-        status = in.kind == CLI_MESH ? info_of_mesh(run, &in.mesh) : in.kind == CLI_TREE ? info_of_tree(run, &in) : info_of_grid(run, &in);
+        status = in.kind == CLI_MESH   ? info_of_mesh(run, &in.mesh)
+                 : in.kind == CLI_TREE ? info_of_tree(run, &in)
+                                       : info_of_grid(run, &in);
     cli_free_input(run, &in);
     return status;
 }
 
 const cli_command cli_info = {
-    "info", CLI_INFO, 1, 1, "IN [options]", "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
+    "info",
+    CLI_INFO,
+    1,
+    1,
+    "IN [options]",
+    "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
     "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and tells whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
     ".vti .bvx) and tells its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
@@ -312,4 +353,5 @@ const cli_command cli_info = {
     "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie; or contours\n"
     "(" CLI_CONTOURS_READ ") and tells their sections, loops, labels and planes.",
     "bitvox info fixtures/knot.ply\n"
-    "bitvox info fixtures/knot.ply --crossings --json", run_info};
+    "bitvox info fixtures/knot.ply --crossings --json",
+    run_info};

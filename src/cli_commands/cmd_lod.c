@@ -1,7 +1,8 @@
-/* cmd_lod.c - bitvox lod: a chain of closed meshes, with a table of what each level costs and how near it stays.
+/* cmd_lod.c - bitvox lod: a chain of closed meshes, with a table of what each level costs and how near it
+ * stays.
  *
- * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed alone. Everything is written at the
- * end, so a failure leaves no part of a chain. */
+ * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed alone. Everything is
+ * written at the end, so a failure leaves no part of a chain. */
 #include "cli_commands/lod_chain.h"
 #include "cli_commands/lod_collapse.h"
 
@@ -14,10 +15,14 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* ---- what is asked for ---- */
 
-/* Options of the methods that sample a solid, and of the one that collapses edges; each with what only it understands. */
-static const char *const of_solid[] = {"--levels", "--threshold", "--edge-samples", "--collapse", "--fill", "--close-gaps", "--padding", NULL};
-static const char *const of_collapse[] = {"--error", "--error-kind", "--count", "--strict", "--even", "--colour-weight", "--source", "--open", "--sharp", "--no-sharp",
-                                          "--outer-hull", "--least-part", "--least-cavity", "--shell", "--sign", NULL};
+/* Options of the methods that sample a solid, and of the one that collapses
+ * edges; each with what only it understands. */
+static const char *const of_solid[] = {"--levels", "--threshold",  "--edge-samples", "--collapse",
+                                       "--fill",   "--close-gaps", "--padding",      NULL};
+static const char *const of_collapse[] = {"--error",        "--error-kind",    "--count",      "--strict",
+                                          "--even",         "--colour-weight", "--source",     "--open",
+                                          "--sharp",        "--no-sharp",      "--outer-hull", "--least-part",
+                                          "--least-cavity", "--shell",         "--sign",       NULL};
 
 static const char *given_of(const cli_run *run, const char *const *names)
 {
@@ -34,15 +39,23 @@ static int choose_method(cli_run *run, int kind, int *collapse)
     const char *const solid = given_of(run, of_solid), *const edges = given_of(run, of_collapse);
 
     *collapse = o->method == CLI_METHOD_COLLAPSE || (o->method == 0 && kind == CLI_MESH && solid == NULL);
-    if (*collapse && kind == CLI_GRID) return cli_usage(run, "--method collapse is for meshes; %s is a grid, for edge-ratio and coverage", in);
+    if (*collapse && kind == CLI_GRID)
+        return cli_usage(run, "--method collapse is for meshes; %s is a grid, for edge-ratio and coverage",
+                         in);
     if (*collapse && solid != NULL)
-        return cli_usage(run, "%s is for --method edge-ratio and coverage; collapse takes --triangles, --error or --count", solid);
+        return cli_usage(
+            run, "%s is for --method edge-ratio and coverage; collapse takes --triangles, --error or --count",
+            solid);
     if (*collapse || edges == NULL) return CLI_DONE;
 
-    if (kind == CLI_GRID) return cli_usage(run, "%s is for --method collapse, which takes meshes; %s is a grid", edges, in);
+    if (kind == CLI_GRID)
+        return cli_usage(run, "%s is for --method collapse, which takes meshes; %s is a grid", edges, in);
     if (solid != NULL)
-        return cli_usage(run, "%s is for --method collapse, and %s for edge-ratio and coverage; leave one of them out", edges, solid);
-    return cli_usage(run, "%s is for --method collapse, not for %s", edges, o->method == BVX_LOD_COVERAGE ? "coverage" : "edge-ratio");
+        return cli_usage(
+            run, "%s is for --method collapse, and %s for edge-ratio and coverage; leave one of them out",
+            edges, solid);
+    return cli_usage(run, "%s is for --method collapse, not for %s", edges,
+                     o->method == BVX_LOD_COVERAGE ? "coverage" : "edge-ratio");
 }
 
 /* Options that speak of voxelizing, or of what only meshes have. */
@@ -51,18 +64,21 @@ static int refuse_for_grid(cli_run *run)
     static const char *const option[] = {"--resolution", "--padding", "--fill", "--close-gaps", "--carry"};
     for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
         if (cli_given(run, option[i]))
-            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(run->options->input[0]));
+            return cli_usage(run, "%s is for meshes; %s is a grid", option[i],
+                             cli_input_name(run->options->input[0]));
     return CLI_DONE;
 }
 
 static int check_lod_options(cli_run *run, cli_chain *c)
 {
     const cli_options *const o = run->options;
+
     if (cli_check_mesh_name(run, o->output) != CLI_DONE) return CLI_USAGE;
     if (c->kind == CLI_GRID && refuse_for_grid(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_fill(run) != CLI_DONE) return CLI_USAGE;
     if (cli_check_carry_name(run) != CLI_DONE || cli_check_normals(run) != CLI_DONE) return CLI_USAGE;
-    if (o->levels.count != 0 && o->triangles.count != 0) return cli_usage(run, "--levels and --triangles exclude each other");
+    if (o->levels.count != 0 && o->triangles.count != 0)
+        return cli_usage(run, "--levels and --triangles exclude each other");
     if (o->edge_samples != 0 && o->method == BVX_LOD_COVERAGE)
         return cli_usage(run, "--edge-samples needs --method edge-ratio");
     if (o->collapse != 0.0 && o->triangles.count == 0) return cli_usage(run, "--collapse needs --triangles");
@@ -71,7 +87,9 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;
     for (int i = 0; i < o->levels.count && o->resolution.count != 0; i++)
         if (o->levels.value[i] > o->resolution.value[0])
-            return cli_usage(run, "--resolution %" PRId64 " is below level %" PRId64 "; it must be at least the finest level",
+            return cli_usage(run,
+                             "--resolution %" PRId64 " is below level %" PRId64
+                             "; it must be at least the finest level",
                              o->resolution.value[0], o->levels.value[i]);
     return CLI_DONE;
 }
@@ -86,10 +104,15 @@ static void warn_of_broken_level(cli_run *run, const cli_chain *c, int i)
 
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
-        cli_warn(run, "level %d has %" PRIu64 " parts, the mesh %" PRIu64 ": what is thinner than its samples broke; take more samples, or "
-                 "--method collapse", i, level->components, c->certificate.components);
+        cli_warn(run,
+                 "level %d has %" PRIu64 " parts, the mesh %" PRIu64
+                 ": what is thinner than its samples broke; take more samples, or "
+                 "--method collapse",
+                 i, level->components, c->certificate.components);
     else if (off > 0.05 * volume || -off > 0.05 * volume)
-        cli_warn(run, "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse", i, level->volume, volume);
+        cli_warn(run,
+                 "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
+                 i, level->volume, volume);
 }
 
 static int make_level(cli_run *run, cli_chain *c, int i)
@@ -101,6 +124,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     bvx_mesh_view view;
     bvx_lod_options l;
     bvx_status status;
+
     bvx_lod_options_init(&l, sizeof l);
     if (o->method != 0) l.method = o->method;
     if (o->threshold != 0.0) l.threshold = o->threshold;
@@ -118,7 +142,8 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", i);
-        return cli_fail_status(run, status, bvx_last_error(run->context)->index == i ? NULL : about); /* the message names it */
+        /* the message names it */
+        return cli_fail_status(run, status, bvx_last_error(run->context)->index == i ? NULL : about);
     }
     if (o->carry) {
         cli_stage_begin(run, "carry %d", i);
@@ -138,8 +163,8 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     run->report.meshes = i + 1;
     if (c->lod[i].exceeds_source)
-        cli_warn(run, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i, c->mesh[i].triangle_count,
-                 c->input_triangles);
+        cli_warn(run, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i,
+                 c->mesh[i].triangle_count, c->input_triangles);
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -148,6 +173,7 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
     uint64_t const samples = run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
     bvx_mesh_view view;
     bvx_status status;
+
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
     cli_stage_begin(run, "distance %d", i);
@@ -163,34 +189,46 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 static void say_head(cli_run *run, const cli_chain *c)
 {
     const bvx_lattice *const l = &run->report.lattice;
+
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
-        cli_say(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
-                cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles, c->diagonal);
+        cli_say(run,
+                "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64
+                " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
+                cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles,
+                c->diagonal);
         return;
     }
     cli_say_input(run, c->input.triangle_count, &c->certificate, c->diagonal);
-    cli_say(run, "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64 " set by %s, %.1f ms\n\n", l->dims[0],
-            l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set, cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
+    cli_say(run,
+            "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64
+            " set by %s, %.1f ms\n\n",
+            l->dims[0], l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set,
+            cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
     cli_report_solid(run, l, &c->solid_report);
 }
 
 static void say_levels(cli_run *run, const cli_chain *c)
 {
-    cli_say(run, "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, oriented\n");
+    cli_say(
+        run,
+        "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, oriented\n");
     for (int i = 0; i < c->count; i++) {
         const bvx_lod_report *const l = &c->lod[i];
         const cli_mesh_entry *const m = &run->report.mesh[i];
         char size[48];
-        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1], l->resolution[2]);
-        cli_say(run, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0], m->certificate.triangles,
-                m->rate * 100.0, m->milliseconds, cli_is_sound(&m->certificate) ? "yes" : "NO");
+        snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
+                 l->resolution[2]);
+        cli_say(run, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0],
+                m->certificate.triangles, m->rate * 100.0, m->milliseconds,
+                cli_is_sound(&m->certificate) ? "yes" : "NO");
     }
 }
 
 static int make_chain(cli_run *run, cli_chain *c)
 {
     int status = cli_open_chain(run, c);
+
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = make_level(run, c, i);
     for (int i = 0; i < c->count && status == CLI_DONE; i++) {
         warn_of_broken_level(run, c, i);
@@ -201,7 +239,8 @@ static int make_chain(cli_run *run, cli_chain *c)
     if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
     say_head(run, c);
     say_levels(run, c);
-    cli_say_distances(run, c->count, c->diagonal, 3, c->kind == CLI_GRID ? "to the voxels' surface, " : "", c->kind == CLI_GRID ? "grid" : "mesh");
+    cli_say_distances(run, c->count, c->diagonal, 3, c->kind == CLI_GRID ? "to the voxels' surface, " : "",
+                      c->kind == CLI_GRID ? "grid" : "mesh");
     cli_say_written(run, c->count);
     return CLI_DONE;
 }
@@ -232,9 +271,16 @@ static int run_lod(cli_run *run)
 }
 
 const cli_command cli_lod = {
-    "lod", CLI_LOD, 1, 1, "IN -o OUT_%d.EXT [options]", "a chain of closed meshes of several sizes from one mesh, grid or volume",
-    "Reads any mesh (" CLI_MESHES_READ ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
-    "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
+    "lod",
+    CLI_LOD,
+    1,
+    1,
+    "IN -o OUT_%d.EXT [options]",
+    "a chain of closed meshes of several sizes from one mesh, grid or volume",
+    "Reads any mesh (" CLI_MESHES_READ
+    ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
+    "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
+    "; %d becomes\n"
     "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it is open,\n"
     "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target below\n"
     "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
@@ -245,4 +291,5 @@ const cli_command cli_lod = {
     "bitvox lod fixtures/knot.ply -o knot_%d.ply --triangles 9600,2400,600\n"
     "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
     "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
-    "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12", run_lod};
+    "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
+    run_lod};

@@ -7,13 +7,14 @@
 #include <string.h>
 
 typedef enum morph_action { DILATE, ERODE, OPEN, CLOSE, HOLLOW, DISTANCE, ACTIONS } morph_action;
-static const char *const action_names[ACTIONS + 1] = {"dilate", "erode", "open", "close", "hollow", "distance", NULL};
+static const char *const action_names[ACTIONS + 1] = {"dilate", "erode",    "open", "close",
+                                                      "hollow", "distance", NULL};
 
 typedef struct morph_job {
     morph_action action;
     cli_input in;
-    uint64_t before;          /* set voxels of the input */
-    int roomy;                /* its lattice was given room for all that is added */
+    uint64_t before; /* set voxels of the input */
+    int roomy;       /* its lattice was given room for all that is added */
     bvx_grid out;
     bvx_hollow_report hollow;
 } morph_job;
@@ -30,6 +31,7 @@ static int take_action(cli_run *run, morph_job *job)
 {
     const char *const word = run->options->input[0];
     const char *near;
+
     for (int i = 0; i < ACTIONS; i++)
         if (strcmp(word, action_names[i]) == 0) {
             job->action = (morph_action)i;
@@ -37,7 +39,9 @@ static int take_action(cli_run *run, morph_job *job)
         }
     near = cli_nearest(word, action_at, NULL);
     if (near != NULL) return cli_usage(run, "morph knows no '%s'; did you mean '%s'?", word, near);
-    return cli_usage(run, "morph knows no '%s'; it takes dilate, erode, open, close, hollow or distance before the input", word);
+    return cli_usage(
+        run, "morph knows no '%s'; it takes dilate, erode, open, close, hollow or distance before the input",
+        word);
 }
 
 /* Each option with the actions that take it, as bits. */
@@ -47,16 +51,19 @@ static int refuse_unused(cli_run *run, morph_action action)
     static const struct {
         const char *option;
         int actions;
-    } uses[] = {{"--neighbourhood", GROW},         {"--steps", GROW},        {"--radius", GROW},
-                {"--thickness", 1 << HOLLOW},      {"--drain", 1 << HOLLOW}, {"--drain-side", 1 << HOLLOW},
-                {"--side", 1 << DISTANCE},         {"--value-type", 1 << DISTANCE}};
+    } uses[] = {{"--neighbourhood", GROW}, {"--steps", GROW},
+                {"--radius", GROW},        {"--thickness", 1 << HOLLOW},
+                {"--drain", 1 << HOLLOW},  {"--drain-side", 1 << HOLLOW},
+                {"--side", 1 << DISTANCE}, {"--value-type", 1 << DISTANCE}};
     for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++)
         if (cli_given(run, uses[i].option) && (uses[i].actions >> action & 1) == 0)
             return cli_usage(run, "morph %s has no use for %s", action_names[action], uses[i].option);
     if (cli_given(run, "--radius") && (cli_given(run, "--neighbourhood") || cli_given(run, "--steps")))
         return cli_usage(run, "--radius is in place of --neighbourhood and --steps");
-    if (action == HOLLOW && !(run->options->thickness > 0.0)) return cli_usage(run, "morph hollow needs --thickness, above 0");
-    if (cli_given(run, "--drain-side") && !(run->options->drain > 0.0)) return cli_usage(run, "--drain-side needs --drain");
+    if (action == HOLLOW && !(run->options->thickness > 0.0))
+        return cli_usage(run, "morph hollow needs --thickness, above 0");
+    if (cli_given(run, "--drain-side") && !(run->options->drain > 0.0))
+        return cli_usage(run, "--drain-side needs --drain");
     if (action != DISTANCE && cli_given(run, "--beyond") && run->options->beyond == BVX_BEYOND_NOTHING)
         return cli_usage(run, "--beyond nothing is for distances");
     return CLI_DONE;
@@ -76,6 +83,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
 {
     const char *const path = run->options->input[1];
     int kind, status = take_action(run, job);
+
     if (status == CLI_DONE) status = refuse_unused(run, job->action);
     if (status == CLI_DONE) status = check_morph_output(run, job->action);
     if (status == CLI_DONE) status = cli_input_kind(run, path, &kind);
@@ -95,12 +103,14 @@ static int make_room(cli_run *run, morph_job *job)
     bvx_lattice l;
     bvx_status status;
     double voxels;
+
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
     bvx_mesh_view_of(&job->in.mesh, &view);
     status = cli_make_lattice(run, &view, &l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
-    voxels = cli_given(run, "--radius") ? ceil(o->radius / (l.spacing[2] < least ? l.spacing[2] : least)) : (double)(o->steps != 0 ? o->steps : 1);
+    voxels = cli_given(run, "--radius") ? ceil(o->radius / (l.spacing[2] < least ? l.spacing[2] : least))
+                                        : (double)(o->steps != 0 ? o->steps : 1);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
     return CLI_DONE;
@@ -108,11 +118,13 @@ static int make_room(cli_run *run, morph_job *job)
 
 static bvx_status change_voxels(cli_run *run, morph_job *job)
 {
-    static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *, bvx_grid *) = {
-        bvx_grid_dilate, bvx_grid_erode, bvx_grid_open, bvx_grid_close};
+    static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *,
+                                            bvx_grid *) = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open,
+                                                           bvx_grid_close};
     static const int32_t neighbourhoods[3] = {6, 18, 26};
     const cli_options *const o = run->options;
     bvx_morph_options m;
+
     bvx_morph_options_init(&m, sizeof m);
     if (cli_given(run, "--radius")) {
         m.neighbourhood = 0;
@@ -129,6 +141,7 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 {
     const cli_options *const o = run->options;
     bvx_hollow_options h;
+
     bvx_hollow_options_init(&h, sizeof h);
     h.thickness = o->thickness;
     h.drain_radius = o->drain;
@@ -144,7 +157,9 @@ static int touches_side(const bvx_grid *g)
         for (int32_t y = 0; y < g->size[1]; y++) {
             int const side = z == 0 || y == 0 || z == g->size[2] - 1 || y == g->size[1] - 1;
             for (int32_t k = 0; k < g->words_per_row && side; k++)
-                if (g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k] != 0) return 1;
+                if (g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
+                             (size_t)k] != 0)
+                    return 1;
             if (bvx_grid_get(g, 0, y, z) || bvx_grid_get(g, g->size[0] - 1, y, z)) return 1;
         }
     return 0;
@@ -153,6 +168,7 @@ static int touches_side(const bvx_grid *g)
 static void tell_morph(cli_run *run, const morph_job *job)
 {
     cli_text *const t = &run->report.more;
+
     cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
     cli_say_grid(run, &job->out, run->report.set, job->in.kind == CLI_MESH || job->in.placed);
     cli_say(run, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
@@ -162,21 +178,27 @@ static void tell_morph(cli_run *run, const morph_job *job)
     if (job->action == HOLLOW) {
         const bvx_hollow_report *const h = &job->hollow;
         cli_say(run, "  hollow      %" PRIu64 " voxels\n", h->hollowed);
-        if (h->drained != 0) cli_say(run, "  drain hole  %" PRIu64 " voxels, to %.9g, %.9g, %.9g\n", h->drained, h->drain[0], h->drain[1], h->drain[2]);
+        if (h->drained != 0)
+            cli_say(run, "  drain hole  %" PRIu64 " voxels, to %.9g, %.9g, %.9g\n", h->drained, h->drain[0],
+                    h->drain[1], h->drain[2]);
         cli_json_count(t, "hollowed", h->hollowed);
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
-        if (h->hollowed == 0) cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
+        if (h->hollowed == 0)
+            cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && touches_side(&job->out) && !touches_side(&job->in.grid))
-        cli_warn(run, "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
+        cli_warn(
+            run,
+            "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
     if (run->report.set == 0) cli_warn(run, "no voxel is set");
 }
 
 static int write_changed(cli_run *run, morph_job *job)
 {
     bvx_status status;
+
     cli_stage_begin(run, action_names[job->action]);
     status = job->action == HOLLOW ? hollow_voxels(run, job) : change_voxels(run, job);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &run->report.set);
@@ -195,9 +217,11 @@ static int write_changed(cli_run *run, morph_job *job)
 /* Every voxel has a value: a field whose band is the whole window; its rows are the caller's to free. */
 static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field)
 {
-    bvx_window const window = {{grid->low[0], grid->low[1], grid->low[2]}, {grid->size[0], grid->size[1], grid->size[2]}};
+    bvx_window const window = {{grid->low[0], grid->low[1], grid->low[2]},
+                               {grid->size[0], grid->size[1], grid->size[2]}};
     size_t const rows = (size_t)grid->size[1] * (size_t)grid->size[2];
     bvx_status const status = bvx_grid_create(run->context, &grid->lattice, &window, &field->band);
+
     if (status != BVX_OK) return status;
     field->row_values = malloc((rows + 1) * sizeof *field->row_values);
     if (field->row_values == NULL) return BVX_ERR_MEMORY;
@@ -215,8 +239,10 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
     size_t const size = field->value_type == BVX_F64 ? 8 : 4;
     bvx_distance_options d;
     bvx_status const status = make_band(run, grid, field);
+
     if (status != BVX_OK) return status;
-    field->distances = field->value_count < SIZE_MAX / size ? malloc((size_t)field->value_count * size) : NULL;
+    field->distances = field->value_count < SIZE_MAX / size ? malloc((size_t)field->value_count * size)
+                                                            : NULL;
     if (field->distances == NULL) return BVX_ERR_MEMORY;
     cli_note_peak(run, field->value_count * size);
     bvx_distance_options_init(&d, sizeof d);
@@ -227,7 +253,8 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
 
 static double value_at(const bvx_field *f, uint64_t i)
 {
-    return f->value_type == BVX_F64 ? ((const double *)f->distances)[i] : (double)((const float *)f->distances)[i];
+    return f->value_type == BVX_F64 ? ((const double *)f->distances)[i]
+                                    : (double)((const float *)f->distances)[i];
 }
 
 static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *f)
@@ -235,6 +262,7 @@ static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *
     static const char *const sides[] = {BVX_DISTANCE_LIST(CLI_NAME_OF)};
     cli_text *const t = &run->report.more;
     double least = value_at(f, 0), greatest = least;
+
     for (uint64_t i = 1; i < f->value_count; i++) {
         double const v = value_at(f, i);
         if (v < least) least = v;
@@ -248,7 +276,8 @@ static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
     if (least - least != 0.0 || greatest - greatest != 0.0)
-        cli_warn(run, "%s: some distances are infinite, since there is no %s voxel", cli_input_name(job->in.path), run->report.set == 0 ? "set" : "empty");
+        cli_warn(run, "%s: some distances are infinite, since there is no %s voxel",
+                 cli_input_name(job->in.path), run->report.set == 0 ? "set" : "empty");
 }
 
 static int write_distances(cli_run *run, morph_job *job)
@@ -256,6 +285,7 @@ static int write_distances(cli_run *run, morph_job *job)
     bvx_field field;
     bvx_status status;
     int result;
+
     memset(&field, 0, sizeof field);
     field.value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
     field.half_width = (double)INFINITY;
@@ -266,7 +296,8 @@ static int write_distances(cli_run *run, morph_job *job)
     cli_stage_begin(run, "distance");
     status = measure(run, &job->in.grid, &field);
     cli_stage_end(run);
-    if (field.row_values == NULL || field.distances == NULL) result = cli_fail(run, "no memory for %" PRIu64 " distances", field.value_count);
+    if (field.row_values == NULL || field.distances == NULL)
+        result = cli_fail(run, "no memory for %" PRIu64 " distances", field.value_count);
     else if (status != BVX_OK) result = cli_fail_status(run, status, cli_input_name(job->in.path));
     else result = cli_write_field(run, &field);
     if (result == CLI_DONE) tell_distances(run, job, &field);
@@ -280,6 +311,7 @@ static int run_morph(cli_run *run)
 {
     morph_job job;
     int status;
+
     memset(&job, 0, sizeof job);
     status = check_morph_options(run, &job);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
@@ -298,7 +330,12 @@ static int run_morph(cli_run *run)
 }
 
 const cli_command cli_morph = {
-    "morph", CLI_MORPH, 2, 2, "dilate|erode|open|close|hollow|distance IN -o OUT [options]", "voxels grown, shrunk, hollowed; distances",
+    "morph",
+    CLI_MORPH,
+    2,
+    2,
+    "dilate|erode|open|close|hollow|distance IN -o OUT [options]",
+    "voxels grown, shrunk, hollowed; distances",
     "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
     "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
     "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
@@ -306,4 +343,5 @@ const cli_command cli_morph = {
     "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit.",
     "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
     "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
-    "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed", run_morph};
+    "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
+    run_morph};

@@ -11,9 +11,12 @@ enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 /* An octree has been refined: what the options for that would ask is decided. */
 static int check_options_for_tree(cli_run *run)
 {
-    static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels", "--adaptive"};
+    static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels",
+                                             "--adaptive"};
     for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
-        if (cli_given(run, for_meshes[i])) return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i], cli_input_name(run->options->input[0]));
+        if (cli_given(run, for_meshes[i]))
+            return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i],
+                             cli_input_name(run->options->input[0]));
     return CLI_DONE;
 }
 
@@ -28,12 +31,17 @@ static int check_levels(cli_run *run)
 {
     const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
-    if (o->resolution.count != 0 && o->base_voxels != 0) return cli_usage(run, "--resolution and --base contradict each other");
-    if (levels == REFINE_AUTO && o->resolution.count == 0) return cli_usage(run, "--halvings auto needs --resolution");
-    if (cli_given(run, "--outer-levels") && o->window.count == 0) return cli_usage(run, "--outer-levels needs --window");
+
+    if (o->resolution.count != 0 && o->base_voxels != 0)
+        return cli_usage(run, "--resolution and --base contradict each other");
+    if (levels == REFINE_AUTO && o->resolution.count == 0)
+        return cli_usage(run, "--halvings auto needs --resolution");
+    if (cli_given(run, "--outer-levels") && o->window.count == 0)
+        return cli_usage(run, "--outer-levels needs --window");
     if (levels == REFINE_AUTO) return CLI_DONE;
     if (o->outer_levels > levels)
-        return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32, o->outer_levels, levels);
+        return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
+                         o->outer_levels, levels);
     return cli_check_tree_level(run, levels);
 }
 
@@ -41,6 +49,7 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 {
     const char *const path = run->options->input[0];
     int status = cli_check_tree_output(run, t);
+
     if (status == CLI_DONE) status = cli_input_kind(run, path, kind);
     if (status != CLI_DONE) return status;
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
@@ -61,7 +70,9 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
     if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
     r->levels = levels;
-    if (finest != 0) return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels), base);
+    if (finest != 0)
+        return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels),
+                               base);
     return bvx_lattice_fit(run->context, view, o->base_voxels != 0 ? o->base_voxels : REFINE_BASE, base);
 }
 
@@ -73,6 +84,7 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     bvx_octree *tree = NULL;
     bvx_mesh_view view;
     bvx_status status;
+
     bvx_mesh_view_of(mesh, &view);
     bvx_refine_options_init(&r, sizeof r);
     r.window = t->window;
@@ -91,6 +103,7 @@ static int read_tree(cli_run *run, cli_tree *t)
     const char *const path = run->options->input[0];
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, NULL, &in);
+
     if (status == CLI_DONE && in.kind != CLI_TREE)
         status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (status == CLI_DONE) {
@@ -116,7 +129,9 @@ static void say_refined(cli_run *run, const cli_tree *t)
 {
     const char *const path = cli_input_name(run->options->input[0]);
     if (t->triangles == 0) cli_say(run, "%s\n\n", path);
-    else cli_say(run, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles, t->seconds * 1e3);
+    else
+        cli_say(run, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,
+                t->seconds * 1e3);
     cli_say_levels(run, t);
     cli_say_tree_output(run, t);
 }
@@ -125,6 +140,7 @@ static int run_refine(cli_run *run)
 {
     cli_tree t;
     int kind, status;
+
     memset(&t, 0, sizeof t);
     status = check_refine_options(run, &t, &kind);
     if (status == CLI_DONE) status = cli_open_tree_output(run, &t);
@@ -139,7 +155,12 @@ static int run_refine(cli_run *run)
 }
 
 const cli_command cli_refine = {
-    "refine", CLI_REFINE, 1, 1, "IN -o OUT [options]", "voxels of several sizes, small ones at the surface alone",
+    "refine",
+    CLI_REFINE,
+    1,
+    1,
+    "IN -o OUT [options]",
+    "voxels of several sizes, small ones at the surface alone",
     "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those that\n"
     "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
     "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
@@ -148,4 +169,5 @@ const cli_command cli_refine = {
     "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
     "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
     "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
-    "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0", run_refine};
+    "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
+    run_refine};

@@ -28,6 +28,7 @@ static int open_sheet(cli_run *run, sheet *s)
 {
     const cli_options *const o = run->options;
     uint64_t bytes;
+
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
     bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
@@ -44,14 +45,16 @@ static void place_picture(const sheet *s, int32_t number, const bvx_image *pictu
     size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
     uint8_t *const corner = s->image.pixels + (size_t)(number / s->columns) * (size_t)s->height * whole +
                             (size_t)(number % s->columns) * line;
-    for (int32_t y = 0; y < s->height; y++) memcpy(corner + (size_t)y * whole, picture->pixels + (size_t)y * line, line);
+    for (int32_t y = 0; y < s->height; y++)
+        memcpy(corner + (size_t)y * whole, picture->pixels + (size_t)y * line, line);
 }
 
 static int write_image(cli_run *run, int number, const bvx_image *image)
 {
     bvx_buffer file = {0};
     bvx_status const status = bvx_write_png(run->context, image, &file);
-    int const result = status == BVX_OK ? cli_write_output(run, number, &file) : cli_fail_status(run, status, run->output[number].path);
+    int const result = status == BVX_OK ? cli_write_output(run, number, &file)
+                                        : cli_fail_status(run, status, run->output[number].path);
     bvx_buffer_free(run->context, &file);
     return result;
 }
@@ -63,16 +66,19 @@ static void report_pictures(cli_run *run, int32_t width, int32_t height, int32_t
     cli_text *const t = &run->report.more;
     cli_text_add(t, ", \"pictures\": {\"path\": ");
     cli_json_string(t, run->options->output);
-    cli_text_add(t, ", \"count\": %" PRId32 ", \"width\": %" PRId32 ", \"height\": %" PRId32 "}", count, width, height);
+    cli_text_add(t, ", \"count\": %" PRId32 ", \"width\": %" PRId32 ", \"height\": %" PRId32 "}", count,
+                 width, height);
 }
 
 static void say_compared(cli_run *run, const cli_scene *s)
 {
     const bvx_grid_difference *const d = &s->difference;
     cli_text *const t = &run->report.more;
+
     if (!s->compared) return;
-    cli_say(run, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
-            cli_input_name(s->input[0].path), cli_input_name(s->input[1].path), d->both, d->only_b, d->only_a);
+    cli_say(
+        run, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
+        cli_input_name(s->input[0].path), cli_input_name(s->input[1].path), d->both, d->only_b, d->only_a);
     cli_text_add(t, ", \"difference\": {\"both\": %" PRIu64, d->both);
     cli_json_count(t, "added", d->only_b);
     cli_json_count(t, "removed", d->only_a);
@@ -101,6 +107,7 @@ static int render_sheet(cli_run *run)
     cli_scene scene;
     sheet s;
     int status = cli_open_output(run, o->output);
+
     memset(&s, 0, sizeof s);
     memset(&scene, 0, sizeof scene);
     cli_scene_view(o, direction, up);
@@ -129,7 +136,8 @@ static int render_sheet(cli_run *run)
     return CLI_DONE;
 }
 
-/* The name of frame i: %d replaced, with zeros before it so that names are in order, or as many digits as the name says. */
+/* The name of frame i: %d replaced, with zeros before it so that names are
+ * in order, or as many digits as the name says. */
 static int open_frame(cli_run *run, int32_t i, int32_t count)
 {
     const char *const pattern = run->options->output;
@@ -138,6 +146,7 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
     const char *const place = cli_number_place(pattern, &length, &digits);
     size_t const room = strlen(pattern) + 16;
     char *const path = malloc(room);
+
     if (digits == 0) digits = count > 100 ? 3 : count > 10 ? 2 : 1;
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     snprintf(path, room, "%.*s%0*" PRId32 "%s", (int)(place - pattern), pattern, digits, i, place + length);
@@ -154,6 +163,7 @@ static int render_turntable(cli_run *run)
     cli_scene scene;
     sheet s;
     int status = CLI_DONE;
+
     memset(&s, 0, sizeof s);
     memset(&scene, 0, sizeof scene);
     cli_scene_view(o, direction, up);
@@ -172,7 +182,8 @@ static int render_turntable(cli_run *run)
     if (status == CLI_DONE) {
         say_compared(run, &scene);
         report_pictures(run, s.width, s.height, count);
-        cli_say(run, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path, run->output[count - 1].path, s.width, s.height);
+        cli_say(run, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
+                run->output[count - 1].path, s.width, s.height);
     }
     cli_free_scene(run, &scene);
     return status;
@@ -187,10 +198,12 @@ static int points_nowhere(const cli_triple *t)
 
 static int check_slices(cli_run *run)
 {
-    static const char *const useless[] = {"--cut", "--from", "--up", "--smooth", "--wireframe", "--compare", "--turntable"};
+    static const char *const useless[] = {"--cut",       "--from",    "--up",       "--smooth",
+                                          "--wireframe", "--compare", "--turntable"};
     if (run->options->slices.count == 0) return CLI_DONE;
     for (size_t i = 0; i < sizeof useless / sizeof useless[0]; i++)
-        if (cli_given(run, useless[i])) return cli_usage(run, "--slices and %s exclude each other", useless[i]);
+        if (cli_given(run, useless[i]))
+            return cli_usage(run, "--slices and %s exclude each other", useless[i]);
     return CLI_DONE;
 }
 
@@ -198,13 +211,19 @@ static int check_turntable(cli_run *run)
 {
     const cli_options *const o = run->options;
     double direction[3], up[3], turned[3];
+
     if (o->turntable == 0) return CLI_DONE;
-    if (o->inputs > 1 && !o->difference) return cli_usage(run, "--turntable takes one input, or two with --compare");
-    if (!cli_has_number(o->output)) return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each", o->output, o->turntable);
+    if (o->inputs > 1 && !o->difference)
+        return cli_usage(run, "--turntable takes one input, or two with --compare");
+    if (!cli_has_number(o->output))
+        return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each",
+                         o->output, o->turntable);
     if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
     cli_scene_view(o, direction, up);
     if (!cli_turn(direction, up, 0, 1, turned))
-        return cli_usage(run, "--turntable turns round the axis of --up; seen along it, all frames would be one picture: take another --from");
+        return cli_usage(
+            run,
+            "--turntable turns round the axis of --up; seen along it, all frames would be one picture: take another --from");
     return CLI_DONE;
 }
 
@@ -213,17 +232,23 @@ static int check_kinds(cli_run *run)
 {
     const cli_options *const o = run->options;
     int meshes = 0, kind, status = CLI_DONE;
+
     for (int i = 0; i < o->inputs && status == CLI_DONE; i++) {
         status = cli_input_kind(run, o->input[i], &kind);
         meshes += status == CLI_DONE && kind == CLI_MESH;
     }
     if (status != CLI_DONE) return status;
-    if (o->voxels != 0 && meshes == 0) return cli_usage(run, "--voxels is for meshes; the voxels of a grid are drawn as they are");
-    if (cli_given(run, "--fill") && (meshes == 0 || (o->voxels == 0 && !o->difference))) return cli_usage(run, "--fill needs --voxels");
-    if (o->slices.count != 0 && meshes != 0 && o->voxels == 0) return cli_usage(run, "--slices shows voxels: with a mesh it needs --voxels");
-    if (o->difference && o->inputs != 2) return cli_usage(run, "--compare takes two inputs, not %d", o->inputs);
+    if (o->voxels != 0 && meshes == 0)
+        return cli_usage(run, "--voxels is for meshes; the voxels of a grid are drawn as they are");
+    if (cli_given(run, "--fill") && (meshes == 0 || (o->voxels == 0 && !o->difference)))
+        return cli_usage(run, "--fill needs --voxels");
+    if (o->slices.count != 0 && meshes != 0 && o->voxels == 0)
+        return cli_usage(run, "--slices shows voxels: with a mesh it needs --voxels");
+    if (o->difference && o->inputs != 2)
+        return cli_usage(run, "--compare takes two inputs, not %d", o->inputs);
     if (o->difference && meshes == 1)
-        return cli_usage(run, "--compare takes two grids or two meshes: voxelize the mesh on the grid's lattice first");
+        return cli_usage(
+            run, "--compare takes two grids or two meshes: voxelize the mesh on the grid's lattice first");
     return CLI_DONE;
 }
 
@@ -231,6 +256,7 @@ static int check_render_options(cli_run *run)
 {
     const cli_options *const o = run->options;
     int status;
+
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
     if (points_nowhere(&o->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
@@ -249,10 +275,16 @@ static int run_render(cli_run *run)
 }
 
 const cli_command cli_render = {
-    "render", CLI_RENDER, 1, CLI_MAX_INPUTS, "IN... -o OUT.png [options]", "a shaded picture of a mesh or grid, or of several side by side",
+    "render",
+    CLI_RENDER,
+    1,
+    CLI_MAX_INPUTS,
+    "IN... -o OUT.png [options]",
+    "a shaded picture of a mesh or grid, or of several side by side",
     "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
     "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
     "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
     "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",
     "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
-    "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0", run_render};
+    "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
+    run_render};

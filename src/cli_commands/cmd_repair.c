@@ -6,7 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const need_names[] = {"nothing", "lids", "manifold", "turns", "area", "outside-in", "uncrossing"};
+static const char *const need_names[] = {"nothing", "lids",       "manifold",  "turns",
+                                         "area",    "outside-in", "uncrossing"};
 
 /* Where the thin walls lie, in the mesh's unit. */
 static void thin_box(const bvx_repair_report *r, double box[6])
@@ -22,12 +23,14 @@ static void json_thin_box(cli_text *t, const bvx_repair_report *r)
     double box[6];
 
     thin_box(r, box);
-    cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2], box[3], box[4], box[5]);
+    cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
+                 box[3], box[4], box[5]);
 }
 
 void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
     cli_json_count(t, "holes", r->holes);
     cli_json_value(t, "hole_length", r->hole_length);
@@ -52,7 +55,8 @@ void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
     if (r->thin_voxels != 0) json_thin_box(t, r);
     cli_json_count(t, "shelled_triangles", r->shelled_triangles);
     cli_json_count(t, "sheet_edges", r->sheet_edges);
-    cli_text_add(t, ", \"needs\": \"%s\", \"copied\": %s", need_names[r->needs], r->copied ? "true" : "false");
+    cli_text_add(t, ", \"needs\": \"%s\", \"copied\": %s", need_names[r->needs],
+                 r->copied ? "true" : "false");
     cli_text_add(t, ", \"sharp\": %s", r->sharp ? "true" : "false");
     cli_json_value(t, "sharp_share", r->sharp_share);
     cli_json_value(t, "volume_before", r->before.volume);
@@ -72,22 +76,29 @@ void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
 static void say_found(cli_run *run, const bvx_repair_report *r)
 {
     const bvx_certificate *const c = &r->before;
+
     cli_say(run, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n", c->closed ? "closed" : "open",
-            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold", c->oriented ? ", oriented" : ", not oriented",
-            c->components, c->volume);
+            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold",
+            c->oriented ? ", oriented" : ", not oriented", c->components, c->volume);
     if (r->needs == BVX_NEEDS_NOTHING)
-        cli_say(run, "  needs       nothing: it does not cross itself%s\n", r->copied ? "; copied" : " (--if-needed copies it)");
+        cli_say(run, "  needs       nothing: it does not cross itself%s\n",
+                r->copied ? "; copied" : " (--if-needed copies it)");
     if (r->crossings != 0) cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0)
-        cli_say(run, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n", r->holes, c->boundary_edges,
-                r->hole_length, r->longest_hole);
+        cli_say(run, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
+                r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
     if (c->flipped_edges != 0)
-        cli_say(run, "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64 " triangles reversed\n", c->flipped_edges,
-                r->turned);
-    if (c->nonmanifold_edges != 0) cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
+        cli_say(run,
+                "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
+                " triangles reversed\n",
+                c->flipped_edges, r->turned);
+    if (c->nonmanifold_edges != 0)
+        cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
     if (c->duplicates + c->degenerate + c->collapsed != 0)
-        cli_say(run, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates, c->degenerate + c->collapsed);
-    if (run->options->measure && r->overlaps != 0) cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
+        cli_say(run, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
+                c->degenerate + c->collapsed);
+    if (run->options->measure && r->overlaps != 0)
+        cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
 }
 
 static void say_thin(cli_run *run, const bvx_repair_report *r)
@@ -96,27 +107,37 @@ static void say_thin(cli_run *run, const bvx_repair_report *r)
 
     if (r->thin_voxels == 0) return;
     thin_box(r, box);
-    cli_say(run, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s\n",
-            r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5], r->thin_kept ? ": kept" : "");
+    cli_say(run,
+            "  thin        %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64
+            " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s\n",
+            r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
+            r->thin_kept ? ": kept" : "");
 }
 
 /* Dropped walls, parts that the mesh does not have, and a size that has changed without overlaps. */
 static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
 {
-    const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error" : "take a higher --resolution";
+    const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error"
+                                               : "take a higher --resolution";
     double const volume = fabs(r->before.volume), area = r->before.area;
     char advice[80] = "";
     double box[6];
 
     thin_box(r, box);
-    if (r->thin_resolution > 0) snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them", (int)r->thin_resolution);
+    if (r->thin_resolution > 0)
+        snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
+                 (int)r->thin_resolution);
     if (r->thin_voxels != 0 && !r->thin_kept)
-        cli_warn(run, "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64 " voxels of %" PRIu64
-                      " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s", r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3],
-                 box[4], box[5], advice);
+        cli_warn(run,
+                 "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64
+                 " voxels of %" PRIu64 " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s",
+                 r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5], advice);
     if (r->after.components > r->before.components)
-        cli_warn(run, "the result has %" PRIu64 " parts, the mesh %" PRIu64 ": what is thinner than a voxel broke, or cavities closed; take a "
-                      "higher --resolution, or --least-part", r->after.components, r->before.components);
+        cli_warn(run,
+                 "the result has %" PRIu64 " parts, the mesh %" PRIu64
+                 ": what is thinner than a voxel broke, or cavities closed; take a "
+                 "higher --resolution, or --least-part",
+                 r->after.components, r->before.components);
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
     if (fabs(r->after.volume - volume) > 0.05 * volume)
         cli_warn(run, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
@@ -130,28 +151,42 @@ static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_red
 {
     const bvx_lattice *const l = &r->lattice;
     const bvx_certificate *const c = &r->after;
-    if (!r->copied) cli_say(run, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1], (int)l->dims[2], cli_sign_names[r->sign],
-            r->sharp ? ", sharp edges kept" : "");
-    if (r->shelled) cli_say(run, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n", r->shelled_triangles);
-    if (r->crumbs != 0) cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n", r->crumbs);
+
+    if (!r->copied)
+        cli_say(run, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
+                (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
+    if (r->shelled)
+        cli_say(run, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n",
+                r->shelled_triangles);
+    if (r->crumbs != 0)
+        cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n",
+                r->crumbs);
     say_thin(run, r);
-    if (r->parts_dropped != 0) cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped, r->parts_dropped + r->parts_kept);
+    if (r->parts_dropped != 0)
+        cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
+                r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
-        cli_say(run, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped, r->cavities_dropped + r->cavities_kept);
+        cli_say(run, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
+                r->cavities_dropped + r->cavities_kept);
     cli_tell_reduction(run, reduction);
-    cli_say(run, "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64 " components, volume %.6g\n", c->triangles,
-            c->vertices, c->closed ? ", closed" : ", OPEN", c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+    cli_say(run,
+            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
+            " components, volume %.6g\n",
+            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
+            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
     if (!run->options->measure) return;
-    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)", r->distance.mean_a_to_b,
-            r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a);
-    if (!r->copied && r->mean_off_caps < HUGE_VAL) cli_say(run, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
+    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
+            r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a);
+    if (!r->copied && r->mean_off_caps < HUGE_VAL)
+        cli_say(run, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
     cli_say(run, "\n");
 }
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 {
     const cli_options *const c = run->options;
+
     bvx_repair_options_init(o, sizeof *o);
     if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
@@ -180,6 +215,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     bvx_repair_options o;
     bvx_mesh_view view;
     bvx_status status;
+
     take_repair_options(run, &o);
     o.position_type = BVX_POSITION_AUTO;
     o.report = report;
@@ -191,7 +227,8 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
 }
 
 /* Edges of the result collapse; what was measured of it is measured again. */
-static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report, cli_reduction *reduction)
+static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
+                           bvx_repair_report *report, cli_reduction *reduction)
 {
     bvx_mesh_view from, to;
     bvx_status status;
@@ -204,7 +241,8 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     bvx_mesh_view_of(source, &from);
     bvx_mesh_view_of(repaired, &to);
     cli_stage_begin(run, "distance");
-    status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed, &report->distance);
+    status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed,
+                               &report->distance);
     cli_stage_end(run);
     report->mean_off_caps = report->max_off_caps = HUGE_VAL; /* not known of the fewer triangles */
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
@@ -222,7 +260,8 @@ static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repa
 }
 
 /* The report's certificate becomes that of the file. */
-static int write_repaired(cli_run *run, const bvx_mesh *repaired, bvx_repair_report *report, const cli_reduction *reduction)
+static int write_repaired(cli_run *run, const bvx_mesh *repaired, bvx_repair_report *report,
+                          const cli_reduction *reduction)
 {
     cli_mesh_entry *const entry = &run->report.mesh[0];
     int result;
@@ -247,6 +286,7 @@ static int run_repair(cli_run *run)
     cli_reduction reduction = {0};
     bvx_mesh source = {0}, repaired = {0};
     int status = check_repair_options(run);
+
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &source);
     if (status == CLI_DONE) status = cli_check_carry(run, &source);
@@ -265,9 +305,16 @@ static int run_repair(cli_run *run)
 }
 
 const cli_command cli_repair = {
-    "repair", CLI_REPAIR, 1, 1, "IN -o OUT [options]", "a closed, manifold, oriented mesh from any",
-    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
+    "repair",
+    CLI_REPAIR,
+    1,
+    1,
+    "IN -o OUT [options]",
+    "a closed, manifold, oriented mesh from any",
+    "Reads a mesh (" CLI_MESHES_READ
+    ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
     "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes one that is closed, manifold, oriented and does not\n"
     "cross itself (" CLI_MESHES_WRITTEN "). Details below a voxel are lost; what encloses nothing, like a\n"
     "single sheet, becomes a shell; walls thinner than voxels are kept with --thin keep. With --triangles or --error the result's edges then collapse.",
-    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure", run_repair};
+    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
+    run_repair};

@@ -10,7 +10,8 @@ enum { BLOCK_PARTS = 8 }; /* fine voxels a block along each axis */
 
 enum { USUAL_DEPTH = 5, DEEPEST = 8 }; /* of --subdivide */
 
-#define LEAST_VOLUME 0.9 /* of the prismoids' volume: less means that parts of neighbouring sections do not join */
+#define LEAST_VOLUME \
+    0.9 /* of the prismoids' volume: less means that parts of neighbouring sections do not join */
 
 typedef struct sections_job {
     bvx_sections sections;
@@ -26,22 +27,32 @@ static int check_sections_options(cli_run *run)
 {
     const cli_options *const o = run->options;
     int32_t const format = cli_input_format(run, o->input[0]);
+
     if (!cli_is_contours(run, o->input[0]))
-        return cli_usage(run, "%s: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)", cli_input_name(o->input[0]));
+        return cli_usage(
+            run, "%s: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)",
+            cli_input_name(o->input[0]));
     if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")", o->output);
+        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
+                         o->output);
     if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
         return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
-    if (o->caps == BVX_CAPS_OPEN && cli_refuse_reduction(run, "needs a closed body, not --caps open") != CLI_DONE) return CLI_USAGE;
-    if (cli_given(run, "--grid") && cli_given(run, "--spacing")) return cli_usage(run, "--grid and --spacing contradict each other");
-    if ((o->block_model != NULL) != (o->block.given != 0)) return cli_usage(run, "--block-model and --block go together");
+    if (o->caps == BVX_CAPS_OPEN &&
+        cli_refuse_reduction(run, "needs a closed body, not --caps open") != CLI_DONE)
+        return CLI_USAGE;
+    if (cli_given(run, "--grid") && cli_given(run, "--spacing"))
+        return cli_usage(run, "--grid and --spacing contradict each other");
+    if ((o->block_model != NULL) != (o->block.given != 0))
+        return cli_usage(run, "--block-model and --block go together");
     if (o->block_model != NULL) {
         if (bvx_format_of_name(o->block_model) != BVX_FORMAT_CSV)
             return cli_usage(run, "%s: a block model's name ends in .csv", o->block_model);
-        if (o->caps == BVX_CAPS_OPEN) return cli_usage(run, "--block-model needs a closed body, not --caps open");
+        if (o->caps == BVX_CAPS_OPEN)
+            return cli_usage(run, "--block-model needs a closed body, not --caps open");
         for (int k = 0; k < 3; k++)
-            if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300)) return cli_usage(run, "--block: sides must be above 0");
+            if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300))
+                return cli_usage(run, "--block: sides must be above 0");
     }
     return CLI_DONE;
 }
@@ -54,6 +65,7 @@ static int build_body(cli_run *run, sections_job *job)
     bvx_mesh_view view;
     bvx_status status;
     int32_t reason;
+
     bvx_sections_options_init(&s, sizeof s);
     if (cli_given(run, "--grid"))
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)o->size.value[k];
@@ -71,7 +83,8 @@ static int build_body(cli_run *run, sections_job *job)
     job->seconds = cli_stage_end(run);
     reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
-        return cli_fail(run, "%s: the sections hold several bodies; choose one by --label", cli_input_name(o->input[0]));
+        return cli_fail(run, "%s: the sections hold several bodies; choose one by --label",
+                        cli_input_name(o->input[0]));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !o->mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
@@ -91,7 +104,8 @@ static int reduce_body(cli_run *run, sections_job *job)
 {
     int const result = cli_reduce(run, &job->mesh, &job->reduction);
 
-    if (result == CLI_DONE && job->reduction.done) run->report.mesh[0].certificate = job->reduction.level.certificate;
+    if (result == CLI_DONE && job->reduction.done)
+        run->report.mesh[0].certificate = job->reduction.level.certificate;
     return result;
 }
 
@@ -101,10 +115,12 @@ static int reduce_body(cli_run *run, sections_job *job)
 static uint32_t count_block(const bvx_grid *g, int32_t i, int32_t j)
 {
     uint32_t n = 0;
+
     for (int32_t z = 0; z < BLOCK_PARTS; z++)
         for (int32_t y = 0; y < BLOCK_PARTS; y++) {
             size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)(j * BLOCK_PARTS + y);
-            uint64_t bits = g->words[row * (size_t)g->words_per_row + (size_t)(i / 8)] >> (i % 8 * 8) & 0xff; /* eight blocks a word */
+            /* eight blocks a word */
+            uint64_t bits = g->words[row * (size_t)g->words_per_row + (size_t)(i / 8)] >> (i % 8 * 8) & 0xff;
             for (; bits != 0; bits &= bits - 1) n++;
         }
     return n;
@@ -113,20 +129,23 @@ static uint32_t count_block(const bvx_grid *g, int32_t i, int32_t j)
 static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const double side[3], cli_text *text)
 {
     const double *const low = g->lattice.origin;
+
     for (int32_t j = 0; j < g->size[1] / BLOCK_PARTS; j++)
         for (int32_t i = 0; i < g->size[0] / BLOCK_PARTS; i++) {
             uint32_t const n = count_block(g, i, j);
             double const share = (double)n / (BLOCK_PARTS * BLOCK_PARTS * BLOCK_PARTS);
             if (n == 0) continue;
             /* twelve digits: centres that are decimals in the user's eyes stay so */
-            cli_text_add(text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n", low[0] + (i + 0.5) * side[0], low[1] + (j + 0.5) * side[1],
-                         low[2] + (k + 0.5) * side[2], side[0], side[1], side[2], share);
+            cli_text_add(text, "%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.9g\n", low[0] + (i + 0.5) * side[0],
+                         low[1] + (j + 0.5) * side[1], low[2] + (k + 0.5) * side[2], side[0], side[1],
+                         side[2], share);
             job->blocks++;
             job->block_volume += share * side[0] * side[1] * side[2];
         }
 }
 
-/* Corners of blocks at whole multiples of their sides, as block models are laid out; a layer of blocks at a time. */
+/* Corners of blocks at whole multiples of their sides, as block models are
+ * laid out; a layer of blocks at a time. */
 static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
 {
     const double *const side = run->options->block.value;
@@ -136,9 +155,11 @@ static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
     bvx_lattice lattice;
     bvx_mesh_view view;
     bvx_status status = BVX_OK;
+
     for (int k = 0; k < 3; k++) {
         double const first = floor(c->low[k] / side[k]), end = floor(c->high[k] / side[k]) + 1.0;
-        if (!((end - first) * BLOCK_PARTS <= 33554432.0)) return cli_fail(run, "--block: %g blocks along an axis are too many", end - first);
+        if (!((end - first) * BLOCK_PARTS <= 33554432.0))
+            return cli_fail(run, "--block: %g blocks along an axis are too many", end - first);
         origin[k] = first * side[k];
         spacing[k] = side[k] / BLOCK_PARTS;
         dims[k] = (int32_t)(end - first) * BLOCK_PARTS;
@@ -182,35 +203,48 @@ static int write_outputs(cli_run *run, sections_job *job, const cli_text *blocks
 
 static const char *verdict(const bvx_certificate *c)
 {
-    if (c->closed && c->edge_manifold && c->vertex_manifold && c->oriented) return "closed, manifold, oriented";
-    return c->edge_manifold && c->vertex_manifold && c->oriented ? "manifold, oriented, open" : "not manifold";
+    if (c->closed && c->edge_manifold && c->vertex_manifold && c->oriented)
+        return "closed, manifold, oriented";
+    return c->edge_manifold && c->vertex_manifold && c->oriented ? "manifold, oriented, open"
+                                                                 : "not manifold";
 }
 
 static void say_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
+
     cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
-    cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points", r->sections, r->loops, r->holes, r->points);
+    cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
+            r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
     if (r->mended_loops != 0) cli_say(run, "; %" PRIu64 " loops mended", r->mended_loops);
-    cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1], r->cell[0], r->cell[1]);
-    cli_say(run, "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64 " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
+    cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
+            r->cell[0], r->cell[1]);
+    cli_say(run,
+            "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64
+            " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
             r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
-    cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n", r->unkept_edges, r->unkept_loops, r->unkept_points);
+    cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n", r->unkept_edges,
+            r->unkept_loops, r->unkept_points);
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_say(run, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    if (r->crossed_cells != 0) cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
+    if (r->crossed_cells != 0)
+        cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
     if (r->nested_slabs + r->joined_slabs != 0)
-        cli_say(run, "  levels      %" PRIu64 " pairs of sections, outlines and holes each for themselves; %" PRIu64 " as a whole, where these would cross\n",
+        cli_say(run,
+                "  levels      %" PRIu64
+                " pairs of sections, outlines and holes each for themselves; %" PRIu64
+                " as a whole, where these would cross\n",
                 r->nested_slabs, r->joined_slabs);
-    cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances, r->samples,
-            r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
+    cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
+            r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
     cli_tell_reduction(run, &job->reduction);
-    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n", c->triangles, c->vertices, c->components,
-            c->components == 1 ? "" : "s", verdict(c));
+    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
+            c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
     cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
-    if (run->options->block_model != NULL) cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
+    if (run->options->block_model != NULL)
+        cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_say(run, "\n  time        %.1f ms\n", job->seconds * 1e3);
 }
 
@@ -218,7 +252,9 @@ static void report_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     cli_text *const t = &run->report.more;
-    cli_text_add(t, ", \"sections\": {\"grid\": [%" PRId32 ", %" PRId32 "], \"cell\": [", r->grid[0], r->grid[1]);
+
+    cli_text_add(t, ", \"sections\": {\"grid\": [%" PRId32 ", %" PRId32 "], \"cell\": [", r->grid[0],
+                 r->grid[1]);
     cli_json_number(t, r->cell[0]);
     cli_text_add(t, ", ");
     cli_json_number(t, r->cell[1]);
@@ -265,22 +301,31 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_text_add(t, "}");
 }
 
-/* A finer grid cuts contours in more places; halving cells where two of them run close together is what helps. */
+/* A finer grid cuts contours in more places; halving cells where two of
+ * them run close together is what helps. */
 static void warn_of_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
     int32_t const depth = cli_given(run, "--subdivide") ? run->options->subdivide : USUAL_DEPTH;
 
     if (r->unkept_edges + r->unkept_loops != 0)
-        cli_warn(run, "%" PRIu64 " edges and %" PRIu64 " loops are too fine for the cells: what joins them to the next section is a "
-                 "guess%s", r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
+        cli_warn(run,
+                 "%" PRIu64 " edges and %" PRIu64
+                 " loops are too fine for the cells: what joins them to the next section is a "
+                 "guess%s",
+                 r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
     if (r->joined_slabs != 0)
-        cli_warn(run, "between %" PRIu64 " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
-                 r->joined_slabs);
+        cli_warn(
+            run,
+            "between %" PRIu64
+            " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
+            r->joined_slabs);
     if (run->options->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
-        cli_warn(run, "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
-                 "the next section do not join it; sections that lie closer together do", job->volume / r->prismoid_volume,
-                 job->volume, r->prismoid_volume);
+        cli_warn(
+            run,
+            "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
+            "the next section do not join it; sections that lie closer together do",
+            job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 
 static int run_sections(cli_run *run)
@@ -288,9 +333,11 @@ static int run_sections(cli_run *run)
     sections_job job;
     cli_text blocks = {NULL, 0, 0, 0};
     int status = check_sections_options(run);
+
     memset(&job, 0, sizeof job);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE && run->options->block_model != NULL) status = cli_open_output(run, run->options->block_model);
+    if (status == CLI_DONE && run->options->block_model != NULL)
+        status = cli_open_output(run, run->options->block_model);
     if (status == CLI_DONE) status = cli_read_sections(run, run->options->input[0], &job.sections);
     if (status == CLI_DONE) status = build_body(run, &job);
     if (status == CLI_DONE && run->options->block_model != NULL) status = make_blocks(run, &job, &blocks);
@@ -298,7 +345,8 @@ static int run_sections(cli_run *run)
     if (status == CLI_DONE) status = write_outputs(run, &job, &blocks);
     if (status == CLI_DONE) {
         warn_of_body(run, &job);
-        if (job.report.repeated_points != 0) cli_warn(run, "%" PRIu64 " repeated points were left out", job.report.repeated_points);
+        if (job.report.repeated_points != 0)
+            cli_warn(run, "%" PRIu64 " repeated points were left out", job.report.repeated_points);
         say_body(run, &job);
         report_body(run, &job);
     }
@@ -309,7 +357,12 @@ static int run_sections(cli_run *run)
 }
 
 const cli_command cli_sections = {
-    "sections", CLI_SECTIONS, 1, 1, "IN -o OUT [options]", "a closed body from the contours of its sections",
+    "sections",
+    CLI_SECTIONS,
+    1,
+    1,
+    "IN -o OUT [options]",
+    "a closed body from the contours of its sections",
     "Reads closed contours on parallel planes (.csl; .csv with the columns section,position,loop,x,y and\n"
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
@@ -318,4 +371,5 @@ const cli_command cli_sections = {
     "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
     "edges collapse in the end, and points of contours are no longer vertices.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
-    "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1", run_sections};
+    "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
+    run_sections};

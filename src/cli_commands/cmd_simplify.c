@@ -89,8 +89,10 @@ static void warn_of_input(cli_run *run, const cli_collapse_run *c)
         cli_warn(run, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
                  c->before.duplicates == 1 ? " is" : "s are");
     if (c->before.flipped_edges != 0)
-        cli_warn(run, "%s: at %" PRIu64 " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned", in,
-                 c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
+        cli_warn(run,
+                 "%s: at %" PRIu64
+                 " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned",
+                 in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
 }
 
 static int run_simplify(cli_run *run)
@@ -121,14 +123,15 @@ const cli_command cli_simplify = {
     .most_inputs = 1,
     .usage = "IN -o OUT [options]",
     .does = "fewer triangles for a manifold mesh, by count or by error",
-    .details = "Reads a mesh (" CLI_MESHES_READ ", also with .gz) that is manifold, collapses the edges that cost\n"
-               "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
-               "as --error allows (" CLI_MESHES_WRITTEN "). No collapse joins what is apart, turns a triangle,\n"
-               "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
-               "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
-               "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"
-               ".glb holds all.\n"
-               "For any other mesh take lod.",
+    .details =
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) that is manifold, collapses the edges that cost\n"
+        "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
+        "as --error allows (" CLI_MESHES_WRITTEN "). No collapse joins what is apart, turns a triangle,\n"
+        "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
+        "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
+        "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"
+        ".glb holds all.\n"
+        "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
     .run = run_simplify,

@@ -9,9 +9,12 @@ static int check_slice_options(cli_run *run)
     const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     int kind, status = cli_input_kind(run, o->input[0], &kind);
+
     if (status != CLI_DONE) return status;
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
-        return cli_usage(run, "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")", o->output);
+        return cli_usage(run,
+                         "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")",
+                         o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
     if (format == BVX_FORMAT_CSV && o->up_axis != 0 && o->up_axis != 3)
         return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
@@ -23,6 +26,7 @@ static int slice_surface(cli_run *run, cli_input *in)
 {
     bvx_extract_options e;
     bvx_status status;
+
     if (in->kind == CLI_MESH) return CLI_DONE;
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_F64;
@@ -38,6 +42,7 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     bvx_slice_options s;
     bvx_mesh_view view;
     bvx_status status;
+
     bvx_slice_options_init(&s, sizeof s);
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = run->options->spacing;
@@ -54,6 +59,7 @@ static int write_contours(cli_run *run, const bvx_sections *sections)
     bvx_buffer file = {0};
     bvx_status status;
     int result;
+
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = bvx_write_sections(run->context, sections, bvx_format_of_name(path), &file);
@@ -69,6 +75,7 @@ static int run_slice(cli_run *run)
     bvx_sections sections;
     cli_input in;
     int status = check_slice_options(run);
+
     memset(&sections, 0, sizeof sections);
     memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
@@ -77,8 +84,9 @@ static int run_slice(cli_run *run)
     if (status == CLI_DONE) status = slice_mesh(run, &in.mesh, &sections);
     if (status == CLI_DONE) status = write_contours(run, &sections);
     if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n", cli_input_name(run->options->input[0]),
-                run->options->output, sections.section_count, sections.loop_count, sections.point_count);
+        cli_say(run, "%s -> %s\n  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n",
+                cli_input_name(run->options->input[0]), run->options->output, sections.section_count,
+                sections.loop_count, sections.point_count);
         cli_text_add(&run->report.more, ", \"slice\": {\"planes\": %" PRIu64, sections.section_count);
         cli_json_count(&run->report.more, "loops", sections.loop_count);
         cli_json_count(&run->report.more, "points", sections.point_count);
@@ -90,10 +98,16 @@ static int run_slice(cli_run *run)
 }
 
 const cli_command cli_slice = {
-    "slice", CLI_SLICE, 1, 1, "IN -o OUT --spacing S [options]", "the contours of a mesh or grid on parallel planes",
+    "slice",
+    CLI_SLICE,
+    1,
+    1,
+    "IN -o OUT --spacing S [options]",
+    "the contours of a mesh or grid on parallel planes",
     "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
     ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
     "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
     "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
     "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
-    "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2", run_slice};
+    "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
+    run_slice};

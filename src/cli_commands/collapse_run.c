@@ -72,7 +72,8 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
 static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
 {
     if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
-    return cli_usage(run, "%s has no colours that --colour-weight could count", cli_input_name(run->options->input[0]));
+    return cli_usage(run, "%s has no colours that --colour-weight could count",
+                     cli_input_name(run->options->input[0]));
 }
 
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
@@ -198,7 +199,8 @@ static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 
     if (c->crumbs != 0)
         cli_warn(run,
-                 "%" PRIu64 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
+                 "%" PRIu64
+                 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
                  "and a larger --resolution keeps more of it",
                  c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
     if (s->components > in->components)
@@ -258,8 +260,7 @@ static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
     if (c->by_error)
         cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input",
                  what, l->target_error);
-    else
-        warn_of_count(run, l, what);
+    else warn_of_count(run, l, what);
 }
 
 /* ---- The end ---- */

@@ -10,9 +10,12 @@ static int check_batch(cli_run *run)
 
     if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
     for (int i = 0; i < o->inputs; i++)
-        if (strcmp(o->input[i], "-") == 0) return cli_usage(run, "standard input has no name; --output-dir is for files");
-    if (o->format != 0 && (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY)) != 0 && kind != CLI_MESH)))
-        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format), run->command->name);
+        if (strcmp(o->input[i], "-") == 0)
+            return cli_usage(run, "standard input has no name; --output-dir is for files");
+    if (o->format != 0 &&
+        (kind == 0 || ((run->command->bit & (CLI_REPAIR | CLI_SIMPLIFY)) != 0 && kind != CLI_MESH)))
+        return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format),
+                         run->command->name);
     if (run->command->bit == CLI_CONVERT && o->format == 0)
         return cli_usage(run, "convert lacks the format of the files in --output-dir; say it with --format");
     return CLI_DONE;
@@ -26,6 +29,7 @@ int cli_check_line(cli_run *run)
     int const least = run->command->least_inputs;
     int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
     int standard = 0;
+
     if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
     if (o->inputs < least)
         return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
@@ -44,8 +48,10 @@ int cli_check_line(cli_run *run)
 int cli_check_options(cli_run *run)
 {
     const cli_options *const o = run->options;
-    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE || cli_check_parts(run) != CLI_DONE)
+    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE ||
+        cli_check_parts(run) != CLI_DONE)
         return CLI_USAGE;
-    if (o->general.quiet && o->general.progress == CLI_BAR_DRAW) return cli_usage(run, "--quiet and --progress=bar exclude each other");
+    if (o->general.quiet && o->general.progress == CLI_BAR_DRAW)
+        return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;
 }

@@ -4,8 +4,9 @@
 
 #include "cli_results/results.h"
 
-extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces, cli_refine, cli_fill,
-    cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components, cli_simplify;
+extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_convert, cli_compare, cli_faces,
+    cli_refine, cli_fill, cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components,
+    cli_simplify;
 
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
@@ -27,7 +28,8 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 void cli_say_fill(cli_run *run, const bvx_solid_report *report);
 /* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
 /* Of the thin walls and the volume that a solid has lost; of: an input among several with ": ", or "". */
-void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *report);
+void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice,
+                        const bvx_solid_report *report);
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
@@ -44,7 +46,8 @@ int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_wind
 
 /* ---- fill_table.c: --compare-fills ---- */
 
-int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvx_fill_comparison *comparison);
+int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                      bvx_fill_comparison *comparison);
 /* The comparison as lines of text and as a member of the JSON report. */
 void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison);
 
@@ -56,8 +59,8 @@ int cli_voxelize_volume(cli_run *run, const bvx_window *window);
 /* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
 
 typedef struct cli_reduction {
-    int done;               /* fewer triangles were asked for and made */
-    uint64_t before;        /* triangles */
+    int done;        /* fewer triangles were asked for and made */
+    uint64_t before; /* triangles */
     bvx_level_report level;
 } cli_reduction;
 
@@ -74,10 +77,10 @@ void cli_tell_reduction(cli_run *run, const cli_reduction *r);
 
 /* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
 int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
-/* What a picture from a direction shows of a box on either side of a middle: its half width and height. What is there
- * already grows to it. */
-void cli_turn_room(const double low[3], const double high[3], const double middle[3], const double direction[3],
-                   const double axis[3], double room[2]);
+/* What a picture from a direction shows of a box on either side of a
+ * middle: its half width and height. What is there already grows to it. */
+void cli_turn_room(const double low[3], const double high[3], const double middle[3],
+                   const double direction[3], const double axis[3], double room[2]);
 
 /* ---- section_info.c, volume_info.c: what info says ---- */
 

@@ -1,4 +1,5 @@
-/* fill_table.c - voxelize --compare-fills: what each rule would set, where the rules differ, and what all of them lose. */
+/* fill_table.c - voxelize --compare-fills: what each rule would set, where
+ * the rules differ, and what all of them lose. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -10,17 +11,20 @@ static void say_table(cli_run *run, const bvx_fill_comparison *c)
     for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
         cli_say(run, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i],
                 i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
-    cli_say(run, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n", c->disagreeing, c->surface_voxels);
-    if (c->lost_voxels == 0)
-        cli_say(run, "  no wall is lost\n");
+    cli_say(run, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
+            c->disagreeing, c->surface_voxels);
+    if (c->lost_voxels == 0) cli_say(run, "  no wall is lost\n");
     else
-        cli_say(run, "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64 " voxels of the surface\n", c->lost_places,
-                c->lost_voxels);
+        cli_say(run,
+                "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64
+                " voxels of the surface\n",
+                c->lost_places, c->lost_voxels);
 }
 
 static void report_table(cli_run *run, const bvx_fill_comparison *c)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"fills\": {\"set\": {");
     for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
         cli_text_add(t, "%s\"%s\": %" PRIu64, i == BVX_FILL_PARITY ? "" : ", ", cli_fill_names[i], c->set[i]);
@@ -33,10 +37,12 @@ static void report_table(cli_run *run, const bvx_fill_comparison *c)
     cli_text_add(t, "}");
 }
 
-int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice, bvx_fill_comparison *comparison)
+int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                      bvx_fill_comparison *comparison)
 {
     bvx_compare_fills_options o;
     bvx_status status;
+
     bvx_compare_fills_options_init(&o, sizeof o);
     o.close_gaps = run->options->close_gaps;
     memset(comparison, 0, sizeof *comparison);

@@ -5,8 +5,8 @@
 #include "cli_commands/commands.h"
 
 typedef struct cli_chain {
-    int kind;                    /* of the input, CLI_MESH or CLI_GRID */
-    bvx_mesh input;              /* of a grid: its surface, where distances are measured */
+    int kind;       /* of the input, CLI_MESH or CLI_GRID */
+    bvx_mesh input; /* of a grid: its surface, where distances are measured */
     uint64_t input_triangles;
     bvx_mesh_view view;
     bvx_certificate certificate; /* of the input */
@@ -14,8 +14,8 @@ typedef struct cli_chain {
     bvx_grid solid;
     bvx_solid_report solid_report;
     double solid_seconds;
-    int32_t resolution;          /* of the solid */
-    const char *chosen;          /* how */
+    int32_t resolution; /* of the solid */
+    const char *chosen; /* how */
     int by_triangles, count;
     bvx_mesh mesh[CLI_MAX_LEVELS];
     char *path[CLI_MAX_LEVELS];

@@ -84,13 +84,16 @@ static void warn_of_sheets(cli_run *run, const lod_collapse *l)
 
     if (run->options->open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
     if (run->options->open == BVX_OPEN_CUT)
-        cli_warn(run, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
+        cli_warn(run,
+                 "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
                  r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
     else
         cli_warn(run,
-                 "sheets became shells: %" PRIu64 " edge%s three triangles or more, or some that cannot agree, the "
+                 "sheets became shells: %" PRIu64
+                 " edge%s three triangles or more, or some that cannot agree, the "
                  "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
-                 r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1], b[2]);
+                 r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1],
+                 b[2]);
 }
 
 static void warn_of_lowered(cli_run *run, const lod_collapse *l)
@@ -102,7 +105,8 @@ static void warn_of_lowered(cli_run *run, const lod_collapse *l)
                  l->report.resolution);
     else if (l->report.resolution < l->report.planned_resolution)
         cli_warn(run,
-                 "the memory limit lowered the resolution from %" PRId32 " to %" PRId32 " voxels along the longest axis; a larger "
+                 "the memory limit lowered the resolution from %" PRId32 " to %" PRId32
+                 " voxels along the longest axis; a larger "
                  "--memory-limit keeps more detail",
                  l->report.planned_resolution, l->report.resolution);
 }
@@ -127,7 +131,8 @@ static int build_levels(cli_run *run, lod_collapse *l)
     c->before = l->report.before;
     c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
     c->surface.triangles = l->report.triangles;
-    c->surface.components -= l->report.crumbs - l->report.repair.crumbs; /* the solid's are not in its surface */
+    /* the solid's are not in its surface */
+    c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
     c->source = is_measured(l) ? "measured" : "mesh";
     if (is_measured(l)) {
@@ -142,9 +147,14 @@ static int build_levels(cli_run *run, lod_collapse *l)
 /* Why the surface was measured. */
 static const char *reason_of(const cli_run *run, const lod_collapse *l)
 {
-    static const char *const reason[] = {"", "as options ask", "since it is open", "since it is not manifold",
-                                         "since some of its triangles are flipped", "since it has triangles without area",
-                                         "since it is a scan much finer than its levels", "since it and its levels cross themselves",
+    static const char *const reason[] = {"",
+                                         "as options ask",
+                                         "since it is open",
+                                         "since it is not manifold",
+                                         "since some of its triangles are flipped",
+                                         "since it has triangles without area",
+                                         "since it is a scan much finer than its levels",
+                                         "since it and its levels cross themselves",
                                          "since the mesh itself exceeds the memory limit"};
 
     return run->options->source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
@@ -174,9 +184,10 @@ static void say_lod_head(cli_run *run, const cli_collapse_run *c)
     if (r->shelled)
         cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
     if (r->thin_voxels != 0)
-        cli_say(run, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
-                r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles", r->thin_voxels,
-                r->thin_components, r->thin_components == 1 ? "" : "s");
+        cli_say(run,
+                "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
+                r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
+                r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
     if (l->report.crossings != 0)
         cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
     if (c->crumbs != 0)

@@ -1,15 +1,19 @@
-/* lod_input.c - what a chain of levels is made from: the solid of a mesh, at a resolution that suits its levels, or a grid
- * as it is, whose own surface then stands for the mesh. */
+/* lod_input.c - what a chain of levels is made from: the solid of a mesh, at a resolution that suits its
+ * levels, or a grid as it is, whose own surface then stands for the mesh. */
 #include "cli_commands/lod_chain.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-/* Samples along the longest axis. A small grid gives smaller levels than usual, since none can be finer than it. */
+/* Samples along the longest axis. A small grid gives smaller levels than
+ * usual, since none can be finer than it. */
 int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 {
-    int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64, usual = finest >> level;
-    return run->options->levels.count != 0 ? (int32_t)run->options->levels.value[level] : usual > 0 ? usual : 1;
+    int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64;
+    int32_t const usual = finest >> level;
+    return run->options->levels.count != 0 ? (int32_t)run->options->levels.value[level]
+           : usual > 0                     ? usual
+                                           : 1;
 }
 
 /* ---- the solid ---- */
@@ -47,7 +51,8 @@ static int choose_resolution(cli_run *run, cli_chain *c)
         else resolutions[i] = cli_level_resolution(run, c, i);
     }
 
-    status = bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding, &c->resolution, &limited);
+    status = bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding, &c->resolution,
+                           &limited);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(options->input[0]));
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
@@ -58,8 +63,10 @@ static int count_solid(cli_run *run, const cli_chain *c)
     bvx_grid_count(run->context, &c->solid, &run->report.set);
     run->report.has_set = 1;
     if (run->report.set != 0) return CLI_DONE;
-    return cli_fail(run, c->kind == CLI_GRID ? "%s: no voxel is set; nothing is there to make levels of"
-                                             : "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of",
+    return cli_fail(run,
+                    c->kind == CLI_GRID
+                        ? "%s: no voxel is set; nothing is there to make levels of"
+                        : "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of",
                     cli_input_name(run->options->input[0]));
 }
 
@@ -69,8 +76,10 @@ static int make_solid(cli_run *run, cli_chain *c)
     bvx_voxelize_options v;
     bvx_status status;
     int result;
+
     cli_stage_begin(run, "check input");
-    status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate); /* the solid asks for places, not for numbers */
+    /* the solid asks for places, not for numbers */
+    status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
@@ -106,6 +115,7 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
     bvx_extract_options e;
     uint64_t vertices;
     bvx_status status;
+
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     if (run->options->samples == 0)
@@ -121,6 +131,7 @@ static int open_grid(cli_run *run, cli_chain *c)
     double low[3], high[3];
     int placed, result = cli_read_grid(run, path, NULL, &c->solid, &placed);
     bvx_status status;
+
     if (result != CLI_DONE) return result;
     run->report.lattice = c->solid.lattice;
     run->report.has_lattice = 1;

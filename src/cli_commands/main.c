@@ -1,7 +1,7 @@
 /* main.c - the bitvox program: commands, help, exit status. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define MAIN_POSIX 1
+#define MAIN_POSIX      1
 #else
 #define MAIN_POSIX 0
 #endif
@@ -15,8 +15,10 @@
 #include <unistd.h>
 #endif
 
-static const cli_command *const commands[] = {&cli_lod, &cli_simplify, &cli_info, &cli_voxelize, &cli_repair, &cli_fill, &cli_morph, &cli_components, &cli_refine, &cli_sections,
-                                             &cli_slice, &cli_boolean, &cli_faces, &cli_convert, &cli_compare, &cli_render, NULL};
+static const cli_command *const commands[] = {
+    &cli_lod,   &cli_simplify,   &cli_info,    &cli_voxelize, &cli_repair, &cli_fill,
+    &cli_morph, &cli_components, &cli_refine,  &cli_sections, &cli_slice,  &cli_boolean,
+    &cli_faces, &cli_convert,    &cli_compare, &cli_render,   NULL};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] - 1 };
 
@@ -88,6 +90,7 @@ static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
     int status = cli_parse(run, count, word);
+
     if (status == CLI_DONE && run->general->help) {
         print_help(run->command);
         return cli_end_of_output(run);
@@ -108,7 +111,8 @@ static int run_command(cli_run *run, int count, char **word)
     return status;
 }
 
-/* A closed standard stream must not hand its number to the next file that is opened; what is written to it fails. */
+/* A closed standard stream must not hand its number to the next file that
+ * is opened; what is written to it fails. */
 static void hold_standard_streams(void)
 {
 #if MAIN_POSIX
@@ -145,6 +149,7 @@ int main(int count, char **word)
     static cli_run run; /* zeroed, and too large for some stacks */
     static cli_options options;
     int status;
+
     run.options = &options;
     run.general = &options.general;
     run.plan_stage = cli_plan_stage;

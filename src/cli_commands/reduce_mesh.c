@@ -1,4 +1,5 @@
-/* reduce_mesh.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is made.
+/* reduce_mesh.c - --triangles and --error of the commands that make one mesh: its edges collapse once it is
+ * made.
  *
  * --error is the distance from the mesh as it was made, not from what it was made of. */
 #include "cli_commands/commands.h"

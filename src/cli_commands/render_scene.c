@@ -8,10 +8,12 @@ enum { COMPARED_RESOLUTION = 256 };
 /* ---- voxels of meshes ---- */
 
 /* One lattice around one mesh or two. */
-static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution, bvx_lattice *lattice)
+static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution,
+                              bvx_lattice *lattice)
 {
     cli_box box, other;
     bvx_lattice_options fit;
+
     cli_mesh_box(&in[0].mesh, &box);
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
@@ -26,6 +28,7 @@ static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *i
     bvx_mesh_view view;
     bvx_solid_report report;
     bvx_status status;
+
     memset(&report, 0, sizeof report);
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
@@ -45,10 +48,12 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     int32_t const resolution = run->options->voxels != 0 ? run->options->voxels : COMPARED_RESOLUTION;
     bvx_lattice lattice;
     int status = CLI_DONE;
+
     cli_stage_begin(run, "voxelize");
     bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
-    for (int i = 0; i < count && status == CLI_DONE; i++) status = voxelize_input(run, &lattice, &s->input[i]);
+    for (int i = 0; i < count && status == CLI_DONE; i++)
+        status = voxelize_input(run, &lattice, &s->input[i]);
     cli_stage_end(run);
     return status;
 }
@@ -60,10 +65,13 @@ int cli_open_scene(cli_run *run, int first, cli_scene *s)
     const cli_options *const o = run->options;
     int const count = o->difference ? 2 : 1;
     int status = CLI_DONE;
+
     memset(s, 0, sizeof *s);
     s->compared = o->difference;
-    for (int i = 0; i < count && status == CLI_DONE; i++) status = cli_read_input(run, o->input[first + i], &s->input[i]);
-    if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (o->voxels != 0 || o->difference)) status = voxelize_scene(run, s, count);
+    for (int i = 0; i < count && status == CLI_DONE; i++)
+        status = cli_read_input(run, o->input[first + i], &s->input[i]);
+    if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (o->voxels != 0 || o->difference))
+        status = voxelize_scene(run, s, count);
     if (status != CLI_DONE || !o->difference) return status;
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
@@ -86,8 +94,8 @@ void cli_scene_view(const cli_options *o, double direction[3], double up[3])
     memcpy(up, o->up.given ? o->up.value : usual.up, sizeof usual.up);
 }
 
-/* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it turns);
- * the higher side where the plane looks at neither. */
+/* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it
+ * turns); the higher side where the plane looks at neither. */
 static void take_cut(const cli_options *o, bvx_render_options *r)
 {
     double direction[3], up[3];
@@ -99,11 +107,13 @@ static void take_cut(const cli_options *o, bvx_render_options *r)
     }
 }
 
-/* The box that is seen, and the middle that the picture turns about: of a mesh that of its bounds, of a grid that of its
- * window. */
-static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3], double high[3], double middle[3])
+/* The box that is seen, and the middle that the picture turns about: of a
+ * mesh that of its bounds, of a grid that of its window. */
+static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3], double high[3],
+                         double middle[3])
 {
     bvx_render_options r;
+
     bvx_render_options_init(&r, sizeof r);
     take_cut(o, &r);
     if (s->input[0].kind == CLI_MESH) {
@@ -132,7 +142,8 @@ void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
     cli_scene_view(o, direction, up);
     show[0] = show[1] = 0.0;
     for (int32_t i = 0; i < o->turntable; i++)
-        if (cli_turn(direction, up, i, o->turntable, turned)) cli_turn_room(low, high, middle, turned, up, show);
+        if (cli_turn(direction, up, i, o->turntable, turned))
+            cli_turn_room(low, high, middle, turned, up, show);
 }
 
 int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, const double direction[3],
@@ -143,6 +154,7 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     bvx_mesh_view view;
     bvx_status status;
     double unused[3];
+
     bvx_render_options_init(&r, sizeof r);
     r.width = width;
     r.height = height;
@@ -155,7 +167,8 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {
-        status = o->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, o->slices.axis, o->slices.count, &r, image)
+        status = o->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, o->slices.axis,
+                                                          o->slices.count, &r, image)
                                       : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
     } else {
         bvx_mesh_view_of(&s->input[0].mesh, &view);

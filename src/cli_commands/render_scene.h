@@ -5,17 +5,18 @@
 #include "cli_commands/commands.h"
 
 typedef struct cli_scene {
-    cli_input input[2];             /* one, or the two that are compared */
+    cli_input input[2]; /* one, or the two that are compared */
     int compared;
     bvx_grid_difference difference; /* of two */
 } cli_scene;
 
-/* Read input number first, or with --compare it and the next; meshes are voxelized where that is asked for. */
+/* Read input number first, or with --compare it and the next; meshes are voxelized where that is asked
+ * for. */
 int cli_open_scene(cli_run *run, int first, cli_scene *scene);
-/* A picture of it, of this size, from this direction; the cut is the one of the options and of --from. The frame shows at
- * least so much on either side of its middle. */
-int cli_draw_scene(cli_run *run, const cli_scene *scene, int32_t width, int32_t height, const double direction[3],
-                   const double show[2], bvx_image *image);
+/* A picture of it, of this size, from this direction; the cut is the one of the options and of --from. The
+ * frame shows at least so much on either side of its middle. */
+int cli_draw_scene(cli_run *run, const cli_scene *scene, int32_t width, int32_t height,
+                   const double direction[3], const double show[2], bvx_image *image);
 /* What all frames of a turntable must show, so that the model keeps its size in them. */
 void cli_turntable_room(cli_run *run, const cli_scene *scene, double show[2]);
 void cli_free_scene(cli_run *run, cli_scene *scene);

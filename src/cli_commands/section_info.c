@@ -76,7 +76,8 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
     uint64_t kept = 0;
 
     f->label = calloc((size_t)s->loop_count + 1, sizeof *f->label);
-    if (f->label == NULL) return cli_fail(run, "no memory for the labels of %" PRIu64 " loops", s->loop_count);
+    if (f->label == NULL)
+        return cli_fail(run, "no memory for the labels of %" PRIu64 " loops", s->loop_count);
     for (uint64_t i = 0; i < s->loop_count; i++) {
         f->label[i].label = s->loops[i].label;
         f->label[i].loops = 1;
@@ -108,12 +109,17 @@ static void say_sections(cli_run *run, const char *path, const bvx_sections *s, 
     cli_say(run, "\n  loops       %" PRIu64 " of %" PRIu64 " points\n", s->loop_count, s->point_count);
     cli_say(run, "  labels      %" PRIu64, f->labels);
     for (uint64_t i = 0; i < f->labels && i < LABELS_SAID; i++)
-        cli_say(run, "%s %" PRId32 " (%" PRIu64 " loop%s)", i == 0 ? ":" : ",", f->label[i].label, f->label[i].loops, f->label[i].loops == 1 ? "" : "s");
+        cli_say(run, "%s %" PRId32 " (%" PRIu64 " loop%s)", i == 0 ? ":" : ",", f->label[i].label,
+                f->label[i].loops, f->label[i].loops == 1 ? "" : "s");
     cli_say(run, "%s\n", f->labels > LABELS_SAID ? ", ..." : "");
-    cli_say(run, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0, n[2] + 0.0, f->first, f->last);
+    cli_say(run, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0,
+            n[2] + 0.0, f->first, f->last);
     if (s->section_count > 1)
-        cli_say(run, "  distance    %.9g from plane to plane%s\n", f->step, f->even > 1e-6 * f->step ? " in the mean" : "");
-    for (int a = 0; a < 3; a++) cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], f->low[a], f->high[a], f->high[a] - f->low[a]);
+        cli_say(run, "  distance    %.9g from plane to plane%s\n", f->step,
+                f->even > 1e-6 * f->step ? " in the mean" : "");
+    for (int a = 0; a < 3; a++)
+        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], f->low[a], f->high[a],
+                f->high[a] - f->low[a]);
 }
 
 static void report_sections(cli_run *run, const char *path, const bvx_sections *s, const section_facts *f)
@@ -134,8 +140,8 @@ static void report_sections(cli_run *run, const char *path, const bvx_sections *
     cli_json_triple(t, "high", f->high);
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < f->labels; i++)
-        cli_text_add(t, "%s{\"label\": %" PRId32 ", \"loops\": %" PRIu64 ", \"points\": %" PRIu64 "}", i == 0 ? "" : ", ", f->label[i].label,
-                     f->label[i].loops, f->label[i].points);
+        cli_text_add(t, "%s{\"label\": %" PRId32 ", \"loops\": %" PRIu64 ", \"points\": %" PRIu64 "}",
+                     i == 0 ? "" : ", ", f->label[i].label, f->label[i].loops, f->label[i].points);
     cli_text_add(t, "]}");
 }
 

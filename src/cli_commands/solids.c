@@ -11,22 +11,30 @@ int cli_check_fill(cli_run *run)
     static const char *const below_alone[] = {"--base", "--second", "--up"};
     const cli_options *const o = run->options;
     int const below = o->fill == BVX_FILL_BELOW, voxelize = run->command->bit == CLI_VOXELIZE;
+
     for (size_t i = 0; i < sizeof below_alone / sizeof below_alone[0] && voxelize && !below; i++)
         if (cli_given(run, below_alone[i])) return cli_usage(run, "%s needs --fill below", below_alone[i]);
     if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills && !o->body)
-        return cli_usage(run, voxelize ? "--close-gaps needs --fill flood, --compare-fills, or --body for clouds" : "--close-gaps needs --fill flood");
+        return cli_usage(run, voxelize
+                                  ? "--close-gaps needs --fill flood, --compare-fills, or --body for clouds"
+                                  : "--close-gaps needs --fill flood");
     if (below && o->add_shell) return cli_usage(run, "--add-shell has no use with --fill below");
-    if (below && cli_given(run, "--check-thin") && o->check_thin == 1) return cli_usage(run, "--check-thin has no use with --fill below: it is for bodies");
-    if (below && o->compare_fills) return cli_usage(run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
+    if (below && cli_given(run, "--check-thin") && o->check_thin == 1)
+        return cli_usage(run, "--check-thin has no use with --fill below: it is for bodies");
+    if (below && o->compare_fills)
+        return cli_usage(
+            run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
     if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)
         return cli_usage(run, "--fill %s needs the whole lattice, no --window", cli_fill_names[o->fill]);
-    if (o->compare_fills && o->window.count != 0) return cli_usage(run, "--compare-fills needs the whole lattice, no --window");
+    if (o->compare_fills && o->window.count != 0)
+        return cli_usage(run, "--compare-fills needs the whole lattice, no --window");
     return CLI_DONE;
 }
 
 int cli_refuse_for_grid(cli_run *run, const char *path)
 {
-    static const char *const option[] = {"--resolution", "--spacing", "--origin", "--padding", "--fill", "--close-gaps"};
+    static const char *const option[] = {"--resolution", "--spacing", "--origin",
+                                         "--padding",    "--fill",    "--close-gaps"};
     for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
         if (cli_given(run, option[i]))
             return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(path));
@@ -36,6 +44,7 @@ int cli_refuse_for_grid(cli_run *run, const char *path)
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 {
     const cli_options *const o = run->options;
+
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
@@ -49,7 +58,9 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 static uint64_t rows_of(const bvx_grid *g, int32_t fill)
 {
     uint64_t const x = (uint64_t)g->size[0], y = (uint64_t)g->size[1], z = (uint64_t)g->size[2];
-    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING ? y * z : y * z + x * z + x * y;
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING
+               ? y * z
+               : y * z + x * z + x * y;
 }
 
 /* Where the thin walls lie, in the mesh's unit. */
@@ -61,7 +72,8 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
     }
 }
 
-/* Fewer voxels than this are no wall, as for repair: where a surface is rough at the size of a voxel some always show. */
+/* Fewer voxels than this are no wall, as for repair: where a surface is
+ * rough at the size of a voxel some always show. */
 enum { LEAST_WALL = 8 };
 
 void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -70,14 +82,20 @@ void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice
     double box[6];
 
     thin_box(lattice, r, box);
-    if (r->thin_resolution > 0) snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them", (int)r->thin_resolution);
+    if (r->thin_resolution > 0)
+        snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
+                 (int)r->thin_resolution);
     if (r->thin_voxels >= LEAST_WALL)
-        cli_warn(run, "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
-                      " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s", of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5],
-                 advice, run->command->bit == CLI_VOXELIZE ? "; --add-shell sets the surface's voxels too" : "");
+        cli_warn(run,
+                 "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
+                 " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
+                 of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice,
+                 run->command->bit == CLI_VOXELIZE ? "; --add-shell sets the surface's voxels too" : "");
     if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
-        cli_warn(run, "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
-                 of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
+        cli_warn(
+            run,
+            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
+            of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
 }
 
 void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -92,26 +110,43 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
     if (r->thin_voxels != 0)
-        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2], box[3], box[4], box[5]);
+        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
+                     box[3], box[4], box[5]);
 }
 
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
 {
     uint64_t const rows = rows_of(grid, r->fill);
+
     if (r->unbalanced_rows != 0 && r->dropped != 0)
-        cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
-                 " crossings were dropped", r->unbalanced_rows, rows, r->dropped);
+        cli_warn(run,
+                 "%" PRIu64 " of %" PRIu64
+                 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
+                 " crossings were dropped",
+                 r->unbalanced_rows, rows, r->dropped);
     else if (r->unbalanced_rows != 0)
-        cli_warn(run, "%" PRIu64 " of %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there", r->unbalanced_rows, rows);
+        cli_warn(run,
+                 "%" PRIu64 " of %" PRIu64
+                 " rows do not balance: the mesh has holes or flipped triangles there",
+                 r->unbalanced_rows, rows);
     if (r->fill_reason == BVX_FILL_REASON_NESTED)
-        cli_warn(run, "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
-                 "it solid");
+        cli_warn(
+            run,
+            "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
+            "it solid");
     if (r->leaks != 0)
-        cli_warn(run, "the flood came through a hole to %" PRIu64 " voxels that are surely inside; a larger --close-gaps may hold it, "
-                 "--fill vote or regions does without", r->leaks);
+        cli_warn(run,
+                 "the flood came through a hole to %" PRIu64
+                 " voxels that are surely inside; a larger --close-gaps may hold it, "
+                 "--fill vote or regions does without",
+                 r->leaks);
     if (r->mixed_regions != 0)
-        cli_warn(run, "%" PRIu64 " of %" PRIu64 " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
-                 " voxels kept its own vote", r->mixed_regions, r->regions, r->mixed_voxels);
+        cli_warn(
+            run,
+            "%" PRIu64 " of %" PRIu64
+            " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
+            " voxels kept its own vote",
+            r->mixed_regions, r->regions, r->mixed_voxels);
     cli_warn_of_losses(run, "", &grid->lattice, r);
 }
 
@@ -123,6 +158,7 @@ int cli_fill_input(cli_run *run, cli_input *in)
     bvx_lattice lattice;
     bvx_status status;
     int far;
+
     memset(&report, 0, sizeof report);
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
@@ -131,7 +167,8 @@ int cli_fill_input(cli_run *run, cli_input *in)
     cli_stage_begin(run, "voxelize");
     status = cli_make_lattice(run, &view, &lattice);
     far = status == BVX_OK ? cli_check_far(run, in->path, &view, 0, &lattice) : CLI_DONE;
-    if (status == BVX_OK && far == CLI_DONE) status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
+    if (status == BVX_OK && far == CLI_DONE)
+        status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
     cli_stage_end(run);
     bvx_mesh_free(run->context, &in->mesh);
     if (far != CLI_DONE) return far;
@@ -145,11 +182,17 @@ const char *const cli_fill_reasons[] = {"asked", "sound", "nested", "overlap", "
 
 void cli_say_fill(cli_run *run, const bvx_solid_report *r)
 {
-    static const char *const why[] = {"", ": closed, nothing lies inside twice", ": closed shells lie in others and do not cross",
-                                      ": closed shells cross", ": open edges", ": triangles that cannot be oriented"};
+    static const char *const why[] = {"",
+                                      ": closed, nothing lies inside twice",
+                                      ": closed shells lie in others and do not cross",
+                                      ": closed shells cross",
+                                      ": open edges",
+                                      ": triangles that cannot be oriented"};
     cli_say(run, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
-    if (r->turned != 0) cli_say(run, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
-    if (r->doubles != 0) cli_say(run, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
+    if (r->turned != 0)
+        cli_say(run, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
+    if (r->doubles != 0)
+        cli_say(run, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
     cli_say(run, "\n");
 }
 
@@ -162,21 +205,29 @@ void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_rep
 {
     const cli_options *const o = run->options;
     double const voxel = voxel_volume(lattice);
+
     cli_say_fill(run, r);
     if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_say(run, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_say(run, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_say(run, "  regions     %" PRIu64 "\n", r->regions);
     if (o->fill == BVX_FILL_BELOW) {
-        cli_say(run, "  columns     %" PRIu64 "%s\n", r->columns, o->second != NULL ? " where both terrains are" : " under the surface");
+        cli_say(run, "  columns     %" PRIu64 "%s\n", r->columns,
+                o->second != NULL ? " where both terrains are" : " under the surface");
         if (o->second != NULL)
-            cli_say(run, "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n", r->cut_voxels,
-                    (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
+            cli_say(run,
+                    "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
+                    " voxels, volume %.9g\n",
+                    r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels,
+                    (double)r->fill_voxels * voxel);
     }
     if (r->thin_checked)
-        cli_say(run, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n", r->thin_voxels);
+        cli_say(run,
+                "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
+                r->thin_voxels);
     if (o->check_edges)
-        cli_say(run, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n", r->boundary_edges, r->flipped_edges);
+        cli_say(run, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
+                r->boundary_edges, r->flipped_edges);
 }
 
 void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -184,14 +235,17 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
     const cli_options *const o = run->options;
     cli_text *const t = &run->report.more;
     double const voxel = voxel_volume(lattice);
-    cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
+
+    cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill],
+                 cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "triangles_used", r->triangles_used);
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "dropped", r->dropped);
     cli_json_count(t, "doubles", r->doubles);
-    if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell) cli_json_count(t, "surface_voxels", r->surface_voxels);
+    if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell)
+        cli_json_count(t, "surface_voxels", r->surface_voxels);
     if (o->fill == BVX_FILL_FLOOD) {
         cli_json_count(t, "closed_voxels", r->closed_voxels);
         cli_json_count(t, "leaks", r->leaks);

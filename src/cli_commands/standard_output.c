@@ -1,9 +1,10 @@
-/* standard_output.c - "-o -": one output to standard output, its format by --format or by what the command makes.
+/* standard_output.c - "-o -": one output to standard output, its format by --format or by what the command
+ * makes.
  *
  * From here on it has a name with an ending, as any output; what the program says goes to standard error. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define STANDARD_POSIX 1
+#define STANDARD_POSIX  1
 #else
 #define STANDARD_POSIX 0
 #endif
@@ -34,7 +35,8 @@ static int is_terminal(void)
 static int32_t format_of_inputs(const cli_run *run, int first)
 {
     for (int i = first; i < run->options->inputs; i++)
-        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH) return BVX_FORMAT_PLY;
+        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
+            return BVX_FORMAT_PLY;
     return BVX_FORMAT_BVX;
 }
 
@@ -47,7 +49,8 @@ static int32_t usual_format(const cli_run *run)
     case CLI_RENDER: return BVX_FORMAT_PNG;
     case CLI_SLICE: return BVX_FORMAT_CSV;
     case CLI_VOXELIZE: return o->mode == CLI_MODE_FIELD ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
-    case CLI_MORPH: return o->inputs > 0 && strcmp(o->input[0], "distance") == 0 ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
+    case CLI_MORPH:
+        return o->inputs > 0 && strcmp(o->input[0], "distance") == 0 ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
     case CLI_FILL:
     case CLI_COMPONENTS:
     case CLI_REFINE: return BVX_FORMAT_BVX;
@@ -75,7 +78,9 @@ int cli_take_standard_output(cli_run *run)
     const char *const known = format == BVX_FORMAT_CSV ? "csv" : cli_format_name(format);
 
     if (is_terminal())
-        return cli_usage(run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe", known);
+        return cli_usage(
+            run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe",
+            known);
     snprintf(run->standard_name, sizeof run->standard_name, "standard output.%s", known);
     run->options->output = run->standard_name;
     run->standard_taken = 1;

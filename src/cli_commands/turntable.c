@@ -1,7 +1,7 @@
 /* turntable.c - directions round an axis, the same to the last bit on every machine.
  *
- * A frame's angle is a whole fraction of a turn. Whole quarters are taken off in integers; what is left, at most an
- * eighth of a turn, goes into the series of sine and cosine, in which only + - * / stand. */
+ * A frame's angle is a whole fraction of a turn. Whole quarters are taken off in integers; what is left, at
+ * most an eighth of a turn, goes into the series of sine and cosine, in which only + - * / stand. */
 #include "cli_commands/commands.h"
 
 #include <math.h>
@@ -30,7 +30,8 @@ static void turn_by(int32_t i, int32_t n, double *cosine, double *sine)
     int64_t const quarters = 4 * (int64_t)i / n, rest = 4 * (int64_t)i % n;
     int const late = 2 * rest > n; /* nearer to the next quarter */
     double const x = QUARTER * (double)(late ? n - rest : rest) / (double)n;
-    double const c = late ? series_of_sine(x) : series_of_cosine(x), s = late ? series_of_cosine(x) : series_of_sine(x);
+    double const c = late ? series_of_sine(x) : series_of_cosine(x);
+    double const s = late ? series_of_cosine(x) : series_of_sine(x);
     *cosine = quarters == 0 ? c : quarters == 1 ? -s : quarters == 2 ? -c : s;
     *sine = quarters == 0 ? s : quarters == 1 ? c : quarters == 2 ? -s : -c;
 }
@@ -44,6 +45,7 @@ static double inner(const double a[3], const double b[3])
 static void unit_of(const double v[3], double n[3])
 {
     double most = 0.0, length;
+
     for (int a = 0; a < 3; a++) {
         most = v[a] > most ? v[a] : most;
         most = -v[a] > most ? -v[a] : most;
@@ -56,6 +58,7 @@ static void unit_of(const double v[3], double n[3])
 int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3])
 {
     double d[3], u[3], flat[3], side[3], cosine, sine, along;
+
     unit_of(direction, d);
     unit_of(axis, u);
     along = inner(d, u);
@@ -69,15 +72,17 @@ int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t
     return 1;
 }
 
-void cli_turn_room(const double low[3], const double high[3], const double middle[3], const double direction[3],
-                   const double axis[3], double room[2])
+void cli_turn_room(const double low[3], const double high[3], const double middle[3],
+                   const double direction[3], const double axis[3], double room[2])
 {
     double d[3], u[3], across[3], side[2][3];
+
     unit_of(direction, d);
     unit_of(axis, u);
     for (int a = 0; a < 3; a++) across[a] = u[(a + 1) % 3] * d[(a + 2) % 3] - u[(a + 2) % 3] * d[(a + 1) % 3];
     unit_of(across, side[0]);
-    for (int a = 0; a < 3; a++) side[1][a] = d[(a + 1) % 3] * side[0][(a + 2) % 3] - d[(a + 2) % 3] * side[0][(a + 1) % 3];
+    for (int a = 0; a < 3; a++)
+        side[1][a] = d[(a + 1) % 3] * side[0][(a + 2) % 3] - d[(a + 2) % 3] * side[0][(a + 1) % 3];
     for (int corner = 0; corner < 8; corner++) {
         double q[3];
         for (int a = 0; a < 3; a++) q[a] = ((corner >> a & 1) != 0 ? high[a] : low[a]) - middle[a];

@@ -1,4 +1,5 @@
-/* volume_info.c - what a scalar volume holds: type, range and a histogram, to choose --level or --range by. */
+/* volume_info.c - what a scalar volume holds: type, range and a histogram, to choose --level or --range
+ * by. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -12,18 +13,18 @@ typedef struct volume_facts {
     uint64_t nan, infinite, zero, finite;
     uint64_t bin[INFO_BINS]; /* of equal width from least to greatest */
     uint64_t fullest;
-    int bins;      /* one a value where few whole numbers are there */
-    double width;  /* of a bin */
+    int bins;     /* one a value where few whole numbers are there */
+    double width; /* of a bin */
 } volume_facts;
 
 static double sample_value(const char *at, int32_t type)
 {
     switch (type) {
-#define SAMPLE(name, kind) \
-    case name: { \
-        kind v; \
+#define SAMPLE(name, kind)        \
+    case name: {                  \
+        kind v;                   \
         memcpy(&v, at, sizeof v); \
-        return (double)v; \
+        return (double)v;         \
     }
         SAMPLE(BVX_SAMPLE_U8, uint8_t)
         SAMPLE(BVX_SAMPLE_I8, int8_t)
@@ -65,7 +66,8 @@ static void note_bin(volume_facts *f, double v)
     f->bin[bin]++;
 }
 
-static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f, double value), volume_facts *f)
+static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f, double value),
+                         volume_facts *f)
 {
     static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     int64_t stride[3] = {v->strides[0], v->strides[1], v->strides[2]};
@@ -78,14 +80,16 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
     for (int64_t z = 0; z < v->size[2]; z++)
         for (int64_t y = 0; y < v->size[1]; y++) {
             const char *const row = (const char *)v->samples + z * stride[2] + y * stride[1];
-            for (int64_t x = 0; x < v->size[0]; x++) note(f, sample_value(row + x * stride[0], v->sample_type));
+            for (int64_t x = 0; x < v->size[0]; x++)
+                note(f, sample_value(row + x * stride[0], v->sample_type));
         }
 }
 
 static void choose_bins(const bvx_volume_view *v, volume_facts *f)
 {
     double const range = f->greatest - f->least;
-    int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 && range < INFO_BINS;
+    int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 &&
+                      range < INFO_BINS;
 
     f->bins = whole ? (int)range + 1 : INFO_BINS;
     f->width = whole ? 1.0 : range / INFO_BINS;
@@ -106,13 +110,15 @@ static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_fact
     for (int i = 0; i < f->bins; i++) cli_text_add(t, "%s%" PRIu64, i == 0 ? "" : ", ", f->bin[i]);
     cli_text_add(t, "]}");
 
-    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0", cli_sample_names[v->sample_type - BVX_SAMPLE_U8], f->least, f->greatest, f->zero);
-    if (f->nan + f->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
+    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0",
+            cli_sample_names[v->sample_type - BVX_SAMPLE_U8], f->least, f->greatest, f->zero);
+    if (f->nan + f->infinite != 0)
+        cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
     cli_say(run, "\n");
     for (int i = 0; i < f->bins; i++) {
         int const bar = f->fullest == 0 ? 0 : (int)(f->bin[i] * INFO_BAR / f->fullest);
-        cli_say(run, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar, "########################################",
-                f->bin[i]);
+        cli_say(run, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar,
+                "########################################", f->bin[i]);
     }
     cli_say(run, "\nvoxels whose sample is not 0\n");
 }
@@ -131,7 +137,8 @@ int cli_tell_samples(cli_run *run, const char *path)
         if (f.width > 0.0) walk_samples(&v.view, note_bin, &f);
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;
         cli_stage_end(run);
-        if (v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) tell_facts(run, &v.view, &f); /* else bits */
+        /* else bits */
+        if (v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) tell_facts(run, &v.view, &f);
     }
     cli_free_volume(run, &v);
     return status;

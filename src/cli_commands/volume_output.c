@@ -1,4 +1,5 @@
-/* volume_output.c - voxelize of a volume: to a grid, to the surface of a level, or to a surface for each label. */
+/* volume_output.c - voxelize of a volume: to a grid, to the surface of a
+ * level, or to a surface for each label. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -17,14 +18,20 @@ static int check_volume_output(cli_run *run, int *kind)
 {
     const char *const out = run->options->output;
     int const has_number = cli_has_number(out);
+
     *kind = cli_kind_of_format(bvx_format_of_name(out));
     if (*kind == 0)
-        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS "), and in no mesh "
-                         "format (" CLI_MESHES_WRITTEN ")", out);
-    if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE) return CLI_USAGE;
+        return cli_usage(run,
+                         "%s: the name ends in no grid format that is written (" CLI_GRIDS
+                         "), and in no mesh "
+                         "format (" CLI_MESHES_WRITTEN ")",
+                         out);
+    if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE)
+        return CLI_USAGE;
     if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
     if (run->options->all_labels && (*kind != CLI_MESH || !has_number))
-        return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh", out);
+        return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh",
+                         out);
     if (!run->options->all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     return CLI_DONE;
@@ -33,8 +40,10 @@ static int check_volume_output(cli_run *run, int *kind)
 static void say_volume(cli_run *run, const volume_job *j)
 {
     const bvx_volume_report *const r = &j->report;
-    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options->input[0]), run->options->output, r->least, r->greatest);
-    if (r->nan + r->infinite != 0) cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
+    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options->input[0]),
+            run->options->output, r->least, r->greatest);
+    if (r->nan + r->infinite != 0)
+        cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
     cli_say(run, "\n");
 }
 
@@ -57,10 +66,11 @@ static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid,
     return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
 }
 
-/* A copy of the samples in which those of dropped parts are as one that is outside, so that the surface of what is kept stays where
- * its samples put it. Parts have no face in common, so no edge of the lattice leads from one into another. */
-static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_grid *all, const bvx_grid *kept, bvx_volume_view *copy,
-                        void **samples)
+/* A copy of the samples in which those of dropped parts are as one that is outside,
+ * so that the surface of what is kept stays where its samples put it. Parts have no
+ * face in common, so no edge of the lattice leads from one into another. */
+static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_grid *all, const bvx_grid *kept,
+                        bvx_volume_view *copy, void **samples)
 {
     static const int64_t bytes_of[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     size_t const size = (size_t)bytes_of[view->sample_type];
@@ -103,7 +113,9 @@ static int make_volume_grid(cli_run *run, volume_job *j)
     const char *const in = cli_input_name(run->options->input[0]);
     bvx_grid grid = {0};
     bvx_status status;
-    int result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice, j->volume.view.size);
+    int result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
+                                       j->volume.view.size);
+
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
     status = cli_select_voxels(run, &j->volume, &j->report, &grid);
@@ -167,8 +179,9 @@ static void say_mesh(cli_run *run, int n)
     const cli_mesh_entry *const e = &run->report.mesh[n];
     const bvx_certificate *const c = &e->certificate;
     cli_say(run, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path, c->triangles,
-            c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold" : "NOT closed", c->volume, c->components,
-            c->components == 1 ? "" : "s");
+            c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold"
+                                                                               : "NOT closed",
+            c->volume, c->components, c->components == 1 ? "" : "s");
 }
 
 /* The level's surface around the parts that are kept. */
@@ -181,8 +194,10 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
 
     *status = cli_select_voxels(run, &j->volume, &j->report, &all);
     if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
-    if (*status == BVX_OK && run->report.parts.dropped != 0) result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
-    if (*status == BVX_OK && result == CLI_DONE && (j->report.inside != 0 || run->report.parts.dropped == 0)) {
+    if (*status == BVX_OK && run->report.parts.dropped != 0)
+        result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
+    if (*status == BVX_OK && result == CLI_DONE &&
+        (j->report.inside != 0 || run->report.parts.dropped == 0)) {
         bvx_volume_report const whole = j->report;
         *status = make_level_mesh(run, j, &view, mesh);
         j->report = whole; /* of the file's samples, not of the copy's */
@@ -201,6 +216,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     bvx_grid grid = {0};
     bvx_status status;
     int result = CLI_DONE;
+
     cli_stage_begin(run, "surface");
     if (cli_given(run, "--level") && cli_keeps_parts(run)) {
         result = make_kept_level_mesh(run, j, &status, &mesh);
@@ -216,9 +232,11 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     if (result != CLI_DONE) return result;
     if (status != BVX_OK) return cli_fail_status(run, status, in);
     if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
-        return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in, run->report.parts.dropped);
+        return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
+                        run->report.parts.dropped);
     if (mesh.triangle_count == 0)
-        return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface", in, j->report.least, j->report.greatest);
+        return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface",
+                        in, j->report.least, j->report.greatest);
     result = put_mesh(run, &mesh, 0, run->options->output, &reduction);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     bvx_mesh_free(run->context, &mesh);
@@ -239,6 +257,7 @@ static int list_labels(cli_run *run, volume_job *j)
     const char *const in = cli_input_name(run->options->input[0]);
     uint64_t count = 0;
     bvx_status status;
+
     cli_stage_begin(run, "labels");
     status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
     if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
@@ -250,7 +269,9 @@ static int list_labels(cli_run *run, volume_job *j)
     if (status != BVX_OK) return cli_fail_status(run, status, in);
     if (count == 0) return cli_fail(run, "%s: no sample is other than 0; there are no labels", in);
     if (count > CLI_MAX_OUTPUTS)
-        return cli_fail(run, "%s: %" PRIu64 " labels, more than the %d files of one run; take --label or --range", in, count, CLI_MAX_OUTPUTS);
+        return cli_fail(run,
+                        "%s: %" PRIu64 " labels, more than the %d files of one run; take --label or --range",
+                        in, count, CLI_MAX_OUTPUTS);
     return CLI_DONE;
 }
 
@@ -260,6 +281,7 @@ static void label_view(const volume_job *j, const bvx_label *l, bvx_volume_view 
     static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     const bvx_volume_view *const whole = &j->volume.view;
     int64_t stride[3] = {whole->strides[0], whole->strides[1], whole->strides[2]}, at = 0;
+
     *view = *whole;
     if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
         stride[0] = size[whole->sample_type];
@@ -286,9 +308,11 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     bvx_volume_report report;
     bvx_status status;
     int result;
+
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     if (value > 9007199254740992.0 || value < -9007199254740992.0)
-        return cli_fail(run, "%s: labels beyond 2^53 are not written", cli_input_name(run->options->input[0]));
+        return cli_fail(run, "%s: labels beyond 2^53 are not written",
+                        cli_input_name(run->options->input[0]));
     result = cli_open_output(run, path);
     if (result != CLI_DONE) return result;
     label_view(j, &j->labels[n], &view);
@@ -298,7 +322,8 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
-    result = status == BVX_OK ? put_mesh(run, &mesh, n, path, &reduction) : cli_fail_status(run, status, path);
+    result = status == BVX_OK ? put_mesh(run, &mesh, n, path, &reduction)
+                              : cli_fail_status(run, status, path);
     bvx_mesh_free(run->context, &mesh);
     return result;
 }
@@ -306,6 +331,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
 static void tell_labels(cli_run *run, const volume_job *j)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < j->label_count; i++) {
         cli_text_add(t, "%s{\"value\": %" PRId64, i == 0 ? "" : ", ", j->labels[i].value);
@@ -318,6 +344,7 @@ static void tell_labels(cli_run *run, const volume_job *j)
 static int make_label_meshes(cli_run *run, volume_job *j)
 {
     int status = list_labels(run, j);
+
     for (uint64_t i = 0; i < j->label_count && status == CLI_DONE; i++) {
         status = make_label_mesh(run, j, (int)i);
         if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
@@ -337,13 +364,17 @@ int cli_voxelize_volume(cli_run *run, const bvx_window *window)
 {
     static volume_job j;
     int kind, status = check_volume_output(run, &kind);
+
     memset(&j, 0, sizeof j);
     if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);
     if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options->output);
-    if (status == CLI_DONE && kind == CLI_MESH && !run->options->all_labels) status = cli_open_output(run, run->options->output);
+    if (status == CLI_DONE && kind == CLI_MESH && !run->options->all_labels)
+        status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_volume(run, run->options->input[0], window, &j.volume);
     if (status == CLI_DONE)
-        status = kind == CLI_GRID ? make_volume_grid(run, &j) : run->options->all_labels ? make_label_meshes(run, &j) : make_volume_mesh(run, &j);
+        status = kind == CLI_GRID           ? make_volume_grid(run, &j)
+                 : run->options->all_labels ? make_label_meshes(run, &j)
+                                            : make_volume_mesh(run, &j);
     free(j.labels);
     if (run->context != NULL) cli_free_volume(run, &j.volume);
     return status;

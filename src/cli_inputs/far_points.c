@@ -1,8 +1,9 @@
 /* far_points.c - one point far from all others must not cost memory by the size of the box around both.
  *
- * With --spacing a lattice is as large as the box. Where it is large, and mostly for the sake of a few points that lie many times
- * as far from the others as these lie from each other, the command refuses it and names them. The others are looked for among some
- * thousand points: between the places that a twentieth of them lies below and above. */
+ * With --spacing a lattice is as large as the box. Where it is large, and mostly for the sake of a few points
+ * that lie many times as far from the others as these lie from each other, the command refuses it and names
+ * them. The others are looked for among some thousand points: between the places that a twentieth of them
+ * lies below and above. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -17,10 +18,10 @@ enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16, NEAR
 typedef struct far_points {
     const bvx_mesh_view *view;
     int cloud;
-    uint64_t count;          /* corners of triangles, or points */
-    double low[3], high[3];  /* what lies beyond is far */
+    uint64_t count;                   /* corners of triangles, or points */
+    double low[3], high[3];           /* what lies beyond is far */
     double near_low[3], near_high[3]; /* box of the others */
-    uint64_t far, first;     /* how many, and the number of the first */
+    uint64_t far, first;              /* how many, and the number of the first */
     double at[3];
 } far_points;
 
@@ -70,7 +71,8 @@ static int find_near_box(far_points *f)
     return 1;
 }
 
-/* Far points by number: a vertex counts once for each triangle that uses it, which does not matter for a share. */
+/* Far points by number: a vertex counts once for each triangle that uses
+ * it, which does not matter for a share. */
 static void count_far(far_points *f)
 {
     for (int a = 0; a < 3; a++) {
@@ -94,9 +96,10 @@ static void count_far(far_points *f)
     }
 }
 
-/* By --resolution a far point costs no memory, but leaves the others a few voxels: where they lie in fewer than NEAR_VOXELS along each
- * axis of a lattice that has many more. */
-static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice)
+/* By --resolution a far point costs no memory, but leaves the others a few voxels: where they lie in fewer
+ * than NEAR_VOXELS along each axis of a lattice that has many more. */
+static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
+                        const bvx_lattice *lattice)
 {
     far_points f = {.view = view, .cloud = cloud};
     double most = 0.0;
@@ -112,12 +115,16 @@ static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *vie
     }
     if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
 
-    cli_warn(run, "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32 " voxels long; take it out of "
-             "the file, or choose voxels by --spacing", cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
+    cli_warn(run,
+             "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
+             " voxels long; take it out of "
+             "the file, or choose voxels by --spacing",
+             cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
              f.far == 1 ? "" : ", and it is not the only one", most, longest);
 }
 
-int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice)
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
+                  const bvx_lattice *lattice)
 {
     double bytes = 8.0, near = 8.0, limit = (double)run->context_limit;
     far_points f = {.view = view, .cloud = cloud};
@@ -135,8 +142,12 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
     }
     if (near * FAR_SAVED > bytes) return CLI_DONE;
 
-    return cli_fail(run, "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32 " x %" PRId32 " x %" PRId32
-                    " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much by --memory-limit",
-                    cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1],
-                    f.at[2], f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1], lattice->dims[2], bytes, near);
+    return cli_fail(
+        run,
+        "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32
+        " x %" PRId32 " x %" PRId32
+        " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much by --memory-limit",
+        cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
+        f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1],
+        lattice->dims[2], bytes, near);
 }

@@ -1,10 +1,10 @@
 /* files.c - whole files in.
  *
- * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are told by their first bytes
- * and unpacked in memory. */
+ * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are told by their
+ * first bytes and unpacked in memory. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define FILES_POSIX 1
+#define FILES_POSIX     1
 #else
 #define FILES_POSIX 0
 #endif
@@ -29,7 +29,8 @@
 
 enum { FILES_CHUNK = 1 << 20 };
 
-#define FILES_MACHINE (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not tell its memory */
+#define FILES_MACHINE \
+    (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not tell its memory */
 
 /* ---- room ---- */
 
@@ -45,9 +46,11 @@ static uint64_t bytes_ceiling(const cli_run *run)
 static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64_t limit)
 {
     if (run->general->memory_limit != 0)
-        return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it", cli_input_name(path), more, limit);
-    return cli_fail(run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
-                    cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
+        return cli_fail(run, "%s: %s the %" PRIu64 " bytes that --memory-limit leaves for it",
+                        cli_input_name(path), more, limit);
+    return cli_fail(
+        run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
+        cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
 }
 
 /* Room for more bytes: as much again, within the limit. */
@@ -55,10 +58,13 @@ static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
     unsigned char *more;
+
     if (room > b->limit) room = (size_t)b->limit;
     if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
     more = realloc(b->bytes, room);
-    if (more == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)room);
+    if (more == NULL)
+        return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
+                        (uint64_t)room);
     b->bytes = more;
     b->room = room;
     cli_large_block(more, room);
@@ -73,17 +79,21 @@ static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t 
     b->room = (size_t)guess + 1; /* one more, so that the end is seen without growing */
     if (b->room > b->limit) b->room = (size_t)b->limit;
     b->bytes = malloc(b->room);
-    if (b->bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path), (uint64_t)b->room);
+    if (b->bytes == NULL)
+        return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
+                        (uint64_t)b->room);
     cli_large_block(b->bytes, b->room);
     return CLI_DONE;
 }
 
 /* ---- reading ---- */
 
-/* Bytes of a plain file; 0 when they show only while reading (a pipe), -1 with errno when it is none to read. */
+/* Bytes of a plain file; 0 when they show only while reading (a pipe), -1 with errno when it is none to
+ * read. */
 static int64_t size_of_file(FILE *file)
 {
     long size = -1;
+
 #if FILES_POSIX
     struct stat s;
     if (fstat(fileno(file), &s) != 0) return -1;
@@ -102,6 +112,7 @@ static int64_t size_of_file(FILE *file)
 static size_t read_part(FILE *file, unsigned char *to, size_t want, int *error)
 {
     size_t got = 0;
+
     do {
         clearerr(file);
         errno = 0;
@@ -116,6 +127,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
     uint64_t const ceiling = bytes_ceiling(run), limit = held < ceiling ? ceiling - held : 0;
     int64_t const size = file != stdin ? size_of_file(file) : 0;
     int status;
+
     if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
     if (limit == 0) return fail_ceiling(run, path, "is to fit into", limit);
     if ((uint64_t)size > limit) {
@@ -136,7 +148,8 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
             b->bytes[b->size] = next;
         }
         b->size += got;
-        if (cli_progress(run, "read", size > 0 ? (double)b->size / (double)size : 0.0)) return cli_fail_interrupted(run);
+        if (cli_progress(run, "read", size > 0 ? (double)b->size / (double)size : 0.0))
+            return cli_fail_interrupted(run);
         if (error != 0) return cli_fail(run, "%s: %s", cli_input_name(path), strerror(error));
         if (got < want) break;
     }
@@ -150,6 +163,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
 static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, cli_bytes *b, z_stream *z)
 {
     size_t taken = 0;
+
     for (;;) {
         int result;
         if (b->size == b->room && grow_bytes(run, path, b) != CLI_DONE) return CLI_FAILED;
@@ -161,20 +175,24 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         result = inflate(z, Z_NO_FLUSH);
         taken = (size_t)(z->next_in - packed->bytes);
         b->size = (size_t)(z->next_out - b->bytes);
-        if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0))) return cli_fail_interrupted(run);
+        if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0)))
+            return cli_fail_interrupted(run);
         if (result == Z_STREAM_END) {
             while (taken < packed->size && packed->bytes[taken] == 0) taken++;
             if (taken == packed->size) return CLI_DONE;
-            if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f || packed->bytes[taken + 1] != 0x8b) {
-                cli_warn(run, "%s: gzip: %" PRIu64 " bytes behind the data are left out", cli_input_name(path), (uint64_t)(packed->size - taken));
+            if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f ||
+                packed->bytes[taken + 1] != 0x8b) {
+                cli_warn(run, "%s: gzip: %" PRIu64 " bytes behind the data are left out",
+                         cli_input_name(path), (uint64_t)(packed->size - taken));
                 return CLI_DONE;
             }
             inflateReset(z);
         } else if (result == Z_BUF_ERROR && taken == packed->size) {
-            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64, cli_input_name(path), (uint64_t)taken);
+            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64,
+                            cli_input_name(path), (uint64_t)taken);
         } else if (result != Z_OK && result != Z_BUF_ERROR) {
-            return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, cli_input_name(path), z->msg != NULL ? z->msg : "damaged data",
-                            (uint64_t)taken);
+            return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, cli_input_name(path),
+                            z->msg != NULL ? z->msg : "damaged data", (uint64_t)taken);
         }
     }
 }
@@ -187,7 +205,8 @@ static uint64_t guess_unpacked(const cli_bytes *packed)
     if (packed->size < 18) return 64; /* no whole file */
     p = packed->bytes + packed->size - 4;
     told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
-    return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4; /* deflate: 1032 at most */
+    /* deflate: 1032 at most */
+    return told >= packed->size && told / 1100 <= packed->size ? told : (uint64_t)packed->size * 4;
 }
 
 static int unpack(cli_run *run, const char *path, cli_bytes *b)
@@ -196,6 +215,7 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
     z_stream z;
     uint64_t const limit = b->limit > b->size ? b->limit - b->size : 1; /* both are held for a while */
     int status = start_bytes(run, path, guess_unpacked(b), limit, &plain);
+
     if (status != CLI_DONE) return status;
     memset(&z, 0, sizeof z);
     if (inflateInit2(&z, 15 + 16) != Z_OK) { /* the largest window, gzip's head and foot */
@@ -213,14 +233,16 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
 static int unpack(cli_run *run, const char *path, cli_bytes *b)
 {
     (void)b;
-    return cli_fail(run, "%s: gzip data, which this build cannot unpack: it was made without zlib", cli_input_name(path));
+    return cli_fail(run, "%s: gzip data, which this build cannot unpack: it was made without zlib",
+                    cli_input_name(path));
 }
 #endif
 
 static int is_gzip(const char *path, const cli_bytes *b)
 {
     size_t const n = strlen(path);
-    return (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) || (n > 3 && strcmp(path + n - 3, ".gz") == 0);
+    return (b->size >= 2 && b->bytes[0] == 0x1f && b->bytes[1] == 0x8b) ||
+           (n > 3 && strcmp(path + n - 3, ".gz") == 0);
 }
 
 /* ---- inputs ---- */
@@ -230,17 +252,20 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     int const standard = strcmp(path, "-") == 0;
     FILE *file;
     int status;
+
     memset(b, 0, sizeof *b);
 #if defined(_WIN32)
     if (standard) _setmode(_fileno(stdin), _O_BINARY);
 #endif
     file = standard ? stdin : fopen(path, "rb");
-    if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no writer */
+    /* while a pipe had no writer */
+    if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run);
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
     status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
-    if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI) status = cli_unpack_vti(run, path, b);
+    if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI)
+        status = cli_unpack_vti(run, path, b);
     cli_note_peak(run, b->size);
     return status;
 }
@@ -257,16 +282,19 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 
 static int is_mesh_format(int32_t format)
 {
-    return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY || format == BVX_FORMAT_OFF;
+    return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY ||
+           format == BVX_FORMAT_OFF;
 }
 
-/* Commands that measure a mesh leave out triangles that lie nowhere; the others, which keep triangles, refuse them. */
+/* Commands that measure a mesh leave out triangles that lie nowhere; the
+ * others, which keep triangles, refuse them. */
 static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
     uint64_t dropped = 0;
     bvx_status status;
 
-    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0) return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
+    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0)
+        return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
     status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
     if (status == BVX_OK) run->report.nonfinite += dropped;
     return status;
@@ -277,7 +305,8 @@ static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, b
 {
     bvx_status read = BVX_ERR_EMPTY;
     if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
-    if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)) return read;
+    if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
+        return read;
     *cloud = 1;
     return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
 }
@@ -287,6 +316,7 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
     uint64_t const before = run->report.nonfinite;
     cli_bytes b = {NULL, 0, 0, 0};
     int status = cli_read_file(run, path, &b);
+
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
         cli_stage_begin(run, "parse");
@@ -296,8 +326,9 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         bvx_memory_reset_peak(run->context);
         if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
         else if (run->report.nonfinite != before)
-            cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out", cli_input_name(path),
-                     run->report.nonfinite - before, run->report.nonfinite - before == 1 ? "" : "s");
+            cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
+                     cli_input_name(path), run->report.nonfinite - before,
+                     run->report.nonfinite - before == 1 ? "" : "s");
     }
     free(b.bytes);
     return status;
@@ -309,7 +340,9 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
     if (strcmp(path, "-") == 0 && !is_mesh_format(format))
         return cli_usage(run, "--format names no mesh format that is read (" CLI_MESHES_READ ")");
     if (!is_mesh_format(format))
-        return cli_fail(run, "%s: the name ends in no mesh format that is read (" CLI_MESHES_READ ", also with .gz)", path);
+        return cli_fail(
+            run, "%s: the name ends in no mesh format that is read (" CLI_MESHES_READ ", also with .gz)",
+            path);
     return read_mesh_file(run, path, format, mesh, NULL);
 }
 
@@ -317,6 +350,7 @@ int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *
 {
     int32_t const format = cli_input_format(run, path);
     *cloud = 0;
-    if (format != BVX_FORMAT_XYZ && !is_mesh_format(format)) return cli_read_mesh(run, path, mesh); /* which refuses it */
+    /* which refuses it */
+    if (format != BVX_FORMAT_XYZ && !is_mesh_format(format)) return cli_read_mesh(run, path, mesh);
     return read_mesh_file(run, path, format, mesh, cloud);
 }

@@ -16,9 +16,14 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
     *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
     if (*kind != 0) return CLI_DONE;
     if (strcmp(path, "-") == 0)
-        return cli_usage(run, "--format names no mesh format that is read, and no grid format (" CLI_MESHES_READ " " CLI_GRIDS ")");
-    if (format == BVX_FORMAT_GLB) return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
-    return cli_fail(run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")", path);
+        return cli_usage(run,
+                         "--format names no mesh format that is read, and no grid format (" CLI_MESHES_READ
+                         " " CLI_GRIDS ")");
+    if (format == BVX_FORMAT_GLB)
+        return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
+    return cli_fail(
+        run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")",
+        path);
 }
 
 /* ---- grids ---- */
@@ -34,6 +39,7 @@ static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window
 {
     int32_t const format = cli_input_format(run, in->path);
     bvx_status read;
+
     in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
     in->placed = 1;
     cli_stage_begin(run, "parse");
@@ -51,6 +57,7 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
     bvx_volume_report report;
     cli_volume v;
     int status = cli_read_volume(run, path, window, &v);
+
     in->kind = CLI_GRID;
     in->placed = v.placed;
     if (status == CLI_DONE) {
@@ -70,7 +77,9 @@ static int keep_read_parts(cli_run *run, cli_input *in)
 {
     bvx_status status;
 
-    if (in->kind == CLI_TREE) return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree", cli_input_name(in->path));
+    if (in->kind == CLI_TREE)
+        return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree",
+                         cli_input_name(in->path));
     status = cli_keep_parts(run, &in->grid, &in->grid);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(in->path));
 }
@@ -79,15 +88,18 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
 {
     cli_bytes b = {NULL, 0, 0, 0};
     int status;
+
     memset(in, 0, sizeof *in);
     in->path = path;
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
     status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
-    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run)) status = keep_read_parts(run, in);
+    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run))
+        status = keep_read_parts(run, in);
     free(b.bytes);
-    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path))) status = cli_read_sidecar(run, path, &in->grid, &in->placed);
+    if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path)))
+        status = cli_read_sidecar(run, path, &in->grid, &in->placed);
     return status;
 }
 
@@ -106,8 +118,10 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
     static const bvx_window all = {{0, 0, 0}, {0, 0, 0}};
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, window, &in);
+
     if (status == CLI_DONE && in.kind == CLI_TREE)
-        status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path), &in.grid);
+        status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path),
+                                 &in.grid);
     else if (status == CLI_DONE) status = refuse_of_trees(run, path, "a grid");
     bvx_octree_free(run->context, in.tree);
     *grid = in.grid;
@@ -118,10 +132,12 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
 int cli_window_option(cli_run *run, bvx_window *window)
 {
     const cli_list *const l = &run->options->window;
+
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
         if (l->value[a] >= l->value[a + 3])
-            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64, l->value[a + 3], l->value[a]);
+            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64,
+                             l->value[a + 3], l->value[a]);
         window->low[a] = (int32_t)l->value[a];
         window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);
     }
@@ -133,6 +149,7 @@ int cli_window_option(cli_run *run, bvx_window *window)
 int cli_read_input(cli_run *run, const char *path, cli_input *input)
 {
     int status;
+
     memset(input, 0, sizeof *input);
     input->path = path;
     status = cli_input_kind(run, path, &input->kind);

@@ -11,8 +11,8 @@ enum { CLI_MESH = 1, CLI_GRID = 2, CLI_TREE = 3 };
 /* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... */
 int cli_kind_of_format(int32_t format);
 const char *cli_format_name(int32_t format);
-int cli_needs_sidecar(int32_t format);       /* it keeps no lattice */
-char *cli_sidecar_name(const char *path);    /* to be freed; NULL without memory */
+int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
+char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
 /* The format of an input by --format or its name, BVX_FORMAT_... */
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* How messages call an input. */
@@ -25,12 +25,13 @@ int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *lat
 typedef struct cli_bytes {
     unsigned char *bytes;
     size_t size, room;
-    uint64_t limit;          /* of room */
+    uint64_t limit; /* of room */
 } cli_bytes;
 
 /* Read a file, gzip data unpacked; "-" is standard input. */
 int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
-/* The same within a stage of the caller's, where so many bytes of other files are held already and count against the same limit. */
+/* The same within a stage of the caller's, where so many bytes of other
+ * files are held already and count against the same limit. */
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
 /* Read a mesh from a file; creates run->context when there is none. */
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
@@ -51,17 +52,17 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
 
 typedef struct cli_input {
     const char *path;
-    int kind;       /* CLI_MESH, CLI_GRID, or CLI_TREE where that is asked for */
+    int kind; /* CLI_MESH, CLI_GRID, or CLI_TREE where that is asked for */
     bvx_mesh mesh;
     bvx_grid grid;
     bvx_octree *tree;
-    int placed;     /* 0: neither file nor side-car tells a grid's lattice */
+    int placed; /* 0: neither file nor side-car tells a grid's lattice */
 } cli_input;
 
 /* What an input would be by its name; refuses what is not read. */
 int cli_input_kind(cli_run *run, const char *path, int *kind);
-/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there is none. An octree
- * becomes the grid of its last level, or that of --expand. */
+/* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there
+ * is none. An octree becomes the grid of its last level, or that of --expand. */
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed);
 /* The same, but an octree stays what it is. */
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *input);
@@ -73,10 +74,10 @@ void cli_free_input(cli_run *run, cli_input *input);
 /* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
 
 typedef struct cli_volume {
-    cli_bytes file, data;   /* samples may stand in either */
+    cli_bytes file, data; /* samples may stand in either */
     bvx_volume volume;
-    bvx_volume_view view;   /* the window of it that is wanted */
-    int placed;             /* 0: neither file nor side-car tells its lattice */
+    bvx_volume_view view; /* the window of it that is wanted */
+    int placed;           /* 0: neither file nor side-car tells its lattice */
 } cli_volume;
 
 /* 1 when options choose voxels of a volume by their samples. */
@@ -91,7 +92,8 @@ int cli_check_selection(cli_run *run, const char *path);
 int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
 void cli_free_volume(cli_run *run, cli_volume *volume);
 /* The voxels of --level, --range or --label; without any those whose sample is not 0. */
-bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report, bvx_grid *grid);
+bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report,
+                             bvx_grid *grid);
 /* What was found in it: a member of the JSON report, lines of text, a warning. */
 void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report);
 
@@ -109,8 +111,10 @@ void cli_say_parts(cli_run *run);
 
 /* Refuse --expand beyond the last level. */
 int cli_check_tree_level(cli_run *run, int32_t levels);
-/* The last level, or that of --expand, as a grid, or a window of it (all zero: all); path is named in messages. */
-int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path, bvx_grid *grid);
+/* The last level, or that of --expand, as a grid, or a window of it (all
+ * zero: all); path is named in messages. */
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
+                    bvx_grid *grid);
 
 /* ---- contour_input.c: contours of sections ---- */
 
@@ -140,6 +144,7 @@ double cli_diagonal(const double low[3], const double high[3]);
 /* ---- far_points.c ---- */
 
 /* Refuse a large lattice that is large because of few points far from the others. */
-int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud, const bvx_lattice *lattice);
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
+                  const bvx_lattice *lattice);
 
 #endif

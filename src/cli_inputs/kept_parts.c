@@ -1,4 +1,5 @@
-/* kept_parts.c - --keep-largest and --least-part: which parts of voxels stay, wherever a grid is made or read. */
+/* kept_parts.c - --keep-largest and --least-part: which parts of voxels
+ * stay, wherever a grid is made or read. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -7,7 +8,8 @@
 static uint64_t least_part_of(const cli_run *run)
 {
     /* --least-part of lod is of measured surfaces. */
-    return run->command->bit != CLI_LOD && run->options->least_part > 0 ? (uint64_t)run->options->least_part : 0;
+    return run->command->bit != CLI_LOD && run->options->least_part > 0 ? (uint64_t)run->options->least_part
+                                                                        : 0;
 }
 
 int cli_keeps_parts(const cli_run *run)
@@ -19,10 +21,12 @@ int cli_check_parts(cli_run *run)
 {
     const char *const name = run->options->keep_largest != 0 ? "--keep-largest" : "--least-part";
 
-    if (!cli_keeps_parts(run) || (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0) return CLI_DONE;
+    if (!cli_keeps_parts(run) || (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
+        return CLI_DONE;
     for (int i = 0; i < run->options->inputs; i++)
         if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
-            return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name, cli_input_name(run->options->input[i]));
+            return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name,
+                             cli_input_name(run->options->input[i]));
     return CLI_DONE;
 }
 
@@ -55,5 +59,6 @@ void cli_say_parts(cli_run *run)
     const bvx_keep_report *const p = &run->report.parts;
 
     if (!run->report.has_parts) return;
-    cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept, p->kept + p->dropped, p->voxels_dropped);
+    cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept,
+            p->kept + p->dropped, p->voxels_dropped);
 }

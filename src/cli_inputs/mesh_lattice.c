@@ -9,22 +9,26 @@ enum { LATTICE_RESOLUTION = 256 };
 int cli_check_lattice(cli_run *run)
 {
     const cli_options *const o = run->options;
-    if (o->resolution.count != 0 && o->spacing != 0.0) return cli_usage(run, "--resolution and --spacing exclude each other");
+    if (o->resolution.count != 0 && o->spacing != 0.0)
+        return cli_usage(run, "--resolution and --spacing exclude each other");
     if (o->origin.given && o->spacing == 0.0) return cli_usage(run, "--origin needs --spacing");
-    if (o->origin.given && o->padding != 0) return cli_usage(run, "--origin and --padding exclude each other");
+    if (o->origin.given && o->padding != 0)
+        return cli_usage(run, "--origin and --padding exclude each other");
     return CLI_DONE;
 }
 
 static double coordinate_of(const bvx_mesh *mesh, uint32_t vertex, int axis)
 {
     size_t const at = (size_t)vertex * 3 + (size_t)axis;
-    return mesh->position_type == BVX_F32 ? (double)((const float *)mesh->positions)[at] : ((const double *)mesh->positions)[at];
+    return mesh->position_type == BVX_F32 ? (double)((const float *)mesh->positions)[at]
+                                          : ((const double *)mesh->positions)[at];
 }
 
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
 {
     for (int a = 0; a < 3; a++) {
-        box->low[a] = box->high[a] = mesh->triangle_count != 0 ? coordinate_of(mesh, mesh->triangles[0], a) : 0.0;
+        box->low[a] = box->high[a] = mesh->triangle_count != 0 ? coordinate_of(mesh, mesh->triangles[0], a)
+                                                               : 0.0;
         for (uint64_t i = 1; i < mesh->triangle_count * 3; i++) {
             double const p = coordinate_of(mesh, mesh->triangles[i], a);
             box->low[a] = p < box->low[a] ? p : box->low[a];
@@ -47,9 +51,11 @@ typedef struct fit_target {
     const bvx_mesh_view *points, *mesh;
 } fit_target;
 
-static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_lattice_options *fit, bvx_lattice *lattice)
+static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_lattice_options *fit,
+                         bvx_lattice *lattice)
 {
-    if (target->box != NULL) return bvx_lattice_fit_box(run->context, target->box->low, target->box->high, fit, lattice);
+    if (target->box != NULL)
+        return bvx_lattice_fit_box(run->context, target->box->low, target->box->high, fit, lattice);
     if (target->points != NULL) return bvx_lattice_fit_points(run->context, target->points, fit, lattice);
     return bvx_lattice_fit_with(run->context, target->mesh, fit, lattice);
 }
@@ -62,6 +68,7 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
     double spacing[3] = {o->spacing, o->spacing, o->spacing};
     int32_t dims[3];
     bvx_status status;
+
     bvx_lattice_options_init(&fit, sizeof fit);
     memcpy(fit.spacing, spacing, sizeof spacing);
     status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
@@ -78,6 +85,7 @@ static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_latti
 {
     const cli_options *const o = run->options;
     bvx_lattice_options fit;
+
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = o->padding;

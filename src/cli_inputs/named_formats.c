@@ -10,13 +10,16 @@ enum { VOX_SIDE = 256 };
 int cli_kind_of_format(int32_t format)
 {
     if (format < 0 || format > 30) return 0;
-    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH : (BVX_GRIDS_READ >> format & 1) != 0 ? CLI_GRID : 0;
+    return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH
+           : (BVX_GRIDS_READ >> format & 1) != 0   ? CLI_GRID
+                                                   : 0;
 }
 
 const char *cli_format_name(int32_t format)
 {
     switch (format) {
-#define FORMAT_NAME(name, value, text) case name: return text;
+#define FORMAT_NAME(name, value, text) \
+    case name: return text;
         BVX_FORMAT_LIST(FORMAT_NAME)
 #undef FORMAT_NAME
     default: return "unknown";
@@ -52,12 +55,17 @@ int32_t cli_input_format(const cli_run *run, const char *path)
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
 {
     int32_t const format = bvx_format_of_name(path);
+
     for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
         if (size[a] > VOX_SIDE)
-            return cli_fail(run, "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels; .vox holds at most %d a side: take another format, "
-                            "fewer voxels or a --window", path, size[0], size[1], size[2], VOX_SIDE);
+            return cli_fail(run,
+                            "%s: %" PRId32 " x %" PRId32 " x %" PRId32
+                            " voxels; .vox holds at most %d a side: take another format, "
+                            "fewer voxels or a --window",
+                            path, size[0], size[1], size[2], VOX_SIDE);
     if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
-        return cli_fail(run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format", path,
-                        l->spacing[0], l->spacing[1], l->spacing[2]);
+        return cli_fail(
+            run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format",
+            path, l->spacing[0], l->spacing[1], l->spacing[2]);
     return CLI_DONE;
 }

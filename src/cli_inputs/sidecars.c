@@ -1,7 +1,8 @@
 /* sidecars.c - the side-car that tells a grid's place.
  *
- * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json; without one
- * the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of another size is an error. */
+ * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json;
+ * without one the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of
+ * another size is an error. */
 #include "cli_inputs/inputs.h"
 
 #include <errno.h>
@@ -25,6 +26,7 @@ static bvx_status take_lattice(cli_run *run, const cli_bytes *b, bvx_grid *grid)
 {
     bvx_grid whole;
     bvx_status status;
+
     stand_for_file(grid, &whole);
     status = bvx_read_lattice(run->context, b->bytes, b->size, &whole);
     if (status != BVX_OK) return status;
@@ -39,6 +41,7 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
     cli_bytes b = {NULL, 0, 0, 0};
     FILE *file;
     int status = CLI_DONE;
+
     *placed = 0;
     if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
     file = fopen(name, "rb");

@@ -8,7 +8,8 @@
 int cli_check_tree_level(cli_run *run, int32_t levels)
 {
     if (run->options->expand <= levels) return CLI_DONE;
-    return cli_usage(run, "--expand %" PRId32 " is beyond the last level, %" PRId32, run->options->expand, levels);
+    return cli_usage(run, "--expand %" PRId32 " is beyond the last level, %" PRId32, run->options->expand,
+                     levels);
 }
 
 /* A window of the last level, in voxels of one so many levels above. */
@@ -22,7 +23,8 @@ static void window_at(const bvx_window *finest, int32_t shift, bvx_window *w)
     }
 }
 
-int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path, bvx_grid *grid)
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
+                    bvx_grid *grid)
 {
     const cli_options *const o = run->options;
     int32_t const levels = bvx_octree_levels(tree), level = cli_given(run, "--expand") ? o->expand : levels;
@@ -30,16 +32,21 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
     bvx_window window;
     bvx_status status;
     uint64_t words;
+
     if (cli_check_tree_level(run, levels) != CLI_DONE) return CLI_USAGE;
     status = bvx_octree_lattice(run->context, tree, level, &lattice);
     if (status != BVX_OK) return cli_fail_status(run, status, path);
     window_at(finest, levels - level, &window);
     words = bvx_grid_bound(&lattice, &window);
     if (o->general.memory_limit == 0 && words > TREE_GRID_BYTES / 8)
-        return cli_fail(run, "%s: the grid of level %" PRId32 " would take %" PRIu64 " MiB: take a lower --expand or a --window, or allow it by "
-                        "--memory-limit", path, level, words >> 17);
+        return cli_fail(run,
+                        "%s: the grid of level %" PRId32 " would take %" PRIu64
+                        " MiB: take a lower --expand or a --window, or allow it by "
+                        "--memory-limit",
+                        path, level, words >> 17);
     if (o->output != NULL && cli_kind_of_format(bvx_format_of_name(o->output)) == CLI_GRID) {
-        int const fits = cli_check_grid_format(run, o->output, &lattice, window.size[0] != 0 ? window.size : lattice.dims);
+        int const fits = cli_check_grid_format(run, o->output, &lattice,
+                                               window.size[0] != 0 ? window.size : lattice.dims);
         if (fits != CLI_DONE) return fits;
     }
     cli_stage_begin(run, "expand");

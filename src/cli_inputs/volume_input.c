@@ -1,6 +1,8 @@
-/* volume_input.c - scalar volumes by their files, and the voxels that --level, --range and --label choose of them.
+/* volume_input.c - scalar volumes by their files, and the voxels that --level, --range and --label choose of
+ * them.
  *
- * The samples stay in the file's bytes where they can. The data files of a detached head are looked for beside it. */
+ * The samples stay in the file's bytes where they can. The data files of a detached head are looked for
+ * beside it. */
 #include "cli_inputs/inputs.h"
 
 #include <float.h>
@@ -16,12 +18,14 @@ enum { DATA_NAME_ROOM = 4096 };
 
 /* ---- what is asked for ---- */
 
-static const char *const of_raw[] = {"--shape", "--sample-type", "--big-endian", "--skip", "--voxel-size", NULL};
+static const char *const of_raw[] = {"--shape", "--sample-type", "--big-endian",
+                                     "--skip",  "--voxel-size",  NULL};
 static const char *const of_volumes[] = {"--level", "--range", "--label", "--all-labels", "--below", NULL};
 
 static int may_be_volume(int32_t format)
 {
-    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI || format == BVX_FORMAT_RAW;
+    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI ||
+           format == BVX_FORMAT_RAW;
 }
 
 static int selections(const cli_run *run)
@@ -46,17 +50,21 @@ static int ends_with(const char *path, const char *ending)
 int cli_is_volume(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    return may_be_volume(format) && (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
+    return may_be_volume(format) &&
+           (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
 }
 
 static int refuse_for_input(cli_run *run, const char *option, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    const char *const kind = cli_kind_of_format(format) == CLI_MESH ? "a mesh" : format == BVX_FORMAT_XYZ ? "a cloud of points" : "a grid";
+    const char *const kind = cli_kind_of_format(format) == CLI_MESH ? "a mesh"
+                             : format == BVX_FORMAT_XYZ             ? "a cloud of points"
+                                                                    : "a grid";
     const char *const meant = cli_mistaken_for(run, option);
 
-    return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option, cli_input_name(path), kind,
-                     meant != NULL ? "; is " : "", meant != NULL ? meant : "", meant != NULL ? " meant?" : "");
+    return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
+                     cli_input_name(path), kind, meant != NULL ? "; is " : "", meant != NULL ? meant : "",
+                     meant != NULL ? " meant?" : "");
 }
 
 int cli_check_volume_options(cli_run *run)
@@ -66,10 +74,13 @@ int cli_check_volume_options(cli_run *run)
     const char *given = NULL;
     int volumes = 0, raw = 0;
 
-    if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0) return CLI_DONE;
+    if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
+        return CLI_DONE;
     for (int i = 0; i < o->inputs; i++) {
         int32_t const format = cli_input_format(run, o->input[i]);
-        if (cli_kind_of_format(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ) return CLI_DONE; /* refused later, by its name */
+        /* refused later, by its name */
+        if (cli_kind_of_format(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ)
+            return CLI_DONE;
         volumes += may_be_volume(format);
         raw += format == BVX_FORMAT_RAW;
     }
@@ -80,32 +91,41 @@ int cli_check_volume_options(cli_run *run)
     if (given == NULL) return CLI_DONE;
     if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
 
-    if (cli_given(run, "--below") && !cli_given(run, "--level")) return cli_usage(run, "--below needs --level");
+    if (cli_given(run, "--below") && !cli_given(run, "--level"))
+        return cli_usage(run, "--below needs --level");
     for (int i = 0; of_raw[i] != NULL && raw == 0; i++)
         if (cli_given(run, of_raw[i]))
-            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i], cli_input_name(o->input[0]));
+            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i],
+                             cli_input_name(o->input[0]));
     return CLI_DONE;
 }
 
 int cli_check_selection(cli_run *run, const char *path)
 {
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-    if (selections(run) > 1) return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
-    if (cli_given(run, "--below") && !cli_given(run, "--level")) return cli_usage(run, "--below needs --level");
+
+    if (selections(run) > 1)
+        return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
+    if (cli_given(run, "--below") && !cli_given(run, "--level"))
+        return cli_usage(run, "--below needs --level");
     for (int i = 0; of_raw[i] != NULL && !raw; i++)
         if (cli_given(run, of_raw[i]))
-            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i], cli_input_name(path));
+            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i],
+                             cli_input_name(path));
     if (raw && (!cli_given(run, "--shape") || !cli_given(run, "--sample-type")))
-        return cli_usage(run, "%s holds samples alone: --shape X,Y,Z and --sample-type tell what they are", cli_input_name(path));
+        return cli_usage(run, "%s holds samples alone: --shape X,Y,Z and --sample-type tell what they are",
+                         cli_input_name(path));
     return CLI_DONE;
 }
 
 /* ---- packed samples ---- */
 
 /* A bvx_inflate_fn. Data files that end in .gz are unpacked when they are read. */
-static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size)
+static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_size, void *plain,
+                               uint64_t plain_size)
 {
     const unsigned char *const bytes = packed;
+
     (void)user;
     if (packed_size == plain_size && (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
         memcpy(plain, packed, (size_t)plain_size);
@@ -120,7 +140,8 @@ static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_s
         if (inflateInit2(&z, 15 + 32) != Z_OK) return 1; /* the head of gzip or zlib */
         while (result == Z_OK) {
             uint64_t const in = packed_size - taken, out = plain_size - made;
-            uInt const part_in = in < (1 << 20) ? (uInt)in : 1 << 20, part_out = out < (1 << 20) ? (uInt)out : 1 << 20;
+            uInt const part_in = in < (1 << 20) ? (uInt)in : 1 << 20;
+            uInt const part_out = out < (1 << 20) ? (uInt)out : 1 << 20;
             unsigned char beyond;
             z.next_in = (unsigned char *)(uintptr_t)bytes + taken;
             z.avail_in = part_in;
@@ -141,7 +162,8 @@ static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_s
 
 /* ---- data files ---- */
 
-/* 1: what the name says lies in the head's folder or below. A head from a stranger must not choose what else is read. */
+/* 1: what the name says lies in the head's folder or below. A head from a
+ * stranger must not choose what else is read. */
 static int stays_below(const char *name)
 {
 #if defined(_WIN32)
@@ -168,17 +190,21 @@ static char *data_path(const char *head, const char *name)
     return path;
 }
 
-/* A head of a few bytes may name a file many times: head and data count together against the memory there is. */
+/* A head of a few bytes may name a file many times: head and data count together against the memory there
+ * is. */
 static int add_data_file(cli_run *run, const char *path, uint64_t head_size, cli_bytes *all)
 {
     cli_bytes one = {NULL, 0, 0, 0};
     int status = cli_read_bytes(run, path, head_size + all->size, &one);
+
     if (status == CLI_DONE && all->bytes == NULL) {
         *all = one;
         return CLI_DONE;
     }
     if (status == CLI_DONE) {
-        unsigned char *const more = one.size <= SIZE_MAX - all->size ? realloc(all->bytes, all->size + one.size + 1) : NULL;
+        unsigned char *const more = one.size <= SIZE_MAX - all->size
+                                        ? realloc(all->bytes, all->size + one.size + 1)
+                                        : NULL;
         if (more == NULL) {
             status = cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", path, (uint64_t)one.size);
         } else {
@@ -198,6 +224,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
     uint64_t count = 0;
     bvx_status found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, 0, NULL, 0, &count);
     int status = found == BVX_OK ? CLI_DONE : cli_fail_status(run, found, cli_input_name(head));
+
     if (count == 0) return status;
     cli_stage_begin(run, "read samples");
     for (uint64_t i = 0; i < count && status == CLI_DONE; i++) {
@@ -205,10 +232,13 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
         found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, i, name, sizeof name, &count);
         if (found != BVX_OK) return cli_fail_status(run, found, cli_input_name(head));
         if (!stays_below(name))
-            return cli_fail(run, "%s: its samples are said to be in %s; only files in its own folder or below are read: put them there",
-                            cli_input_name(head), name);
+            return cli_fail(
+                run,
+                "%s: its samples are said to be in %s; only files in its own folder or below are read: put them there",
+                cli_input_name(head), name);
         path = data_path(head, name);
-        status = path != NULL ? add_data_file(run, path, v->file.size, &v->data) : cli_fail(run, "no memory for a file's name");
+        status = path != NULL ? add_data_file(run, path, v->file.size, &v->data)
+                              : cli_fail(run, "no memory for a file's name");
         free(path);
     }
     if (status == CLI_DONE) cli_stage_end(run);
@@ -220,6 +250,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
 {
     const cli_options *const given = run->options;
+
     o->sample_type = given->sample_type;
     o->big_endian = given->big_endian;
     o->offset = (uint64_t)given->skip;
@@ -236,6 +267,7 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
     static const char axis[] = "xyz";
     int64_t stride[3], at = 0;
     static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+
     v->view = *whole;
     if (window == NULL || window->size[0] == 0) return CLI_DONE;
     memcpy(stride, whole->strides, sizeof stride);
@@ -246,8 +278,11 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
     }
     for (int a = 0; a < 3; a++) {
         if (window->low[a] > whole->size[a] - window->size[a])
-            return cli_fail(run, "%s: the window's voxels %" PRId32 " to %" PRId32 " along %c are not inside the file's %" PRId32,
-                            cli_input_name(path), window->low[a], window->low[a] + window->size[a] - 1, axis[a], whole->size[a]);
+            return cli_fail(run,
+                            "%s: the window's voxels %" PRId32 " to %" PRId32
+                            " along %c are not inside the file's %" PRId32,
+                            cli_input_name(path), window->low[a], window->low[a] + window->size[a] - 1,
+                            axis[a], whole->size[a]);
         v->view.low[a] += window->low[a];
         v->view.size[a] = window->size[a];
         v->view.strides[a] = stride[a];
@@ -263,6 +298,7 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
     bvx_volume_view *const w = &v->volume.view;
     bvx_grid grid;
     int status;
+
     v->placed = v->volume.placed;
     if (!cli_needs_sidecar(cli_input_format(run, path))) return CLI_DONE;
     memset(&grid, 0, sizeof grid);
@@ -280,6 +316,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
     bvx_read_volume_options o;
     bvx_status read;
     int status;
+
     memset(v, 0, sizeof *v);
     status = cli_check_selection(run, path);
     if (status == CLI_DONE) status = cli_read_file(run, path, &v->file);
@@ -302,7 +339,8 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
     bvx_memory_reset_peak(run->context);
 #ifndef BVX_HAVE_ZLIB
     if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
-        return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib", cli_input_name(path));
+        return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib",
+                        cli_input_name(path));
 #endif
     if (read != BVX_OK) return cli_fail_status(run, read, cli_input_name(path));
     status = place_volume(run, path, v);
@@ -320,14 +358,17 @@ void cli_free_volume(cli_run *run, cli_volume *v)
 /* ---- voxels of it ---- */
 
 /* What is not 0 lies on two sides of it. */
-static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_volume_report *report, bvx_grid *grid)
+static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_volume_report *report,
+                                         bvx_grid *grid)
 {
     double const least = DBL_MIN * DBL_EPSILON; /* the least double above 0 */
     bvx_grid under = {0};
     bvx_status status = bvx_threshold(run->context, &v->view, least, HUGE_VAL, report, grid);
+
     if (status == BVX_OK) status = bvx_threshold(run->context, &v->view, -HUGE_VAL, -least, NULL, &under);
     if (status == BVX_OK) {
-        uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+        uint64_t const words = (uint64_t)grid->words_per_row * (uint64_t)grid->size[1] *
+                               (uint64_t)grid->size[2];
         for (uint64_t w = 0; w < words; w++) grid->words[w] |= under.words[w];
         bvx_grid_count(run->context, grid, &report->inside);
     }
@@ -339,15 +380,18 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
 {
     const cli_options *const o = run->options;
     double const label = (double)o->value_label;
-    if (o->range.given) return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
+    if (o->range.given)
+        return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
     if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
     if (cli_given(run, "--label")) return bvx_threshold(run->context, &v->view, label, label, report, grid);
-    return bvx_threshold(run->context, &v->view, o->below ? -HUGE_VAL : o->level, o->below ? o->level : HUGE_VAL, report, grid);
+    return bvx_threshold(run->context, &v->view, o->below ? -HUGE_VAL : o->level,
+                         o->below ? o->level : HUGE_VAL, report, grid);
 }
 
 void cli_tell_volume(cli_run *run, const cli_volume *v, const bvx_volume_report *r)
 {
     cli_text *const t = &run->report.more;
+
     cli_text_add(t, ", \"volume\": {\"type\": \"%s\"", cli_sample_names[v->view.sample_type - BVX_SAMPLE_U8]);
     cli_json_ints(t, "size", v->view.size);
     cli_json_value(t, "least", r->least);
@@ -356,5 +400,6 @@ void cli_tell_volume(cli_run *run, const cli_volume *v, const bvx_volume_report 
     cli_json_count(t, "infinite", r->infinite);
     cli_text_add(t, "}");
     if (r->nan + r->infinite != 0)
-        cli_warn(run, "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan, r->infinite);
+        cli_warn(run, "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,
+                 r->infinite);
 }

@@ -1,9 +1,11 @@
-/* vti_blocks.c - VTK's XML images with zlib blocks, as VTK and ParaView write them, become the same file without.
+/* vti_blocks.c - VTK's XML images with zlib blocks, as VTK and ParaView write them, become the same file
+ * without.
  *
- * Source: VTK File Formats (docs.vtk.org). An array is a head of numbers - blocks, bytes of a block, bytes of the last one or 0, packed
- * bytes of each - and the packed blocks; as base64 the head is one text and the blocks together are another. What stands here
- * afterwards has all arrays appended as they are, their tags with the new offsets. Other packers are left to the reader, which refuses
- * them. Guarantee: what a head says is held against the file's bytes, and against the memory allowed, before anything is made. */
+ * Source: VTK File Formats (docs.vtk.org). An array is a head of numbers - blocks, bytes of a block, bytes of
+ * the last one or 0, packed bytes of each - and the packed blocks; as base64 the head is one text and the
+ * blocks together are another. What stands here afterwards has all arrays appended as they are, their tags
+ * with the new offsets. Other packers are left to the reader, which refuses them. Guarantee: what a head says
+ * is held against the file's bytes, and against the memory allowed, before anything is made. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -20,17 +22,17 @@ typedef struct vti_packed {
     cli_run *run;
     const char *path;
     const char *begin, *end;
-    const char *appended;  /* behind the underscore, or NULL */
-    const char *text_end;  /* of the tags: "<AppendedData", or "</VTKFile" */
+    const char *appended; /* behind the underscore, or NULL */
+    const char *text_end; /* of the tags: "<AppendedData", or "</VTKFile" */
     int head_size, big, appended_base64;
-    cli_text text;         /* the new tags */
-    cli_bytes data;        /* the arrays one behind the other, each with its length */
+    cli_text text;  /* the new tags */
+    cli_bytes data; /* the arrays one behind the other, each with its length */
 } vti_packed;
 
 /* One array in the file. */
 typedef struct vti_source {
     const unsigned char *at;
-    size_t have;    /* bytes or characters from there on */
+    size_t have; /* bytes or characters from there on */
     int is_base64;
 } vti_source;
 
@@ -49,14 +51,17 @@ static const char *find_text(const char *p, const char *end, const char *word)
 }
 
 /* An attribute's value in a tag; 0 where it has none of this name. */
-static int find_attribute(const char *tag, const char *tag_end, const char *name, const char **value, size_t *size)
+static int find_attribute(const char *tag, const char *tag_end, const char *name, const char **value,
+                          size_t *size)
 {
     size_t const n = strlen(name);
 
     for (const char *p = tag; (p = find_text(p, tag_end, name)) != NULL; p += n) {
         const char *q = p + n;
         const char *close;
-        if (p == tag || strchr(" \t\r\n", p[-1]) == NULL || (size_t)(tag_end - q) < 2 || q[0] != '=' || (q[1] != '"' && q[1] != '\'')) continue;
+        if (p == tag || strchr(" \t\r\n", p[-1]) == NULL || (size_t)(tag_end - q) < 2 || q[0] != '=' ||
+            (q[1] != '"' && q[1] != '\''))
+            continue;
         close = memchr(q + 2, q[1], (size_t)(tag_end - q) - 2);
         if (close == NULL) return 0;
         *value = q + 2;
@@ -71,7 +76,8 @@ static int attribute_is(const char *tag, const char *tag_end, const char *name, 
     const char *value;
     size_t size;
 
-    return find_attribute(tag, tag_end, name, &value, &size) && size == strlen(wanted) && memcmp(value, wanted, size) == 0;
+    return find_attribute(tag, tag_end, name, &value, &size) && size == strlen(wanted) &&
+           memcmp(value, wanted, size) == 0;
 }
 
 #ifdef BVX_HAVE_ZLIB
@@ -91,7 +97,8 @@ static int base64_digit(unsigned char c)
     return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/* Take n bytes; of base64 the text that holds them, to its last four characters. 0 where the source ends before. */
+/* Take n bytes; of base64 the text that holds them, to its last four
+ * characters. 0 where the source ends before. */
 static int take_bytes(vti_source *s, unsigned char *to, size_t n)
 {
     if (!s->is_base64) {
@@ -113,7 +120,8 @@ static int take_bytes(vti_source *s, unsigned char *to, size_t n)
             digits += d >= 0;
             k++;
         }
-        for (int k = 0; k < digits - 1 && done < n; k++) to[done++] = (unsigned char)(bits >> (16 - 8 * k) & 255);
+        for (int k = 0; k < digits - 1 && done < n; k++)
+            to[done++] = (unsigned char)(bits >> (16 - 8 * k) & 255);
         if (digits < 4 && done < n) return 0;
     }
     return 1;
@@ -129,10 +137,12 @@ static uint64_t number_at(const vti_packed *v, const unsigned char *p)
 
 static void put_number(const vti_packed *v, uint64_t n, unsigned char *p)
 {
-    for (int k = 0; k < v->head_size; k++) p[v->big ? v->head_size - 1 - k : k] = (unsigned char)(n >> (8 * k) & 255);
+    for (int k = 0; k < v->head_size; k++)
+        p[v->big ? v->head_size - 1 - k : k] = (unsigned char)(n >> (8 * k) & 255);
 }
 
-static int inflate_block(const unsigned char *packed, uint64_t packed_size, unsigned char *plain, uint64_t plain_size)
+static int inflate_block(const unsigned char *packed, uint64_t packed_size, unsigned char *plain,
+                         uint64_t plain_size)
 {
     uLongf made = (uLongf)plain_size;
 
@@ -147,8 +157,10 @@ static int make_data_room(vti_packed *v, uint64_t more)
     unsigned char *bytes;
 
     if (size > v->data.limit)
-        return cli_fail(v->run, "%s: VTI: %" PRIu64 " bytes of unpacked arrays are more than the %" PRIu64 " that are left for them", v->path, size,
-                        v->data.limit);
+        return cli_fail(v->run,
+                        "%s: VTI: %" PRIu64 " bytes of unpacked arrays are more than the %" PRIu64
+                        " that are left for them",
+                        v->path, size, v->data.limit);
     bytes = realloc(v->data.bytes, (size_t)size);
     if (bytes == NULL) return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, size);
     v->data.bytes = bytes;
@@ -166,7 +178,8 @@ static int unpack_blocks(vti_packed *v, vti_source *s, const unsigned char *head
 
     for (uint64_t i = 0; i < blocks; i++) {
         uint64_t const n = number_at(v, head + (VTI_HEAD_NUMBERS + i) * step);
-        if (n > s->have || packed + n > s->have) return fail_vti(v, "packed blocks go on behind the end of the file");
+        if (n > s->have || packed + n > s->have)
+            return fail_vti(v, "packed blocks go on behind the end of the file");
         packed += n;
     }
     most = packed * VTI_WORST_RATIO + 64;
@@ -180,11 +193,15 @@ static int unpack_blocks(vti_packed *v, vti_source *s, const unsigned char *head
 
     bytes = malloc((size_t)packed + 1);
     if (bytes == NULL) return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, packed);
-    if (!take_bytes(s, bytes, (size_t)packed)) status = fail_vti(v, "the text of the packed blocks ends too soon");
+    if (!take_bytes(s, bytes, (size_t)packed))
+        status = fail_vti(v, "the text of the packed blocks ends too soon");
     for (uint64_t i = 0, at = 0; i < blocks && status == CLI_DONE; i++) {
-        uint64_t const n = number_at(v, head + (VTI_HEAD_NUMBERS + i) * step), plain = i + 1 == blocks && last != 0 ? last : block;
-        if (!inflate_block(bytes + at, n, v->data.bytes + v->data.size, plain)) status = fail_vti(v, "a packed block is damaged");
-        else if (cli_progress(v->run, "unpack", (double)(i + 1) / (double)blocks)) status = cli_fail_interrupted(v->run);
+        uint64_t const n = number_at(v, head + (VTI_HEAD_NUMBERS + i) * step);
+        uint64_t const plain = i + 1 == blocks && last != 0 ? last : block;
+        if (!inflate_block(bytes + at, n, v->data.bytes + v->data.size, plain))
+            status = fail_vti(v, "a packed block is damaged");
+        else if (cli_progress(v->run, "unpack", (double)(i + 1) / (double)blocks))
+            status = cli_fail_interrupted(v->run);
         v->data.size += (size_t)plain;
         at += n;
     }
@@ -205,8 +222,10 @@ static int unpack_array(vti_packed *v, vti_source s)
     blocks = number_at(v, number);
     if (blocks > s.have / step) return fail_vti(v, "an array has more blocks than the file has bytes for");
     head = calloc((size_t)(VTI_HEAD_NUMBERS + blocks), step);
-    if (head == NULL) return cli_fail(v->run, "%s: no memory for the sizes of %" PRIu64 " blocks", v->path, blocks);
-    if (!take_bytes(&s, head, (size_t)(blocks == 0 ? 1 : VTI_HEAD_NUMBERS + blocks) * step)) status = fail_vti(v, "an array ends within its head");
+    if (head == NULL)
+        return cli_fail(v->run, "%s: no memory for the sizes of %" PRIu64 " blocks", v->path, blocks);
+    if (!take_bytes(&s, head, (size_t)(blocks == 0 ? 1 : VTI_HEAD_NUMBERS + blocks) * step))
+        status = fail_vti(v, "an array ends within its head");
     else status = unpack_blocks(v, &s, head, blocks);
     free(head);
     return status;
@@ -215,7 +234,8 @@ static int unpack_array(vti_packed *v, vti_source s)
 /* ---- tags ---- */
 
 /* A tag without one attribute and with others in its place. */
-static void put_tag(vti_packed *v, const char *tag, const char *tag_end, const char *without, const char *with)
+static void put_tag(vti_packed *v, const char *tag, const char *tag_end, const char *without,
+                    const char *with)
 {
     const char *value;
     size_t size;
@@ -224,8 +244,8 @@ static void put_tag(vti_packed *v, const char *tag, const char *tag_end, const c
         cli_text_add(&v->text, "%.*s", (int)(tag_end - tag), tag);
         return;
     }
-    cli_text_add(&v->text, "%.*s%s%.*s", (int)(value - 2 - strlen(without) - tag), tag, with, (int)(tag_end - value - (ptrdiff_t)size - 1),
-                 value + size + 1);
+    cli_text_add(&v->text, "%.*s%s%.*s", (int)(value - 2 - strlen(without) - tag), tag, with,
+                 (int)(tag_end - value - (ptrdiff_t)size - 1), value + size + 1);
 }
 
 static int take_array(vti_packed *v, const char *tag, const char *tag_end, const char **behind)
@@ -245,12 +265,15 @@ static int take_array(vti_packed *v, const char *tag, const char *tag_end, const
         put_tag(v, tag, tag_end, "format", with);
         return unpack_array(v, s);
     }
-    if (!attribute_is(tag, tag_end, "format", "appended") || v->appended == NULL || !find_attribute(tag, tag_end, "offset", &value, &size)) {
-        cli_text_add(&v->text, "%.*s", (int)(tag_end - tag), tag); /* ascii; what is wrong is for the reader to refuse */
+    if (!attribute_is(tag, tag_end, "format", "appended") || v->appended == NULL ||
+        !find_attribute(tag, tag_end, "offset", &value, &size)) {
+        /* ascii; what is wrong is for the reader to refuse */
+        cli_text_add(&v->text, "%.*s", (int)(tag_end - tag), tag);
         return CLI_DONE;
     }
     uint64_t const offset = strtoull(value, NULL, 10); /* a quote ends it */
-    if (offset > (uint64_t)(v->end - v->appended)) return fail_vti(v, "an array is said to stand behind the end of the file");
+    if (offset > (uint64_t)(v->end - v->appended))
+        return fail_vti(v, "an array is said to stand behind the end of the file");
     s.at = (const unsigned char *)v->appended + offset;
     s.have = (size_t)((uint64_t)(v->end - v->appended) - offset);
     s.is_base64 = v->appended_base64;
@@ -273,11 +296,13 @@ static int take_tags(vti_packed *v)
         if (tag_end == NULL) return fail_vti(v, "a tag does not end");
         p = ++tag_end;
         if (tag_end - tag > 9 && memcmp(tag, "<VTKFile", 8) == 0) put_tag(v, tag, tag_end, "compressor", "");
-        else if (tag_end - tag > 11 && memcmp(tag, "<DataArray", 10) == 0) status = take_array(v, tag, tag_end, &p);
+        else if (tag_end - tag > 11 && memcmp(tag, "<DataArray", 10) == 0)
+            status = take_array(v, tag, tag_end, &p);
         else cli_text_add(&v->text, "%.*s", (int)(tag_end - tag), tag);
     }
     cli_text_add(&v->text, "\n<AppendedData encoding=\"raw\">\n_");
-    return status == CLI_DONE && v->text.failed ? cli_fail(v->run, "%s: no memory for its tags", v->path) : status;
+    return status == CLI_DONE && v->text.failed ? cli_fail(v->run, "%s: no memory for its tags", v->path)
+                                                : status;
 }
 
 /* ---- the file ---- */
@@ -304,7 +329,8 @@ static int join_parts(vti_packed *v, cli_bytes *b)
     size_t const size = v->text.size + v->data.size + sizeof foot - 1;
     unsigned char *const bytes = malloc(size + 1);
 
-    if (bytes == NULL) return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, (uint64_t)size);
+    if (bytes == NULL)
+        return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, (uint64_t)size);
     memcpy(bytes, v->text.bytes, v->text.size);
     if (v->data.size != 0) memcpy(bytes + v->text.size, v->data.bytes, v->data.size);
     memcpy(bytes + v->text.size + v->data.size, foot, sizeof foot - 1);
@@ -324,12 +350,14 @@ int cli_unpack_vti(cli_run *run, const char *path, cli_bytes *b)
     const char *const root = b->size != 0 ? find_text(begin, end, "<VTKFile") : NULL;
     const char *const root_end = root != NULL ? memchr(root, '>', (size_t)(end - root)) : NULL;
 
-    if (root_end == NULL || !attribute_is(root, root_end, "compressor", "vtkZLibDataCompressor")) return CLI_DONE;
+    if (root_end == NULL || !attribute_is(root, root_end, "compressor", "vtkZLibDataCompressor"))
+        return CLI_DONE;
 #ifdef BVX_HAVE_ZLIB
     vti_packed v = {.run = run, .path = cli_input_name(path), .begin = begin, .end = end};
     int status;
 
-    v.data.limit = b->limit > 2 * (uint64_t)b->size ? (b->limit - b->size) / 2 : b->limit / 4; /* arrays, and the file made of them */
+    /* arrays, and the file made of them */
+    v.data.limit = b->limit > 2 * (uint64_t)b->size ? (b->limit - b->size) / 2 : b->limit / 4;
     find_parts(&v, root, root_end);
     status = take_tags(&v);
     if (status == CLI_DONE) status = join_parts(&v, b);
@@ -337,6 +365,7 @@ int cli_unpack_vti(cli_run *run, const char *path, cli_bytes *b)
     cli_text_free(&v.text);
     return status;
 #else
-    return cli_fail(run, "%s: blocks of zlib, which this build cannot unpack: it was made without", cli_input_name(path));
+    return cli_fail(run, "%s: blocks of zlib, which this build cannot unpack: it was made without",
+                    cli_input_name(path));
 #endif
 }

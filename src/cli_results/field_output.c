@@ -19,10 +19,15 @@ int cli_check_field(cli_run *run)
     cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     double const width = half_width_of(run);
+
     for (size_t i = 0; i < sizeof of_fields / sizeof of_fields[0] && o->mode != CLI_MODE_FIELD; i++)
-        if (cli_given(run, of_fields[i])) return cli_usage(run, "%s is for fields; --mode %s has no use for it", of_fields[i], cli_mode_names[o->mode]);
+        if (cli_given(run, of_fields[i]))
+            return cli_usage(run, "%s is for fields; --mode %s has no use for it", of_fields[i],
+                             cli_mode_names[o->mode]);
     if (o->mode != CLI_MODE_FIELD) return CLI_DONE;
-    if (cli_keeps_parts(run)) return cli_usage(run, "--keep-largest and --least-part are for voxels; --mode field has no use for them");
+    if (cli_keeps_parts(run))
+        return cli_usage(run,
+                         "--keep-largest and --least-part are for voxels; --mode field has no use for them");
     if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
         return cli_usage(run, "%s: fields are written as .npy, .nrrd or .vti", o->output);
     if (!cli_given(run, "--padding") && !o->origin.given) /* room for the band around the mesh */
@@ -32,7 +37,8 @@ int cli_check_field(cli_run *run)
 
 static int write_field_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
 {
-    int const result = status == BVX_OK ? cli_write_output(run, number, file) : cli_fail_status(run, status, run->options->output);
+    int const result = status == BVX_OK ? cli_write_output(run, number, file)
+                                        : cli_fail_status(run, status, run->options->output);
     bvx_buffer_free(run->context, file);
     return result;
 }
@@ -43,6 +49,7 @@ int cli_write_field(cli_run *run, const bvx_field *field)
     bvx_buffer file = {0};
     bvx_status status;
     int result;
+
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = bvx_write_field(run->context, field, run->options->vectors, format, &file);
@@ -60,9 +67,11 @@ int cli_write_field(cli_run *run, const bvx_field *field)
 static void tell_field(cli_run *run, const bvx_field *f, uint64_t inside)
 {
     cli_text *const t = &run->report.more;
+
     cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
     cli_say_grid(run, &f->band, f->value_count, 1);
-    cli_say(run, "  field       %s within %.9g\n", run->options->vectors ? "vectors" : "distances", f->half_width);
+    cli_say(run, "  field       %s within %.9g\n", run->options->vectors ? "vectors" : "distances",
+            f->half_width);
     cli_say(run, "  sign        %s", cli_sign_names[f->sign]);
     if (f->sign != BVX_SIGN_NONE) cli_say(run, ", %" PRIu64 " centres inside", inside);
     cli_say(run, "\n");
@@ -82,6 +91,7 @@ int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window
     bvx_status status;
     uint64_t inside = 0;
     int result;
+
     memset(&field, 0, sizeof field);
     bvx_field_options_init(&o, sizeof o);
     o.half_width = half_width_of(run);

@@ -30,7 +30,9 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
     const int32_t *const d = grid->lattice.dims;
     if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
     if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
-    cli_warn(run, "%s holds these voxels alone: that they are a part of a lattice of %" PRId32 " x %" PRId32 " x %" PRId32 " is lost",
+    cli_warn(run,
+             "%s holds these voxels alone: that they are a part of a lattice of %" PRId32 " x %" PRId32
+             " x %" PRId32 " is lost",
              path, d[0], d[1], d[2]);
 }
 
@@ -49,6 +51,7 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
     bvx_buffer file = {0};
     bvx_status status;
     int result;
+
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = bvx_write_grid(run->context, grid, format, &file);
@@ -68,10 +71,14 @@ void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)
     const bvx_lattice *const l = &g->lattice;
     double const all = (double)g->size[0] * g->size[1] * g->size[2];
     double corner[3];
+
     cli_grid_corner(g, 0.0, corner);
-    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1], g->size[2]);
+    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
+            g->size[2]);
     if (memcmp(g->size, l->dims, sizeof g->size) != 0)
-        cli_say(run, "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32 " x %" PRId32 " x %" PRId32 "\n",
+        cli_say(run,
+                "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32
+                " x %" PRId32 " x %" PRId32 "\n",
                 g->low[0], g->low[1], g->low[2], l->dims[0], l->dims[1], l->dims[2]);
     cli_say(run, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
     cli_say(run, "  spacing     %.9g, %.9g, %.9g%s\n", l->spacing[0], l->spacing[1], l->spacing[2],

@@ -1,4 +1,5 @@
-/* leaf_mesh.c - refine --leaves: the leaves of an octree as boxes of their level's colour, opened by --cut. */
+/* leaf_mesh.c - refine --leaves: the leaves of an octree as boxes of their level's colour, opened by
+ * --cut. */
 #include "cli_results/results.h"
 
 #include <inttypes.h>
@@ -7,7 +8,7 @@
 
 enum { LEAF_VERTICES = 8, LEAF_TRIANGLES = 12, LEAF_COLOURS = 6 };
 
-#define LEAF_BYTES (LEAF_VERTICES * (3 * sizeof(double) + 4) + LEAF_TRIANGLES * 3 * sizeof(uint32_t))
+#define LEAF_BYTES      (LEAF_VERTICES * (3 * sizeof(double) + 4) + LEAF_TRIANGLES * 3 * sizeof(uint32_t))
 #define LEAF_MESH_BYTES (UINT64_C(1) << 30) /* most bytes without --memory-limit */
 
 static int is_cut_away(const cli_planes *cut, const double low[3], const double edge[3])
@@ -20,9 +21,12 @@ static int is_cut_away(const cli_planes *cut, const double low[3], const double 
 /* Surface leaves are grey; others have a colour for each level, the same counted from the last one. */
 static void colour_of_leaf(const bvx_octree_leaf *leaf, int32_t levels, uint8_t colour[4])
 {
-    static const uint8_t of_level[LEAF_COLOURS][3] = {{214, 92, 70}, {236, 152, 84}, {228, 190, 100}, {134, 176, 126}, {46, 148, 138}, {52, 92, 124}};
+    static const uint8_t of_level[LEAF_COLOURS][3] = {{214, 92, 70},   {236, 152, 84}, {228, 190, 100},
+                                                      {134, 176, 126}, {46, 148, 138}, {52, 92, 124}};
     static const uint8_t of_surface[3] = {200, 196, 188};
-    const uint8_t *const c = leaf->state == BVX_STATE_SURFACE ? of_surface : of_level[(levels - leaf->level) % LEAF_COLOURS];
+    const uint8_t *const c = leaf->state == BVX_STATE_SURFACE
+                                 ? of_surface
+                                 : of_level[(levels - leaf->level) % LEAF_COLOURS];
     for (int a = 0; a < 3; a++) colour[a] = c[a];
     colour[3] = 255;
 }
@@ -30,11 +34,13 @@ static void colour_of_leaf(const bvx_octree_leaf *leaf, int32_t levels, uint8_t 
 /* Corner i of a box is high along x, y, z where its bits 0, 1, 2 are set. */
 static void add_box(bvx_mesh *mesh, const double low[3], const double edge[3], const uint8_t colour[4])
 {
-    static const uint8_t sides[LEAF_TRIANGLES][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                                                     {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
+    static const uint8_t sides[LEAF_TRIANGLES][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5},
+                                                     {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                                     {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
     uint32_t const first = (uint32_t)mesh->vertex_count;
     double *const positions = (double *)mesh->positions + mesh->vertex_count * 3;
     uint32_t *const triangles = mesh->triangles + mesh->triangle_count * 3;
+
     for (int i = 0; i < LEAF_VERTICES; i++) {
         for (int a = 0; a < 3; a++) positions[3 * i + a] = low[a] + ((i >> a & 1) != 0 ? edge[a] : 0.0);
         memcpy(mesh->colours + (mesh->vertex_count + (uint64_t)i) * 4, colour, 4);
@@ -45,8 +51,8 @@ static void add_box(bvx_mesh *mesh, const double low[3], const double edge[3], c
     mesh->triangle_count += LEAF_TRIANGLES;
 }
 
-static void fill_leaf_mesh(const cli_options *o, const bvx_lattice *last, int32_t levels, const bvx_octree_leaf *leaf, uint64_t count,
-                           bvx_mesh *mesh)
+static void fill_leaf_mesh(const cli_options *o, const bvx_lattice *last, int32_t levels,
+                           const bvx_octree_leaf *leaf, uint64_t count, bvx_mesh *mesh)
 {
     for (uint64_t i = 0; i < count; i++) {
         double const voxels = (double)(UINT32_C(1) << (levels - leaf[i].level));
@@ -66,10 +72,14 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
 {
     uint64_t const bytes = count * (LEAF_BYTES + sizeof **leaves);
     uint64_t const limit = run->general->memory_limit != 0 ? run->general->memory_limit : LEAF_MESH_BYTES;
+
     if (count == 0) return cli_fail(run, "%s: there is no leaf in these states", run->options->output);
     if (bytes > limit || bytes > SIZE_MAX)
-        return cli_fail(run, "%s: %" PRIu64 " leaves as boxes would take %" PRIu64 " MiB: take .vtu, fewer --levels or --states, or a larger "
-                        "--memory-limit", run->options->output, count, bytes >> 20);
+        return cli_fail(run,
+                        "%s: %" PRIu64 " leaves as boxes would take %" PRIu64
+                        " MiB: take .vtu, fewer --levels or --states, or a larger "
+                        "--memory-limit",
+                        run->options->output, count, bytes >> 20);
     *leaves = malloc((size_t)count * sizeof **leaves);
     mesh->positions = malloc((size_t)count * LEAF_VERTICES * 3 * sizeof(double));
     mesh->triangles = malloc((size_t)count * LEAF_TRIANGLES * 3 * sizeof(uint32_t));
@@ -90,13 +100,16 @@ int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh)
     bvx_octree_leaf *leaves = NULL;
     uint64_t count = 0;
     bvx_status status = bvx_octree_leaves(run->context, tree, o->states, NULL, 0, &count);
-    int result = status == BVX_OK ? make_room(run, count, &leaves, mesh) : cli_fail_status(run, status, o->output);
+    int result = status == BVX_OK ? make_room(run, count, &leaves, mesh)
+                                  : cli_fail_status(run, status, o->output);
+
     if (result == CLI_DONE) {
         status = bvx_octree_leaves(run->context, tree, o->states, leaves, count, &count);
         if (status != BVX_OK) result = cli_fail_status(run, status, o->output);
     }
     if (result == CLI_DONE) fill_leaf_mesh(o, &run->report.lattice, levels, leaves, count, mesh);
-    if (result == CLI_DONE && mesh->triangle_count == 0) result = cli_fail(run, "%s: --cut leaves nothing", o->output);
+    if (result == CLI_DONE && mesh->triangle_count == 0)
+        result = cli_fail(run, "%s: --cut leaves nothing", o->output);
     free(leaves);
     return result;
 }

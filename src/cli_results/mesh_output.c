@@ -47,7 +47,9 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 
     if (path == NULL) return NULL;
     if (place == NULL) snprintf(path, room, "%s", pattern);
-    else snprintf(path, room, "%.*s%0*" PRId64 "%s", (int)(place - pattern), pattern, digits, number, place + length);
+    else
+        snprintf(path, room, "%.*s%0*" PRId64 "%s", (int)(place - pattern), pattern, digits, number,
+                 place + length);
     return path;
 }
 
@@ -79,7 +81,8 @@ int cli_check_output_origin(cli_run *run)
 {
     const char *const out = run->options->output;
 
-    if (!run->options->output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH) return CLI_DONE;
+    if (!run->options->output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH)
+        return CLI_DONE;
     return cli_usage(run, "--output-origin is for meshes; %s is not a mesh", out);
 }
 
@@ -119,7 +122,8 @@ void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
 
 int cli_check_sharp(cli_run *run)
 {
-    if (run->options->sharp && run->options->no_sharp) return cli_usage(run, "--sharp and --no-sharp exclude each other");
+    if (run->options->sharp && run->options->no_sharp)
+        return cli_usage(run, "--sharp and --no-sharp exclude each other");
     return CLI_DONE;
 }
 
@@ -151,11 +155,12 @@ static int file_differs(const bvx_mesh *placed, int32_t format)
 {
     int const framed = placed->frame[0] != 0.0 || placed->frame[1] != 0.0 || placed->frame[2] != 0.0;
 
-    return format == BVX_FORMAT_STL || framed || (format == BVX_FORMAT_GLB && placed->position_type == BVX_F64);
+    return format == BVX_FORMAT_STL || framed ||
+           (format == BVX_FORMAT_GLB && placed->position_type == BVX_F64);
 }
 
-/* A round origin that brings a box near to 0: whole multiples of a power of ten not below its longest side. 0 when the
- * box is not far. */
+/* A round origin that brings a box near to 0: whole multiples of a power of
+ * ten not below its longest side. 0 when the box is not far. */
 static int near_origin(const bvx_certificate *c, double origin[3])
 {
     double longest = 0.0, farthest = 0.0, step = 1.0;
@@ -167,7 +172,8 @@ static int near_origin(const bvx_certificate *c, double origin[3])
     if (!(farthest > 16.0 * longest) || farthest > 1e15) return 0;
 
     while (step < longest) step *= 10.0;
-    for (int a = 0; a < 3; a++) origin[a] = floor((c->low[a] * 0.5 + c->high[a] * 0.5) / step + 0.5) * step + 0.0;
+    for (int a = 0; a < 3; a++)
+        origin[a] = floor((c->low[a] * 0.5 + c->high[a] * 0.5) / step + 0.5) * step + 0.0;
     return 1;
 }
 
@@ -181,33 +187,44 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
 
     bvx_mesh_view_of(placed, &view);
     if (bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK && near_origin(&box, origin))
-        snprintf(advice, sizeof advice, ", or --output-origin %.15g,%.15g,%.15g to bring it near", origin[0], origin[1], origin[2]);
-    return cli_fail(run, "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean length of "
-                    "%.2g, and %" PRIu64 " of %" PRIu64 " triangles would lose their area or be turned over; take %s%s",
-                    path, cli_format_name(format), r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
-                    format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb" : ".ply, .obj or .off", advice);
+        snprintf(advice, sizeof advice, ", or --output-origin %.15g,%.15g,%.15g to bring it near", origin[0],
+                 origin[1], origin[2]);
+    return cli_fail(
+        run,
+        "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean length of "
+        "%.2g, and %" PRIu64 " of %" PRIu64 " triangles would lose their area or be turned over; take %s%s",
+        path, cli_format_name(format), r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
+        format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb" : ".ply, .obj or .off", advice);
 }
 
 /* What a file that is written all the same makes worse. */
-static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *path, const bvx_write_report *r)
+static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *path,
+                             const bvx_write_report *r)
 {
     const char *const format = cli_format_name(bvx_format_of_name(path));
     bvx_certificate own;
     bvx_mesh_view view;
 
     if (r->spoilt != 0)
-        cli_warn(run, "%s: the 32-bit floats of .%s leave %" PRIu64 " of %" PRIu64 " triangles without area or turned over",
+        cli_warn(run,
+                 "%s: the 32-bit floats of .%s leave %" PRIu64 " of %" PRIu64
+                 " triangles without area or turned over",
                  path, format, r->spoilt, placed->triangle_count);
     else if (r->largest_move * WARNED_SHARE > r->mean_edge)
-        cli_warn(run, "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of %.2g; "
-                 "--output-origin brings the mesh near 0", path, format, r->largest_move, r->mean_edge);
+        cli_warn(
+            run,
+            "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of %.2g; "
+            "--output-origin brings the mesh near 0",
+            path, format, r->largest_move, r->mean_edge);
     if (cli_is_sound(&r->file)) return;
 
     bvx_mesh_view_of(placed, &view);
     if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
-    cli_warn(run, "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal positions, "
-             "and %" PRIu64 " edges and %" PRIu64 " vertices are not manifold then", path, format, r->file.nonmanifold_edges,
-             r->file.nonmanifold_vertices);
+    cli_warn(
+        run,
+        "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal positions, "
+        "and %" PRIu64 " edges and %" PRIu64 " vertices are not manifold then",
+        path, format, r->file.nonmanifold_edges, r->file.nonmanifold_vertices);
 }
 
 /* Certify meshes as one file holds them; number: the report's entry of the first, if it has one. */
@@ -241,7 +258,8 @@ static int judge_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
 
-    return file_differs(&placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path) : CLI_DONE;
+    return file_differs(&placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path)
+                                                           : CLI_DONE;
 }
 
 /* The mesh is judged. */
@@ -303,8 +321,10 @@ int cli_open_levels(cli_run *run, int count, char **path)
 static int put_levels_file(cli_run *run, const bvx_mesh *placed, int count, const char *path)
 {
     bvx_buffer file = {0};
-    bvx_status const status = bvx_write_levels(run->context, placed, (uint64_t)count, bvx_format_of_name(path), &file);
-    int const result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
+    bvx_status const status = bvx_write_levels(run->context, placed, (uint64_t)count,
+                                               bvx_format_of_name(path), &file);
+    int const result = status == BVX_OK ? cli_write_output(run, 0, &file)
+                                        : cli_fail_status(run, status, path);
 
     bvx_buffer_free(run->context, &file);
     return result;

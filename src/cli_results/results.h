@@ -13,9 +13,9 @@ typedef struct cli_tree {
     bvx_lattice base;
     int32_t levels;
     bvx_octree_level level[CLI_TREE_LEVELS + 1];
-    int kind;           /* of the output: CLI_MESH, CLI_GRID, or 0 for a tree */
-    bvx_window window;  /* of the last level */
-    bvx_grid grid;      /* what is written of it: a level, a mesh */
+    int kind;          /* of the output: CLI_MESH, CLI_GRID, or 0 for a tree */
+    bvx_window window; /* of the last level */
+    bvx_grid grid;     /* what is written of it: a level, a mesh */
     bvx_mesh surface;
     uint64_t triangles; /* of the mesh that was refined; 0: the tree was read */
     double seconds;     /* that it took */
@@ -63,7 +63,8 @@ int cli_has_two_numbers(const char *pattern);
 char *cli_numbered_path(const char *pattern, int64_t number);
 /* Refuse an ending that stands for no mesh format. */
 int cli_check_mesh_name(cli_run *run, const char *path);
-/* Refuse a name without %d for several levels (count 0: several in any case), but for one .glb, which may hold them. */
+/* Refuse a name without %d for several levels (count 0: several in any
+ * case), but for one .glb, which may hold them. */
 int cli_check_level_names(cli_run *run, int count);
 /* Refuse --carry to a format that holds nothing to carry, or of a mesh that has nothing. */
 int cli_check_carry_name(cli_run *run);
@@ -75,14 +76,16 @@ int cli_check_sharp(cli_run *run);
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
 /* Refuse --output-origin for outputs other than meshes. */
 int cli_check_output_origin(cli_run *run);
-/* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin; --normals adds the
- * normals of vertices. Where the file holds other positions than the mesh, or joins them, the certificate of the report's
- * entry of this number, if there is one, becomes the file's; a mesh that the format would spoil is refused. */
+/* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin;
+ * --normals adds the normals of vertices. Where the file holds other positions than the mesh, or joins them,
+ * the certificate of the report's entry of this number, if there is one, becomes the file's; a mesh that the
+ * format would spoil is refused. */
 int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path);
 /* The same as run->options.output, and keep it. */
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh);
 
-/* Open an output for each level; path receives their names, the first one for all where one file holds them. */
+/* Open an output for each level; path receives their names, the first one for all where one file holds
+ * them. */
 int cli_open_levels(cli_run *run, int count, char **path);
 /* Write all levels to these outputs and keep them. */
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
@@ -95,9 +98,10 @@ int cli_is_sound(const bvx_certificate *certificate);
 void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
 /* The report's levels that edges collapsed to: triangles, targets, what they are. */
 void cli_say_collapsed(cli_run *run, int count, double diagonal);
-/* The distances of the report's meshes to the input; to says what that is where it is no mesh, unit_of whose unit they have;
- * decimals of percent. */
-void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to, const char *unit_of);
+/* The distances of the report's meshes to the input; to says what that is
+ * where it is no mesh, unit_of whose unit they have; decimals of percent. */
+void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to,
+                       const char *unit_of);
 /* The files' names. */
 void cli_say_written(cli_run *run, int count);
 

@@ -11,21 +11,29 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     const char *const path = run->options->output;
     int32_t const format = bvx_format_of_name(path);
     int const expand = cli_given(run, "--expand");
+
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
-        return cli_usage(run, "%s: the name ends in no format that octrees are written to (.bvx .vtu, .npy .binvox .vox .nrrd .vti, "
-                         CLI_MESHES_WRITTEN ")", path);
+        return cli_usage(
+            run,
+            "%s: the name ends in no format that octrees are written to (.bvx .vtu, .npy .binvox .vox .nrrd .vti, " CLI_MESHES_WRITTEN
+            ")",
+            path);
     if (expand && t->kind != CLI_GRID) return cli_usage(run, "--expand is for grids; %s would be none", path);
     if (cli_given(run, "--states") && t->kind == 0 && format == BVX_FORMAT_BVX)
-        return cli_usage(run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format", path);
-    if (run->options->leaves && t->kind != CLI_MESH) return cli_usage(run, "--leaves makes a mesh; %s would be none", path);
+        return cli_usage(
+            run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format",
+            path);
+    if (run->options->leaves && t->kind != CLI_MESH)
+        return cli_usage(run, "--leaves makes a mesh; %s would be none", path);
     if (cli_given(run, "--cut") && !run->options->leaves) return cli_usage(run, "--cut needs --leaves");
     return CLI_DONE;
 }
 
 int cli_open_tree_output(cli_run *run, const cli_tree *t)
 {
-    return t->kind == CLI_GRID ? cli_open_grid_output(run, run->options->output) : cli_open_output(run, run->options->output);
+    return t->kind == CLI_GRID ? cli_open_grid_output(run, run->options->output)
+                               : cli_open_output(run, run->options->output);
 }
 
 /* ---- in ---- */
@@ -33,6 +41,7 @@ int cli_open_tree_output(cli_run *run, const cli_tree *t)
 int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 {
     bvx_status status;
+
     t->tree = tree;
     t->levels = bvx_octree_levels(tree);
     status = bvx_octree_lattice(run->context, tree, 0, &t->base);
@@ -61,13 +70,16 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     bvx_extract_options e;
     bvx_status status;
+
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
     status = bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
-    return t->surface.triangle_count != 0 ? CLI_DONE : cli_fail(run, "%s: no voxel has these states", run->options->output);
+    return t->surface.triangle_count != 0
+               ? CLI_DONE
+               : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
 /* The tree itself, or the mesh that was made of it. */
@@ -77,6 +89,7 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     bvx_buffer file = {0};
     bvx_status status;
     int result;
+
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -93,7 +106,8 @@ int cli_write_tree(cli_run *run, cli_tree *t)
     int status = CLI_DONE;
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
-        status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface) : make_surface_mesh(run, t);
+        status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)
+                                      : make_surface_mesh(run, t);
     return status == CLI_DONE ? write_tree_file(run, t) : status;
 }
 

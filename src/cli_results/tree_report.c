@@ -8,6 +8,7 @@
 static bvx_octree_level sum_of(const cli_tree *t)
 {
     bvx_octree_level sum;
+
     memset(&sum, 0, sizeof sum);
     for (int32_t i = 0; i <= t->levels; i++) {
         sum.voxels += t->level[i].voxels;
@@ -27,8 +28,10 @@ static double uniform_voxels(const bvx_lattice *l)
 
 static void say_row(cli_run *run, const char *name, const char *dims, const bvx_octree_level *l)
 {
-    cli_say(run, "%5s  %-17s %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 "\n", name, dims, l->voxels,
-            l->split, l->surface, l->inside, l->outside, l->bytes);
+    cli_say(run,
+            "%5s  %-17s %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64
+            "\n",
+            name, dims, l->voxels, l->split, l->surface, l->inside, l->outside, l->bytes);
 }
 
 void cli_say_levels(cli_run *run, const cli_tree *t)
@@ -37,17 +40,20 @@ void cli_say_levels(cli_run *run, const cli_tree *t)
     const bvx_lattice *const last = &run->report.lattice;
     uint64_t const leaves = sum.voxels - sum.split;
     double const uniform = uniform_voxels(last);
-    cli_say(run, "level  %-17s %12s %12s %12s %12s %12s %12s\n", "voxels a side", "voxels", "split", "surface", "inside", "outside", "bytes");
+
+    cli_say(run, "level  %-17s %12s %12s %12s %12s %12s %12s\n", "voxels a side", "voxels", "split",
+            "surface", "inside", "outside", "bytes");
     for (int32_t i = 0; i <= t->levels; i++) {
         char name[16], dims[48];
         int32_t const shift = t->levels - i;
         snprintf(name, sizeof name, "%" PRId32, i);
-        snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift, last->dims[1] >> shift, last->dims[2] >> shift);
+        snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift,
+                 last->dims[1] >> shift, last->dims[2] >> shift);
         say_row(run, name, dims, &t->level[i]);
     }
     say_row(run, "all", "", &sum);
-    cli_say(run, "\n%" PRIu64 " leaves in place of %.0f voxels of one size, %.3g %%; %.3g bytes a leaf\n", leaves, uniform,
-            100.0 * (double)leaves / uniform, (double)sum.bytes / (double)leaves);
+    cli_say(run, "\n%" PRIu64 " leaves in place of %.0f voxels of one size, %.3g %%; %.3g bytes a leaf\n",
+            leaves, uniform, 100.0 * (double)leaves / uniform, (double)sum.bytes / (double)leaves);
 }
 
 void cli_say_tree_output(cli_run *run, const cli_tree *t)
@@ -55,10 +61,12 @@ void cli_say_tree_output(cli_run *run, const cli_tree *t)
     cli_say(run, "written: %s", run->options->output);
     if (t->kind == CLI_GRID) {
         const int32_t *const n = t->grid.size;
-        cli_say(run, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2], run->report.set);
+        cli_say(run, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2],
+                run->report.set);
     }
     if (t->kind == CLI_MESH)
-        cli_say(run, ", %" PRIu64 " triangles of %" PRIu64 " vertices", t->surface.triangle_count, t->surface.vertex_count);
+        cli_say(run, ", %" PRIu64 " triangles of %" PRIu64 " vertices", t->surface.triangle_count,
+                t->surface.vertex_count);
     cli_say(run, "\n");
 }
 
@@ -76,6 +84,7 @@ void cli_report_tree(cli_run *run, const cli_tree *tree)
 {
     cli_text *const t = &run->report.more;
     const bvx_octree_level sum = sum_of(tree);
+
     cli_text_add(t, ", \"octree\": {\"levels\": %" PRId32, tree->levels);
     cli_json_ints(t, "base", tree->base.dims);
     cli_json_count(t, "leaves", sum.voxels - sum.split);

@@ -1,7 +1,8 @@
 /* blocks.c - the memory of a run: large blocks ask for huge pages.
  *
- * They are touched for the first time in a fraction of the time, and what matters more to somebody who presses Ctrl-C:
- * the system takes a gigabyte of them back in milliseconds, where small pages need a fifth of a second. */
+ * They are touched for the first time in a fraction of the time, and what matters more to somebody who
+ * presses Ctrl-C: the system takes a gigabyte of them back in milliseconds, where small pages need a fifth of
+ * a second. */
 #if defined(__linux__)
 #define _DEFAULT_SOURCE
 #define _POSIX_C_SOURCE 200809L
@@ -19,7 +20,8 @@ void cli_large_block(void *block, size_t size)
 {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
     long const page = sysconf(_SC_PAGESIZE);
-    size_t before; /* outwards to whole pages: a mapping that is advised as a whole can still grow in its place */
+    /* outwards to whole pages: a mapping that is advised as a whole can still grow in its place */
+    size_t before;
     if (block == NULL || size < BLOCK_LARGE || page <= 0) return;
     before = (uintptr_t)block % (size_t)page;
     size = (size + before + (size_t)page - 1) / (size_t)page * (size_t)page;

@@ -28,6 +28,7 @@ static int tell_error(cli_run *run, int status, const char *code, const char *me
 {
     cli_report *const r = &run->report;
     char prefix[512];
+
     name_input(run, message, prefix, sizeof prefix);
     cli_lock();
     snprintf(r->error_code, sizeof r->error_code, "%s", code);
@@ -66,6 +67,7 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room)
 {
     const char *cut = NULL;
     int kept = 0;
+
     for (int i = 0; i < run->outputs; i++) {
         if (run->output[i].begun) cut = run->output[i].path;
         kept += run->output[i].kept;
@@ -114,6 +116,7 @@ void cli_warn(cli_run *run, const char *format, ...)
     cli_report *const r = &run->report;
     char text[512], prefix[512], *copy;
     va_list args;
+
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
@@ -137,7 +140,8 @@ void cli_warn(cli_run *run, const char *format, ...)
 void cli_say(cli_run *run, const char *format, ...)
 {
     va_list args;
-    if (run->general->quiet || run->general->json || (run->standard_taken && run->standard_name[0] == 0)) return;
+    if (run->general->quiet || run->general->json || (run->standard_taken && run->standard_name[0] == 0))
+        return;
     cli_clear_bar(run);
     va_start(args, format);
     vfprintf(run->standard_taken ? stderr : stdout, format, args);

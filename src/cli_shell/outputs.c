@@ -1,12 +1,12 @@
 /* outputs.c - whole files out, all or none.
  *
- * An output is written under a temporary name in its own folder, which also shows at once whether that is possible, and
- * gets its name when everything is done; whatever happens before leaves the folder as it was. So an output may also be
- * the file that is read. Symbolic links stay, and what they point at is replaced. What is no plain file (a pipe, a
- * device, standard output by one of its names) is written in place. */
+ * An output is written under a temporary name in its own folder, which also shows at once whether that is
+ * possible, and gets its name when everything is done; whatever happens before leaves the folder as it was.
+ * So an output may also be the file that is read. Symbolic links stay, and what they point at is replaced.
+ * What is no plain file (a pipe, a device, standard output by one of its names) is written in place. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define OUTPUTS_POSIX 1
+#define OUTPUTS_POSIX   1
 #else
 #define OUTPUTS_POSIX 0
 #endif
@@ -51,6 +51,7 @@ static char *name_beside(const char *path, int i, const char *ending)
     size_t const folder = folder_length(path), room = folder + 64;
     char *const name = malloc(room);
     long process = 0;
+
 #if OUTPUTS_POSIX
     process = (long)getpid();
 #endif
@@ -64,6 +65,7 @@ static char *name_beside(const char *path, int i, const char *ending)
 static char *follow_links(const char *path)
 {
     char *now = copy_text(path);
+
     for (int i = 0; i < 40 && now != NULL; i++) {
         char link[4096];
         ssize_t const n = readlink(now, link, sizeof link);
@@ -84,10 +86,12 @@ static char *follow_links(const char *path)
     return NULL;
 }
 
-/* Kind and target of what stands at o->path, and its mode (0: nothing stands there). 0 with errno when it is refused. */
+/* Kind and target of what stands at o->path, and its mode (0: nothing
+ * stands there). 0 with errno when it is refused. */
 static int look_at_output(cli_output *o, unsigned *mode)
 {
     struct stat s, standard, behind;
+
     if (stat(o->path, &s) != 0) {
         if (errno != ENOENT) return 0;
     } else {
@@ -95,7 +99,8 @@ static int look_at_output(cli_output *o, unsigned *mode)
             errno = EISDIR;
             return 0;
         }
-        if (fstat(STDOUT_FILENO, &standard) == 0 && standard.st_dev == s.st_dev && standard.st_ino == s.st_ino)
+        if (fstat(STDOUT_FILENO, &standard) == 0 && standard.st_dev == s.st_dev &&
+            standard.st_ino == s.st_ino)
             o->kind = CLI_OUT_STANDARD;
         else if (access(o->path, W_OK) != 0) return 0;
         else if (!S_ISREG(s.st_mode)) o->kind = CLI_OUT_IN_PLACE;
@@ -104,7 +109,8 @@ static int look_at_output(cli_output *o, unsigned *mode)
     }
     o->target = follow_links(o->path);
     if (o->target == NULL) return 0;
-    if (*mode != 0 && (stat(o->target, &behind) != 0 || behind.st_dev != s.st_dev || behind.st_ino != s.st_ino))
+    if (*mode != 0 &&
+        (stat(o->target, &behind) != 0 || behind.st_dev != s.st_dev || behind.st_ino != s.st_ino))
         o->kind = CLI_OUT_IN_PLACE; /* open somewhere, but without a name */
     return 1;
 }
@@ -124,6 +130,7 @@ static FILE *create_file(const char *name, unsigned mode)
 static int move_aside(const char *path, const char *name)
 {
     struct stat s;
+
     if (lstat(path, &s) != 0) return 0;
     if (S_ISDIR(s.st_mode)) {
         errno = EISDIR;
@@ -189,6 +196,7 @@ int cli_are_one_file(const char *a, const char *b)
 static int make_temporary(cli_output *o, unsigned mode)
 {
     FILE *file = NULL;
+
     for (int i = 0; i < OUTPUT_TRIES && file == NULL; i++) {
         o->temporary = name_beside(o->target, i, "part");
         if (o->temporary == NULL) return 0;
@@ -206,7 +214,9 @@ static const char *same_file(const cli_run *run, const cli_output *o)
 {
     for (int i = 0; i < run->outputs; i++) {
         const cli_output *const other = &run->output[i];
-        if (other != o && o->kind == CLI_OUT_NEW && other->kind == CLI_OUT_NEW && strcmp(other->target, o->target) == 0) return other->path;
+        if (other != o && o->kind == CLI_OUT_NEW && other->kind == CLI_OUT_NEW &&
+            strcmp(other->target, o->target) == 0)
+            return other->path;
     }
     return NULL;
 }
@@ -222,9 +232,12 @@ int cli_open_output(cli_run *run, const char *path)
     const char *same;
     unsigned mode = 0;
     int good, error;
-    if (run->outputs == CLI_MAX_OUTPUTS) return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
+
+    if (run->outputs == CLI_MAX_OUTPUTS)
+        return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
     if (cli_is_packed(path) && !cli_can_pack())
-        return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz", path);
+        return cli_fail(run, "%s: this build cannot pack: it was made without zlib; give a name without .gz",
+                        path);
     cli_lock();
     memset(o, 0, sizeof *o);
     o->path = copy_text(path);
@@ -239,9 +252,11 @@ int cli_open_output(cli_run *run, const char *path)
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
     if (run->standard_name[0] != 0 && run->outputs > 1)
-        return cli_usage(run, "-o - is for one output; %s would be another", strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
+        return cli_usage(run, "-o - is for one output; %s would be another",
+                         strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
     if (o->kind != CLI_OUT_STANDARD || cli_is_standard_output(run, path)) return CLI_DONE;
-    if (run->general->json) return cli_usage(run, "%s is standard output, where --json writes its report", path);
+    if (run->general->json)
+        return cli_usage(run, "%s is standard output, where --json writes its report", path);
     run->standard_taken = 1;
     return CLI_DONE;
 }
@@ -249,8 +264,9 @@ int cli_open_output(cli_run *run, const char *path)
 static FILE *open_for_writing(cli_output *o)
 {
     FILE *file;
+
     if (o->kind == CLI_OUT_NEW) {
-        cli_lock(); /* a temporary that an interrupt has removed is not made again */
+        cli_lock();                        /* a temporary that an interrupt has removed is not made again */
         file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
     } else {
         file = o->kind == CLI_OUT_STANDARD ? stdout : fopen(o->path, "wb"); /* may wait for a reader */
@@ -267,11 +283,15 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
     FILE *const file = open_for_writing(o);
     uint64_t written = 0;
     int error = file == NULL ? errno : 0, stopped = 0;
-    if (error == EINTR && cli_interrupted()) return cli_fail_interrupted(run); /* while a pipe had no reader */
+
+    /* while a pipe had no reader */
+    if (error == EINTR && cli_interrupted()) return cli_fail_interrupted(run);
     if (file == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
-    setvbuf(file, NULL, _IONBF, 0); /* parts are large, and after a failure it must be known how much was taken */
+    /* parts are large, and after a failure it must be known how much was taken */
+    setvbuf(file, NULL, _IONBF, 0);
     while (written < buffer->size && error == 0 && !stopped) {
-        size_t const rest = (size_t)(buffer->size - written), part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
+        size_t const rest = (size_t)(buffer->size - written);
+        size_t const part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
         size_t taken;
         errno = 0;
         taken = fwrite(buffer->bytes + written, 1, part, file);
@@ -330,10 +350,12 @@ static int give_name(cli_output *o)
     return 1;
 }
 
-/* The first n outputs go, and what stood there comes back. Returns an output whose older file could not, or NULL. */
+/* The first n outputs go, and what stood there comes back. Returns an
+ * output whose older file could not, or NULL. */
 static cli_output *take_back(cli_run *run, int n)
 {
     cli_output *lost = NULL;
+
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         o->kept = 0;
@@ -345,12 +367,15 @@ static cli_output *take_back(cli_run *run, int n)
     return lost;
 }
 
-/* All that may be in the way is moved there before the first output gets its name. Returns how many are ready. */
+/* All that may be in the way is moved there before the first output gets
+ * its name. Returns how many are ready. */
 static int set_all_aside(cli_run *run)
 {
-    int const careful = run->outputs > 1 || !OUTPUTS_POSIX; /* one rename alone is all or nothing, where it replaces */
+    /* one rename alone is all or nothing, where it replaces */
+    int const careful = run->outputs > 1 || !OUTPUTS_POSIX;
     int n = 0;
-    while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n]))) n++;
+    while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n])))
+        n++;
     return n;
 }
 
@@ -370,13 +395,15 @@ static void drop_older(cli_run *run)
 static int fail_to_keep(cli_run *run, const cli_output *o, int error, const cli_output *lost)
 {
     if (lost == NULL) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
-    return cli_fail(run, "%s: cannot be written: %s; what stood at %s is now %s", o->path, strerror(error), lost->path, lost->older);
+    return cli_fail(run, "%s: cannot be written: %s; what stood at %s is now %s", o->path, strerror(error),
+                    lost->path, lost->older);
 }
 
 int cli_keep_outputs(cli_run *run)
 {
     cli_output *lost = NULL;
     int ready, named = 0, good, error;
+
     if (cli_interrupted()) return cli_fail_interrupted(run);
     cli_lock();
     ready = set_all_aside(run);
@@ -391,7 +418,8 @@ int cli_keep_outputs(cli_run *run)
     if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
-        if (good && o->older != NULL) cli_warn(run, "%s, which stood at %s, cannot be removed", o->older, o->path);
+        if (good && o->older != NULL)
+            cli_warn(run, "%s, which stood at %s, cannot be removed", o->older, o->path);
         forget_older(o);
     }
     return good ? CLI_DONE : CLI_FAILED;

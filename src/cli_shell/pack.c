@@ -31,7 +31,8 @@ static int grow_packed(cli_run *run, const char *path, bvx_buffer *packed)
     return CLI_DONE;
 }
 
-static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed, z_stream *z)
+static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed,
+                       z_stream *z)
 {
     uint64_t taken = 0;
 
@@ -49,8 +50,10 @@ static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, 
         result = deflate(z, most == in ? Z_FINISH : Z_NO_FLUSH);
         taken += most - z->avail_in;
         packed->size += out - z->avail_out;
-        if (cli_progress(run, "pack", (double)taken / ((double)plain->size + 1.0))) return cli_fail_interrupted(run);
-        if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR) return cli_fail(run, "%s: cannot be packed", path);
+        if (cli_progress(run, "pack", (double)taken / ((double)plain->size + 1.0)))
+            return cli_fail_interrupted(run);
+        if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
+            return cli_fail(run, "%s: cannot be packed", path);
     }
     return CLI_DONE;
 }
@@ -63,10 +66,12 @@ int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer
     memset(packed, 0, sizeof *packed);
     packed->capacity = plain->size / 4 + PACK_LEAST;
     packed->bytes = packed->capacity <= SIZE_MAX ? malloc((size_t)packed->capacity) : NULL;
-    if (packed->bytes == NULL) return cli_fail(run, "%s: no memory for %" PRIu64 " packed bytes", path, packed->capacity);
+    if (packed->bytes == NULL)
+        return cli_fail(run, "%s: no memory for %" PRIu64 " packed bytes", path, packed->capacity);
 
     memset(&z, 0, sizeof z);
-    if (deflateInit2(&z, PACK_LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) /* the largest window, gzip's head and foot */
+    /* the largest window, gzip's head and foot */
+    if (deflateInit2(&z, PACK_LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return cli_fail(run, "%s: no memory to pack it", path);
     status = deflate_all(run, path, plain, packed, &z);
     deflateEnd(&z);

@@ -120,8 +120,11 @@ static void report_error(cli_text *t, const cli_report *r)
 void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
 {
     const cli_report *const r = &run->report;
+
     cli_text_add(t, "{\"status\": \"%s\"",
-                 status == CLI_DONE ? "done" : status == CLI_INTERRUPTED ? "interrupted" : "failed");
+                 status == CLI_DONE          ? "done"
+                 : status == CLI_INTERRUPTED ? "interrupted"
+                                             : "failed");
     if (run->name != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->name);
     if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
     if (!brief && r->has_set) cli_json_count(t, "set", r->set);
@@ -156,6 +159,7 @@ int cli_report_print(cli_run *run, int status)
     FILE *const to = run->standard_taken ? stderr : stdout;
     cli_text text = {NULL, 0, 0, 0};
     int good;
+
     if (run->report.batch.size != 0) text = run->report.batch;
     else cli_report_text(run, status, 0, &text);
     cli_watch_report();

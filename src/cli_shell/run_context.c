@@ -1,7 +1,7 @@
 /* run_context.c - the context of a run: threads, memory, progress. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define RUN_POSIX 1
+#define RUN_POSIX       1
 #else
 #define RUN_POSIX 0
 #endif
@@ -18,8 +18,11 @@
 uint64_t cli_memory_there(void)
 {
     uint64_t memory = UINT64_MAX;
+
 #if RUN_POSIX
-    static const char *const container[2] = {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}; /* a number, or "max" */
+    /* a number, or "max" */
+    static const char *const container[2] = {"/sys/fs/cgroup/memory.max",
+                                             "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
     struct rlimit space;
 #if defined(_SC_PHYS_PAGES)
     long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
@@ -43,14 +46,15 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
     bvx_context_options o;
     bvx_status status;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = run->general->threads;
     cli_blocks_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
     if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
-    run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0; /* choices do not depend on the machine */
+    /* choices do not depend on the machine */
+    run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;
     status = bvx_context_create(&o, &run->context);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
 }
-

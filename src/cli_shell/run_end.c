@@ -1,7 +1,7 @@
 /* run_end.c - the last words of a run, and its exit status. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define END_POSIX 1
+#define END_POSIX       1
 #else
 #define END_POSIX 0
 #endif
@@ -15,8 +15,8 @@
 #include <unistd.h>
 #endif
 
-/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal and without a
- * word. All files are written by now. */
+/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal
+ * and without a word. All files are written by now. */
 static void end_without_reader(void)
 {
 #if END_POSIX
@@ -38,7 +38,8 @@ int cli_end_of_output(cli_run *run)
 /* The last words: the report of --json, or what is left of the text. */
 int cli_end_of_run(cli_run *run, int status)
 {
-    if (!run->general->json || cli_report_print(run, status)) return status == CLI_DONE ? cli_end_of_output(run) : status;
+    if (!run->general->json || cli_report_print(run, status))
+        return status == CLI_DONE ? cli_end_of_output(run) : status;
 
     if (status != CLI_DONE) return status;
     end_without_reader();

@@ -1,4 +1,5 @@
-/* shell.h - of the bitvox program: what it says, writes and hears; no command and no option of one is known here. */
+/* shell.h - of the bitvox program: what it says, writes and hears; no
+ * command and no option of one is known here. */
 #ifndef BVX_CLI_SHELL_H
 #define BVX_CLI_SHELL_H
 
@@ -30,9 +31,9 @@ enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
 /* What the command line says to all commands. */
 typedef struct cli_general {
     int32_t help, json, quiet;
-    int32_t progress;       /* CLI_BAR_... */
+    int32_t progress; /* CLI_BAR_... */
     int32_t threads;
-    uint64_t memory_limit;  /* 0: not given */
+    uint64_t memory_limit; /* 0: not given */
 } cli_general;
 
 /* ---- text.c: text that grows; what does not fit into memory is left out and marked ---- */
@@ -45,8 +46,8 @@ typedef struct cli_text {
 
 void cli_text_add(cli_text *text, const char *format, ...);
 void cli_text_free(cli_text *text);
-/* Pieces of JSON. A string, with bytes that are no UTF-8 replaced; a number, null when it is none; "key": with a comma
- * and a space before it, but for the first. */
+/* Pieces of JSON. A string, with bytes that are no UTF-8 replaced; a number, null when it is none; "key":
+ * with a comma and a space before it, but for the first. */
 void cli_json_string(cli_text *text, const char *string);
 void cli_json_number(cli_text *text, double value);
 void cli_json_key(cli_text *text, const char *key, int first);
@@ -62,15 +63,15 @@ void cli_json_ints(cli_text *text, const char *key, const int32_t value[3]);
 typedef struct cli_mesh_entry {
     const char *path;
     bvx_certificate certificate;
-    const bvx_certificate *welded;        /* with vertices at equal positions joined, or NULL */
-    int colours, uvs;                     /* it has them */
-    int has_crossings;                    /* they were counted */
+    const bvx_certificate *welded; /* with vertices at equal positions joined, or NULL */
+    int colours, uvs;              /* it has them */
+    int has_crossings;             /* they were counted */
     uint64_t crossings;
-    const bvx_lod_report *lod;            /* or NULL */
-    const bvx_level_report *level;        /* or NULL */
-    double milliseconds, rate;            /* milliseconds beside lod, rate beside both */
-    const char *source;                   /* beside level: what it was made from, "mesh" or "measured" */
-    const bvx_distance_report *distance;  /* to the input, or NULL */
+    const bvx_lod_report *lod;           /* or NULL */
+    const bvx_level_report *level;       /* or NULL */
+    double milliseconds, rate;           /* milliseconds beside lod, rate beside both */
+    const char *source;                  /* beside level: what it was made from, "mesh" or "measured" */
+    const bvx_distance_report *distance; /* to the input, or NULL */
 } cli_mesh_entry;
 
 /* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
@@ -78,9 +79,9 @@ typedef struct cli_report {
     bvx_lattice lattice;
     int has_lattice, has_set;
     uint64_t set;
-    bvx_keep_report parts;   /* of voxels, where some were to be dropped */
+    bvx_keep_report parts; /* of voxels, where some were to be dropped */
     int has_parts;
-    uint64_t nonfinite;      /* triangles of the inputs that were left out */
+    uint64_t nonfinite; /* triangles of the inputs that were left out */
     struct {
         char name[32];
         double seconds;
@@ -88,11 +89,11 @@ typedef struct cli_report {
     int stages;
     cli_mesh_entry mesh[CLI_MAX_OUTPUTS];
     int meshes;
-    cli_text more;           /* further members as JSON, each with ", " before it */
+    cli_text more; /* further members as JSON, each with ", " before it */
     char *warning[CLI_MAX_WARNINGS];
     int warnings;
-    uint64_t peak_bytes;     /* most bytes held for data */
-    cli_text batch;          /* the whole report of several inputs, in place of the above */
+    uint64_t peak_bytes; /* most bytes held for data */
+    cli_text batch;      /* the whole report of several inputs, in place of the above */
     char error_code[32];
     char error_message[1024];
 } cli_report;
@@ -109,7 +110,8 @@ void cli_note_peak(cli_run *run, uint64_t bytes);
 /* Print "bitvox: ..." to standard error, keep it for the report, return the exit status. */
 int cli_fail(cli_run *run, const char *format, ...);
 int cli_usage(cli_run *run, const char *format, ...);
-/* The same for a call of the library that failed; about names the file or is NULL. CLI_INTERRUPTED when cancelled. */
+/* The same for a call of the library that failed; about names the file or
+ * is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
 /* The same, with an advice behind the message. */
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
@@ -155,12 +157,13 @@ void cli_remove_temporaries(cli_run *run);
 int cli_can_pack(void);
 /* Pack a file by gzip; packed->bytes is to be freed in any case. */
 int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer *packed);
-int cli_is_packed(const char *path);         /* ends in .gz */
+int cli_is_packed(const char *path); /* ends in .gz */
 
 /* ---- terminal.c: time and progress ---- */
 
 double cli_seconds(void); /* of a clock that only goes forward */
-/* A stage begins and ends, under the name that the report and the progress tell; the end returns its seconds. */
+/* A stage begins and ends, under the name that the report and the progress tell; the end returns its
+ * seconds. */
 void cli_stage_begin(cli_run *run, const char *format, ...);
 double cli_stage_end(cli_run *run);
 /* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
@@ -171,25 +174,26 @@ void cli_progress_end(cli_run *run, int status);
 void cli_clear_bar(cli_run *run);
 
 typedef struct cli_progress_state {
-    char stage[32];   /* "" before the first */
-    int named;        /* the command has begun it and not ended it */
-    double low, high; /* its share of the run */
-    int calls, call;  /* of the library in it: how many, and which one runs */
-    int moved;        /* it has reported something */
-    int row, time;    /* of the plan; row -1: before the first */
-    int made, measured; /* levels, for the plan: made one after the other, measured likewise */
+    char stage[32];      /* "" before the first */
+    int named;           /* the command has begun it and not ended it */
+    double low, high;    /* its share of the run */
+    int calls, call;     /* of the library in it: how many, and which one runs */
+    int moved;           /* it has reported something */
+    int row, time;       /* of the plan; row -1: before the first */
+    int made, measured;  /* levels, for the plan: made one after the other, measured likewise */
     double start, ended; /* of the stage, seconds; ended 0: it still runs */
-    double reached;   /* of the run */
-    double told;      /* when the last line or bar was shown */
-    int bar;          /* a bar stands on the terminal */
-    int way;          /* CLI_BAR_..., 0: not yet decided */
+    double reached;      /* of the run */
+    double told;         /* when the last line or bar was shown */
+    int bar;             /* a bar stands on the terminal */
+    int way;             /* CLI_BAR_..., 0: not yet decided */
 } cli_progress_state;
 
 /* ---- watch.c: interrupts ---- */
 
 /* Before any other thread starts. */
 void cli_watch_start(void);
-/* What an interrupt asks of the files that use this one: to remove temporaries, to say what was left, to report. */
+/* What an interrupt asks of the files that use this one: to remove
+ * temporaries, to say what was left, to report. */
 typedef struct cli_leaving {
     void (*remove)(cli_run *run);
     void (*say)(const cli_run *run, char *text, size_t room);
@@ -199,8 +203,9 @@ typedef struct cli_leaving {
 /* From now on an interrupt that the run does not heed soon ends the program by itself. */
 void cli_watch_run(cli_run *run, const cli_leaving *leaving);
 int cli_interrupted(void);
-/* Around what an interrupt must find whole: outputs and their names, the report's texts. Nothing that may wait for
- * others (pipes, terminals) happens inside. Does not return once an interrupt is ending the program. */
+/* Around what an interrupt must find whole: outputs and their names, the report's texts. Nothing that may
+ * wait for others (pipes, terminals) happens inside. Does not return once an interrupt is ending the
+ * program. */
 void cli_lock(void);
 void cli_unlock(void);
 /* With the lock held: the outputs have their names, so nothing is cancelled any more. */
@@ -225,13 +230,14 @@ void cli_blocks_offer(bvx_context_options *options);
 /* ---- the run ---- */
 
 struct cli_run {
-    const char *name;              /* of the command; NULL: none */
-    const cli_command *command;    /* not looked at in this room */
-    cli_options *options;          /* likewise */
-    const cli_general *general;    /* a part of the options */
-    const char *about;             /* the input that messages name, one of several; NULL: no need */
+    const char *name;                     /* of the command; NULL: none */
+    const cli_command *command;           /* not looked at in this room */
+    cli_options *options;                 /* likewise */
+    const cli_general *general;           /* a part of the options */
+    const char *about;                    /* the input that messages name, one of several; NULL: no need */
     unsigned char given[CLI_MAX_OPTIONS]; /* by row of the table of options */
-    /* The share of the run that the stage which begins now has; 0 when it is not in the command's plan. NULL: no plan. */
+    /* The share of the run that the stage which begins now has; 0 when it
+     * is not in the command's plan. NULL: no plan. */
     int (*plan_stage)(struct cli_run *run, const char *name, double *low, double *high);
     cli_report report;
     bvx_context *context;
@@ -254,8 +260,8 @@ int cli_end_of_output(cli_run *run);
 
 /* ---- run_context.c ---- */
 
-/* Memory that this process may use: the machine's, or less where a container or a limit of the shell allows less; 0 where the
- * system does not tell. */
+/* Memory that this process may use: the machine's, or less where a container
+ * or a limit of the shell allows less; 0 where the system does not tell. */
 uint64_t cli_memory_there(void);
 
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */

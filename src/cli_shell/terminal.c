@@ -1,11 +1,12 @@
 /* terminal.c - time, and the progress of a run: a bar for people, lines of JSON for programs.
  *
- * A stage is what the command names: "level 0". It has the share of the run that the plan of its command gives it, and its calls of the library,
- * which report 0 to 1 each, share it evenly: cli_stage_calls says how many there are. One fraction rises from 0 to 1 over the
- * whole run; 1 is reported when the run has succeeded. */
+ * A stage is what the command names: "level 0". It has the share of the run that the plan of its command
+ * gives it, and its calls of the library, which report 0 to 1 each, share it evenly: cli_stage_calls says how
+ * many there are. One fraction rises from 0 to 1 over the whole run; 1 is reported when the run has
+ * succeeded. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define TERMINAL_POSIX 1
+#define TERMINAL_POSIX  1
 #else
 #define TERMINAL_POSIX 0
 #endif
@@ -21,9 +22,9 @@
 #include <unistd.h>
 #endif
 
-#define BAR_AFTER 0.5    /* seconds of work before a bar is shown */
-#define TOLD_EVERY 0.1   /* seconds between two looks of it, or two lines */
-#define LEFT_AFTER 1.0   /* seconds of a run before the rest is estimated */
+#define BAR_AFTER     0.5  /* seconds of work before a bar is shown */
+#define TOLD_EVERY    0.1  /* seconds between two looks of it, or two lines */
+#define LEFT_AFTER    1.0  /* seconds of a run before the rest is estimated */
 #define LEFT_FRACTION 0.05 /* of the run, likewise */
 
 enum { BAR_WIDTH = 24 };
@@ -72,6 +73,7 @@ static void time_left(const cli_run *run, double now, char *text, size_t room)
     const cli_progress_state *const p = &run->progress;
     double const elapsed = now - run->start;
     double left;
+
     text[0] = 0;
     if (elapsed < LEFT_AFTER || p->reached < LEFT_FRACTION) return;
     left = elapsed / p->reached * (1.0 - p->reached);
@@ -86,6 +88,7 @@ static void draw_bar(cli_run *run, double now)
     const cli_progress_state *const p = &run->progress;
     char bar[BAR_WIDTH + 1], left[32];
     int const filled = (int)(p->reached * BAR_WIDTH);
+
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
     time_left(run, now, left, sizeof left);
@@ -98,6 +101,7 @@ static void print_line(const cli_run *run, double now)
 {
     const cli_progress_state *const p = &run->progress;
     cli_text text = {NULL, 0, 0, 0};
+
     cli_text_add(&text, "{\"stage\": ");
     cli_json_string(&text, p->stage);
     cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
@@ -111,6 +115,7 @@ static void tell_progress(cli_run *run, int last)
     cli_progress_state *const p = &run->progress;
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
+
     if (!last && now - p->told < TOLD_EVERY) return;
     if (way == CLI_BAR_JSON) print_line(run, now);
     else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
@@ -131,13 +136,15 @@ static void close_stage(cli_run *run, int done)
 static void open_stage(cli_run *run, const char *name)
 {
     cli_progress_state *const p = &run->progress;
+
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
     p->start = cli_seconds();
     p->ended = 0.0;
     p->calls = 1;
     p->call = p->moved = 0;
-    if (run->plan_stage == NULL || !run->plan_stage(run, name, &p->low, &p->high)) p->low = p->high = p->reached;
+    if (run->plan_stage == NULL || !run->plan_stage(run, name, &p->low, &p->high))
+        p->low = p->high = p->reached;
     if (p->low > p->reached) p->reached = p->low;
 }
 
@@ -145,6 +152,7 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
 {
     char name[sizeof run->progress.stage];
     va_list args;
+
     va_start(args, format);
     vsnprintf(name, sizeof name, format, args);
     va_end(args);
@@ -157,6 +165,7 @@ double cli_stage_end(cli_run *run)
 {
     cli_progress_state *const p = &run->progress;
     cli_report *const r = &run->report;
+
     p->ended = cli_seconds();
     p->named = 0;
     cli_note_peak(run, 0);
@@ -180,6 +189,7 @@ int32_t cli_progress(void *user, const char *work, double fraction)
     cli_run *const run = user;
     cli_progress_state *const p = &run->progress;
     double at;
+
     (void)work;
     if (cli_interrupted()) return 1;
     if (!p->named) return 0;

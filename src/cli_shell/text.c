@@ -12,6 +12,7 @@ static int make_room(cli_text *t, size_t more)
 {
     size_t room = t->room != 0 ? t->room : 256;
     char *bytes;
+
     while (room - t->size <= more) {
         if (room > SIZE_MAX / 2) return 0;
         room *= 2;
@@ -28,6 +29,7 @@ void cli_text_add(cli_text *t, const char *format, ...)
 {
     va_list args;
     int length;
+
     va_start(args, format);
     length = vsnprintf(NULL, 0, format, args);
     va_end(args);
@@ -51,18 +53,23 @@ void cli_text_free(cli_text *t)
 /* Length of the UTF-8 sequence at p, 0 when there is none. */
 static int utf8_length(const unsigned char *p)
 {
-    int const n = p[0] < 0x80 ? 1 : p[0] >= 0xc2 && p[0] < 0xe0 ? 2 : p[0] >= 0xe0 && p[0] < 0xf0 ? 3 :
-                  p[0] >= 0xf0 && p[0] < 0xf5 ? 4 : 0;
+    int const n = p[0] < 0x80                   ? 1
+                  : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
+                  : p[0] >= 0xe0 && p[0] < 0xf0 ? 3
+                  : p[0] >= 0xf0 && p[0] < 0xf5 ? 4
+                                                : 0;
     for (int i = 1; i < n; i++)
         if ((p[i] & 0xc0) != 0x80) return 0;
     if ((p[0] == 0xe0 && p[1] < 0xa0) || (p[0] == 0xed && p[1] > 0x9f)) return 0; /* overlong, surrogates */
-    if ((p[0] == 0xf0 && p[1] < 0x90) || (p[0] == 0xf4 && p[1] > 0x8f)) return 0; /* overlong, beyond Unicode */
+    /* overlong, beyond Unicode */
+    if ((p[0] == 0xf0 && p[1] < 0x90) || (p[0] == 0xf4 && p[1] > 0x8f)) return 0;
     return n;
 }
 
 void cli_json_string(cli_text *t, const char *string)
 {
     const unsigned char *p = (const unsigned char *)string;
+
     cli_text_add(t, "\"");
     while (*p != 0) {
         int const n = utf8_length(p);
@@ -79,6 +86,7 @@ void cli_json_string(cli_text *t, const char *string)
 void cli_json_number(cli_text *t, double v)
 {
     char text[40];
+
     if (v - v != 0.0) {
         cli_text_add(t, "null");
         return;

@@ -1,15 +1,17 @@
 /* watch.c - interrupts end a run at once and leave nothing half-written.
  *
- * SIGINT, SIGTERM and SIGHUP are blocked in every thread and taken by one thread that waits for them. It raises the flag
- * that progress reads, so that a run between two pieces of work stops by itself and tidies up. A run that has not ended
- * after PATIENCE (deep in one long step, or waiting for a pipe or a slow disk) is ended here: temporaries are removed,
- * the usual message and report are written by write(2), which waits for no lock of stdio, and the program exits.
+ * SIGINT, SIGTERM and SIGHUP are blocked in every thread and taken by one thread that waits for them. It
+ * raises the flag that progress reads, so that a run between two pieces of work stops by itself and tidies
+ * up. A run that has not ended after PATIENCE (deep in one long step, or waiting for a pipe or a slow disk)
+ * is ended here: temporaries are removed, the usual message and report are written by write(2), which waits
+ * for no lock of stdio, and the program exits.
  *
- * One lock orders this with the main thread. It is held around every change of files' names and never released once the
- * program is being ended: outputs then have all got their names, or none has and none will. */
+ * One lock orders this with the main thread. It is held around every change of files' names and never
+ * released once the program is being ended: outputs then have all got their names, or none has and none
+ * will. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
-#define WATCH_POSIX 1
+#define WATCH_POSIX     1
 #else
 #define WATCH_POSIX 0
 #endif
@@ -35,22 +37,22 @@ static volatile sig_atomic_t watch_signalled; /* by a handler, where no thread w
 #if WATCH_POSIX
 
 enum {
-    PATIENCE = 15,    /* milliseconds for a run to end by itself */
-    GRACE = 10,       /* milliseconds more to end a message or report that is being printed */
+    PATIENCE = 15,     /* milliseconds for a run to end by itself */
+    GRACE = 10,        /* milliseconds more to end a message or report that is being printed */
     LATE_TRIES = 2000, /* milliseconds that a successor waits for this process to end */
-    WRITE_PART = 512, /* bytes that a pipe takes without waiting, once it takes any */
-    WRITE_WAIT = 10   /* milliseconds to wait for a reader */
+    WRITE_PART = 512,  /* bytes that a pipe takes without waiting, once it takes any */
+    WRITE_WAIT = 10    /* milliseconds to wait for a reader */
 };
 
 static struct watch {
     pthread_mutex_t lock;
-    cli_run *run;     /* NULL: nothing to leave yet */
+    cli_run *run; /* NULL: nothing to leave yet */
     const cli_leaving *leaving;
     int interrupted;
-    int kept;         /* the outputs have their names */
-    int status;       /* of the exit; -1: not known */
+    int kept;                                 /* the outputs have their names */
+    int status;                               /* of the exit; -1: not known */
     enum { NOTHING, MESSAGE, REPORT } saying; /* by the main thread, now */
-    int reported;     /* the report is said, or its saying has begun */
+    int reported;                             /* the report is said, or its saying has begun */
 } watch = {PTHREAD_MUTEX_INITIALIZER, NULL, NULL, 0, 0, -1, NOTHING, 0};
 
 static sigset_t watch_signals;
@@ -126,6 +128,7 @@ static void wait_milliseconds(int n)
 static void write_soon(int file, const char *bytes, size_t size)
 {
     size_t done = 0;
+
     while (done < size) {
         struct pollfd p;
         size_t const part = size - done < WRITE_PART ? size - done : WRITE_PART;
@@ -155,13 +158,14 @@ static void say_interrupt(cli_run *run)
     say_error(run, r->error_message);
 }
 
-/* An exit takes long where much memory and large files, now without names, are to be taken back. A copy of the process
- * that waits for the exit inherits both, and the work. */
+/* An exit takes long where much memory and large files, now without names, are to be taken back. A copy of
+ * the process that waits for the exit inherits both, and the work. */
 static void leave_heavy_things(void)
 {
     pid_t const parent = getpid();
     struct rusage use;
     uint64_t bytes = watch.run != NULL ? watch.run->removed_bytes : 0;
+
     if (getrusage(RUSAGE_SELF, &use) == 0) bytes += (uint64_t)use.ru_maxrss * 1024;
     if (bytes < WATCH_HEAVY || fork() != 0) return;
     for (int i = 0; i < 3; i++) close(i); /* who reads them must not wait */
@@ -182,13 +186,15 @@ static void end_program(void)
 {
     cli_run *const run = watch.run;
     int const status = watch.status >= 0 ? watch.status : CLI_INTERRUPTED;
+
     if (run == NULL) {
         if (watch.status < 0) say_error(run, "interrupted; nothing was written");
         _exit(status);
     }
     watch.leaving->remove(run);
     if (watch.status < 0) say_interrupt(run);
-    else if (watch.saying == MESSAGE) say_error(run, run->report.error_message); /* it waits for standard output */
+    else if (watch.saying == MESSAGE)
+        say_error(run, run->report.error_message); /* it waits for standard output */
     if (run->general->json && !watch.reported) {
         cli_text text = {NULL, 0, 0, 0};
         watch.leaving->report(run, status, 1, &text);
@@ -201,6 +207,7 @@ static void end_program(void)
 static void *wait_for_signal(void *unused)
 {
     int number;
+
     (void)unused;
     while (sigwait(&watch_signals, &number) != 0) {}
     cli_lock();
@@ -235,14 +242,15 @@ static void watch_by_handlers(const int *number, int count)
     pthread_sigmask(SIG_UNBLOCK, &watch_signals, NULL);
 }
 
-/* What was ignored when the program started stays ignored (nohup, jobs in the background of a script). A pipe that nobody
- * reads, or a file beyond the shell's limit of sizes, is an error of writing like any other, not the end of a program with
- * files to tidy up. */
+/* What was ignored when the program started stays ignored (nohup, jobs in the background of a script). A pipe
+ * that nobody reads, or a file beyond the shell's limit of sizes, is an error of writing like any other, not
+ * the end of a program with files to tidy up. */
 void cli_watch_start(void)
 {
     static const int caught[3] = {SIGINT, SIGTERM, SIGHUP};
     pthread_t thread;
     int count = 0;
+
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
     sigemptyset(&watch_signals);

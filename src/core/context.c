@@ -49,6 +49,7 @@ static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi
     unsigned char *const base = memory;
     size_t const skip = (BVXI_ALIGN - (uintptr_t)base % BVXI_ALIGN) % BVXI_ALIGN;
     size_t const fixed = skip + own + BVXI_ALIGN; /* one line at the end holds the chain word */
+
     if (size > SIZE_MAX || size < fixed + BVXI_ALIGN) return NULL;
     arena->memory = base + skip + own;
     arena->size = ((size_t)size - fixed) / BVXI_ALIGN * BVXI_ALIGN;
@@ -66,7 +67,8 @@ static void place_pool(bvx_context *c)
     else c->threads = 1;
 }
 
-bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options, bvx_context **context)
+bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
+                                      bvx_context **context)
 {
     bvx_context_options o = context_defaults;
     bvxi_arena arena = {0};
@@ -93,7 +95,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     /* The helpers' state lies behind the context, in the one block that creating a context takes. */
     threads = choose_threads(&o);
     size = aligned_size(sizeof *c) + (o.parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
-    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena) : o.alloc(o.alloc_user, size, BVXI_ALIGN);
+    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena)
+                        : o.alloc(o.alloc_user, size, BVXI_ALIGN);
     if (c == NULL) return BVX_ERR_MEMORY;
 
     memset(c, 0, sizeof *c);

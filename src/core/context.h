@@ -30,8 +30,8 @@ struct bvx_context {
     bvx_progress_fn *progress;
     void *progress_user;
     int32_t threads, cpu;
-    size_t size;     /* of the context and the pool behind it */
-    bvxi_pool *pool; /* helpers of the calling thread; NULL: none */
+    size_t size;                   /* of the context and the pool behind it */
+    bvxi_pool *pool;               /* helpers of the calling thread; NULL: none */
     bvxi_share share[BVXI_SHARES]; /* the first is the call's */
     const char *stage;             /* reported last; the function's name before */
     double reached;                /* reported last */
@@ -48,18 +48,20 @@ void bvxi_arena_free(bvxi_arena *arena, void *block);
 void *bvxi_heap_alloc(void *user, size_t size, size_t align);
 void bvxi_heap_free(void *user, void *block, size_t size, size_t align);
 
-/* threads.c: room that the helpers of so many threads need (0: none are built in). begin returns 0 when it cannot; run calls
- * task once for every index of [0, count), worker below threads and 0 on the calling thread. */
+/* threads.c: room that the helpers of so many threads need (0: none are
+ * built in). begin returns 0 when it cannot; run calls task once for every
+ * index of [0, count), worker below threads and 0 on the calling thread. */
 size_t bvxi_pool_size(int32_t threads);
 int bvxi_pool_begin(bvxi_pool *pool, int32_t threads);
 void bvxi_pool_end(bvxi_pool *pool);
-/* For tests: 1 calls helpers at once whatever a step takes and the machine does, 2 also when they should rest; 0 as always. */
+/* For tests: 1 calls helpers at once whatever a step takes and the machine
+ * does, 2 also when they should rest; 0 as always. */
 void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how);
 void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user);
 
-/* processors.c: threads that this process should use, 1..BVXI_MAX_THREADS; the machine's processors, and the threads of all
- * its processes that run or want to (0: it does not tell); what control groups grant, by a file like /proc/self/cgroup and the
- * folder where they are mounted (0: all). */
+/* processors.c: threads that this process should use, 1..BVXI_MAX_THREADS; the machine's processors, and the
+ * threads of all its processes that run or want to (0: it does not tell); what control groups grant, by a
+ * file like /proc/self/cgroup and the folder where they are mounted (0: all). */
 int32_t bvxi_processors(void);
 int32_t bvxi_online_processors(void);
 int32_t bvxi_running_threads(void);

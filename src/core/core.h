@@ -7,21 +7,21 @@
 #include <string.h>
 
 #if defined(__GNUC__)
-#define BVXI_COLD __attribute__((cold, noinline))
-#define BVXI_LIKELY(x) __builtin_expect(!!(x), 1)
-#define BVXI_UNLIKELY(x) __builtin_expect(!!(x), 0)
-#define BVXI_RESTRICT __restrict__
+#define BVXI_COLD              __attribute__((cold, noinline))
+#define BVXI_LIKELY(x)         __builtin_expect(!!(x), 1)
+#define BVXI_UNLIKELY(x)       __builtin_expect(!!(x), 0)
+#define BVXI_RESTRICT          __restrict__
 #define BVXI_PREFETCH(address) __builtin_prefetch(address)
 #else
 #define BVXI_COLD
-#define BVXI_LIKELY(x) (x)
+#define BVXI_LIKELY(x)   (x)
 #define BVXI_UNLIKELY(x) (x)
 #define BVXI_RESTRICT
 #define BVXI_PREFETCH(address) ((void)(address))
 #endif
 
-/* Loops over arrays that compilers turn into vector code; copied into one function a processor level. A build that counts
- * branches defines it without the copies. */
+/* Loops over arrays that compilers turn into vector code; copied into one function a processor level. A build
+ * that counts branches defines it without the copies. */
 #if defined(BVXI_VECTOR_INLINE)
 #elif defined(__GNUC__)
 #define BVXI_VECTOR_INLINE static inline __attribute__((always_inline))
@@ -30,7 +30,7 @@
 #endif
 #if defined(__GNUC__) && defined(__x86_64__)
 #define BVXI_HAVE_AVX2 1
-#define BVXI_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#define BVXI_AVX2      __attribute__((target("avx2,bmi,bmi2,popcnt")))
 #else
 #define BVXI_HAVE_AVX2 0
 #define BVXI_AVX2
@@ -46,9 +46,9 @@ enum { BVXI_ALIGN = 64, BVXI_MAX_THREADS = 1024, BVXI_MESSAGE_SIZE = 512 };
 enum { BVXI_RESULT = 0, BVXI_SCRATCH = 1 };
 
 /* Leave the function with a status when a call fails. */
-#define BVXI_TRY(call)                               \
-    do {                                             \
-        bvx_status const bvxi_status_ = (call);      \
+#define BVXI_TRY(call)                                   \
+    do {                                                 \
+        bvx_status const bvxi_status_ = (call);          \
         if (bvxi_status_ != BVX_OK) return bvxi_status_; \
     } while (0)
 
@@ -61,16 +61,20 @@ bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char
 /* Takes back a block of bvxi_alloc with its size; NULL is allowed. */
 void bvxi_free(bvx_context *ctx, void *block, uint64_t size);
 /* Move a block to another size; *block changes, the contents stay as far as both sizes go. */
-bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size, const char *what);
+bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,
+                       const char *what);
 
 /* ---- message.c ---- */
 
-/* Keep a message and return the status. Formats: %s text, %d int64_t (cast it), %u uint64_t (cast it), %g double, %%, and %i uint64_t
- * (cast it): the index of the element that is wrong, which bvx_last_error gives. */
+/* Keep a message and return the status. Formats: %s text, %d int64_t (cast it), %u uint64_t (cast it), %g
+ * double, %%, and %i uint64_t (cast it): the index of the element that is wrong, which bvx_last_error
+ * gives. */
 BVXI_COLD bvx_status bvxi_fail(bvx_context *ctx, bvx_status status, const char *format, ...);
 /* The same where callers may want to know why: reason is BVX_REASON_.... */
-BVXI_COLD bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, ...);
-/* After a failure of a public function without BVXI_CALL, whose works may not know its name: that name. Returns the status. */
+BVXI_COLD bvx_status bvxi_fail_for(bvx_context *ctx, bvx_status status, int32_t reason, const char *format,
+                                   ...);
+/* After a failure of a public function without BVXI_CALL, whose works may
+ * not know its name: that name. Returns the status. */
 BVXI_COLD bvx_status bvxi_fail_in(bvx_context *ctx, const char *function, bvx_status status);
 /* The usual refusals, so that they read the same everywhere. */
 BVXI_COLD bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, const char *argument);
@@ -101,7 +105,8 @@ int32_t bvxi_cpu(const bvx_context *ctx);
 
 /* ---- progress.c ---- */
 
-/* The work of a public function, with one rise of progress around it; inside another public function it is a part of that. */
+/* The work of a public function, with one rise of progress around it;
+ * inside another public function it is a part of that. */
 #define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
 void bvxi_call_begin(bvx_context *ctx, const char *function);
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
@@ -131,11 +136,13 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 /* ---- options.c: options of callers older or newer than the library ---- */
 
 /* Copy the caller's options over the defaults already in *options. Refuses a struct_size that is no size. */
-bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options, size_t size);
+bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
+                             size_t size);
 /* Fill *options of the caller's size from the defaults. */
 void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size);
 
-/* What a field of an option struct may be, as the header says: one row each. A test holds the two together. */
+/* What a field of an option struct may be, as the header says: one row each. A test holds the two
+ * together. */
 typedef struct bvxi_option {
     const char *name;
     size_t at, size;
@@ -144,33 +151,38 @@ typedef struct bvxi_option {
 } bvxi_option;
 
 enum {
-    BVXI_IS_WHOLE,     /* int32_t, low to high */
-    BVXI_IS_CHOICE,    /* the same, names of values */
-    BVXI_IS_AMONG,     /* int32_t, those whose bit is in low */
-    BVXI_IS_COUNT,     /* uint64_t, low to high */
-    BVXI_IS_REAL,      /* double, low to high, both allowed */
-    BVXI_IS_ABOVE,     /* double, above low, and finite unless high is 0 */
-    BVXI_IS_ZERO_OR,   /* double, 0 or low to high */
-    BVXI_IS_RESERVED   /* zero bytes */
+    BVXI_IS_WHOLE,   /* int32_t, low to high */
+    BVXI_IS_CHOICE,  /* the same, names of values */
+    BVXI_IS_AMONG,   /* int32_t, those whose bit is in low */
+    BVXI_IS_COUNT,   /* uint64_t, low to high */
+    BVXI_IS_REAL,    /* double, low to high, both allowed */
+    BVXI_IS_ABOVE,   /* double, above low, and finite unless high is 0 */
+    BVXI_IS_ZERO_OR, /* double, 0 or low to high */
+    BVXI_IS_RESERVED /* zero bytes */
 };
 
-#define BVXI_OPTION(type, field, kind, low, high) {#field, offsetof(type, field), sizeof(((type *)0)->field), kind, low, high}
-#define BVXI_WHOLE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_WHOLE, low, high)
-#define BVXI_SWITCH(type, field) BVXI_OPTION(type, field, BVXI_IS_WHOLE, 0, 1)
-#define BVXI_CHOICE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_CHOICE, low, high)
-#define BVXI_AMONG(type, field, bits) BVXI_OPTION(type, field, BVXI_IS_AMONG, bits, 0)
-#define BVXI_COUNT(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_COUNT, low, high)
-#define BVXI_REAL(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_REAL, low, high)
-#define BVXI_ABOVE(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ABOVE, low, high)
+#define BVXI_OPTION(type, field, kind, low, high)                                  \
+    {                                                                              \
+#field, offsetof(type, field), sizeof(((type *)0)->field), kind, low, high \
+    }
+#define BVXI_WHOLE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_WHOLE, low, high)
+#define BVXI_SWITCH(type, field)             BVXI_OPTION(type, field, BVXI_IS_WHOLE, 0, 1)
+#define BVXI_CHOICE(type, field, low, high)  BVXI_OPTION(type, field, BVXI_IS_CHOICE, low, high)
+#define BVXI_AMONG(type, field, bits)        BVXI_OPTION(type, field, BVXI_IS_AMONG, bits, 0)
+#define BVXI_COUNT(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_COUNT, low, high)
+#define BVXI_REAL(type, field, low, high)    BVXI_OPTION(type, field, BVXI_IS_REAL, low, high)
+#define BVXI_ABOVE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_ABOVE, low, high)
 #define BVXI_ZERO_OR(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ZERO_OR, low, high)
-#define BVXI_RESERVED(type, field) BVXI_OPTION(type, field, BVXI_IS_RESERVED, 0, 0)
-#define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
-#define BVXI_FINITE 1.7976931348623157e308 /* the largest double */
+#define BVXI_RESERVED(type, field)           BVXI_OPTION(type, field, BVXI_IS_RESERVED, 0, 0)
+#define BVXI_OPTIONS(rows)                   rows, sizeof(rows) / sizeof((rows)[0])
+#define BVXI_FINITE                          1.7976931348623157e308 /* the largest double */
 
 /* Refuse the first field that its row does not allow, by its name. */
-bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options, const bvxi_option *rows, size_t count);
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options,
+                              const bvxi_option *rows, size_t count);
 
-/* What a freestanding build has no library for: the length of a text, and the first byte equal to wanted (or end). */
+/* What a freestanding build has no library for: the length of a text, and
+ * the first byte equal to wanted (or end). */
 static inline size_t bvxi_text_length(const char *text)
 {
     size_t n = 0;
@@ -192,8 +204,9 @@ static inline int bvxi_overlap(const void *a, uint64_t a_size, const void *b, ui
     return x <= y ? y - x < a_size : x - y < b_size;
 }
 
-/* The nearest float of a finite double. Volatile: gcc 12 at -O3 leaves the rounding out where it makes vectors of several
- * values, and what is decided about a position must be decided about the one that is written. */
+/* The nearest float of a finite double. Volatile: gcc 12 at -O3 leaves the
+ * rounding out where it makes vectors of several values, and what is
+ * decided about a position must be decided about the one that is written. */
 static inline double bvxi_nearest_float(double x)
 {
     float volatile const nearest = (float)x;
@@ -213,7 +226,8 @@ static inline uint64_t bvxi_add(uint64_t a, uint64_t b, int *ok)
     return a + b;
 }
 
-/* The size of a number. One instruction where the compiler is told what is meant; a comparison, which also branches, elsewhere. */
+/* The size of a number. One instruction where the compiler is told what is
+ * meant; a comparison, which also branches, elsewhere. */
 static inline double bvxi_absolute(double x)
 {
 #if defined(__GNUC__)

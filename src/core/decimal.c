@@ -1,11 +1,12 @@
-/* decimal.c - decimal text to binary numbers, correctly rounded, for any number of digits, without a locale or a heap.
+/* decimal.c - decimal text to binary numbers, correctly rounded, for any number of digits, without a locale
+ * or a heap.
  *
  * Sources: Clinger. How to Read Floating Point Numbers Accurately. 1990 (exact operands and one rounding);
  * Lemire. Number Parsing at a Gigabyte per Second. 2021 (64 x 128 bit product).
- * Few digits and a small exponent are one multiplication or division. Else the first 19 digits times a 128-bit power of
- * ten are rounded, and where the known error of that could change the result, big integers compare the text with the
- * middle of two neighbours. They take 770 digits: a middle of two doubles has at most 767, so that of further ones it
- * only counts whether they are all zero.
+ * Few digits and a small exponent are one multiplication or division. Else the first 19 digits times a
+ * 128-bit power of ten are rounded, and where the known error of that could change the result, big integers
+ * compare the text with the middle of two neighbours. They take 770 digits: a middle of two doubles has at
+ * most 767, so that of further ones it only counts whether they are all zero.
  * Guarantee: to nearest, ties to even, overflow to infinity. */
 #include "core/core.h"
 #include "core/decimal.h"
@@ -13,8 +14,9 @@
 
 enum { DECIMAL_BIG_DIGITS = 770 };
 
-static const double decimal_exact_powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13,
-                                              1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+static const double decimal_exact_powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                              1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                              1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
 /* One operation on doubles rounds once, unless the compiler keeps them in wider registers. */
 #if (defined(__FLT_EVAL_METHOD__) && (__FLT_EVAL_METHOD__ < 0 || __FLT_EVAL_METHOD__ > 1)) || \
@@ -31,13 +33,15 @@ static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal
     int32_t const q = natural > kind->low_exponent ? natural : kind->low_exponent;
     int32_t const cut = q - e;
     uint64_t c, rest, half;
+
     if (q > kind->high_exponent) return decimal_infinity(kind);
     if (cut > 64) return 0; /* below half of the smallest */
     c = cut == 64 ? 0 : top >> cut;
     half = UINT64_C(1) << (cut - 1);
     rest = cut == 64 ? top : top & ((half << 1) - 1);
     c += rest > half || (rest == half && (sticky || (c & 1)));
-    c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1); /* c's leading one adds 1 to the field */
+    /* c's leading one adds 1 to the field */
+    c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1);
     return c < decimal_infinity(kind) ? c : decimal_infinity(kind);
 }
 
@@ -62,6 +66,7 @@ static const char *decimal_scan_exponent(const char *text, const char *end, int6
     const char *p = text + 1;
     int negative = 0;
     int64_t x = 0;
+
     if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
     if (p == end || decimal_digit(*p) > 9) return text;
     for (; p < end && decimal_digit(*p) <= 9; p++)
@@ -74,6 +79,7 @@ static const char *decimal_scan_exponent(const char *text, const char *end, int6
 static void decimal_keep_19(decimal_scan *s, int64_t count)
 {
     const char *p = s->digits;
+
     for (; p < s->end && (*p == '0' || *p == '.'); p++) count -= *p == '0';
     if (count <= 19) return;
     s->w = 0;
@@ -92,6 +98,7 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
     uint64_t w = 0;
     unsigned d;
     int64_t count;
+
     s->digits = p;
     for (; p < end && (d = decimal_digit(*p)) <= 9; p++) w = w * 10 + d;
     count = p - s->digits;
@@ -119,6 +126,7 @@ static uint64_t decimal_scale(uint64_t w, int32_t k, const decimal_kind *kind, i
     int32_t e = ten.exponent - up + 128;
     uint64_t p[3];
     int sticky;
+
     decimal_mul_wide(ten.high, ten.low, w << up, p);
     if (p[2] >> 63 == 0) {
         p[2] = p[2] << 1 | p[1] >> 63;
@@ -141,6 +149,7 @@ static BVXI_COLD uint64_t decimal_decide(const decimal_scan *s, uint64_t bits, c
     uint64_t c;
     int32_t q, used = 0, more = 0, order;
     int64_t exponent = s->exponent;
+
     decimal_take_apart(bits, kind, &c, &q);
     if (!s->truncated) {
         decimal_big_set(&d, s->w);
@@ -175,7 +184,8 @@ static uint64_t decimal_to_bits(const decimal_scan *s, const decimal_kind *kind)
     if (s->w == 0 || s->exponent < DECIMAL_LEAST) return 0; /* w < 10^19, so below 10^-345 */
     if (s->exponent > 310) return decimal_infinity(kind);
     bits = decimal_scale(s->w, (int32_t)s->exponent, kind, &sure);
-    if (BVXI_UNLIKELY(s->truncated) && decimal_scale(s->w + 1, (int32_t)s->exponent, kind, &sure) != bits) sure = 0;
+    if (BVXI_UNLIKELY(s->truncated) && decimal_scale(s->w + 1, (int32_t)s->exponent, kind, &sure) != bits)
+        sure = 0;
     return BVXI_LIKELY(sure) || bits == decimal_infinity(kind) ? bits : decimal_decide(s, bits, kind);
 }
 
@@ -188,7 +198,8 @@ static size_t decimal_word(const char *text, const char *end, const char *word)
     return n;
 }
 
-static BVXI_COLD size_t decimal_special(const char *text, const char *end, const decimal_kind *kind, uint64_t *bits)
+static BVXI_COLD size_t decimal_special(const char *text, const char *end, const decimal_kind *kind,
+                                        uint64_t *bits)
 {
     size_t n;
     *bits = decimal_infinity(kind);
@@ -197,11 +208,13 @@ static BVXI_COLD size_t decimal_special(const char *text, const char *end, const
     return decimal_word(text, end, "nan");
 }
 
-/* Sign and digits; 1 when they are a number with bits still to be found, 0 when *bits has them (or *used is 0). */
-static int decimal_begin(const char *text, const char *end, const decimal_kind *kind, decimal_scan *s, uint64_t *bits,
-                         size_t *used)
+/* Sign and digits; 1 when they are a number with bits still to be found, 0
+ * when *bits has them (or *used is 0). */
+static int decimal_begin(const char *text, const char *end, const decimal_kind *kind, decimal_scan *s,
+                         uint64_t *bits, size_t *used)
 {
     const char *p = text, *stop;
+
     *used = 0;
     s->negative = p < end && *p == '-';
     if (p < end && (*p == '-' || *p == '+')) p++;
@@ -230,6 +243,7 @@ size_t bvxi_parse_double(const char *text, const char *end, double *value)
     decimal_scan s;
     uint64_t bits;
     size_t used;
+
     if (decimal_begin(text, end, &decimal_f64, &s, &bits, &used)) {
         double v;
         if (decimal_short(&s, &v)) {
@@ -250,6 +264,7 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value)
     uint64_t bits;
     uint32_t bits32;
     size_t used;
+
     if (decimal_begin(text, end, &decimal_f32, &s, &bits, &used)) {
         double v;
         if (decimal_short(&s, &v)) { /* between 1e-22 and 1e38: a normal float, unless 0 */

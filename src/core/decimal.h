@@ -1,4 +1,5 @@
-/* decimal.h - what reading and printing of decimal numbers share: powers of ten in 128 bits. Only they include this.
+/* decimal.h - what reading and printing of decimal numbers share: powers of ten in 128 bits. Only they
+ * include this.
  *
  * 10^k is the product of two table entries; the test proves the bound on its error for every k. */
 #ifndef BVXI_DECIMAL_H
@@ -18,31 +19,62 @@ enum { DECIMAL_STEP = 28, DECIMAL_FIRST = -13, DECIMAL_LEAST = -364, DECIMAL_MOS
 
 /* The first 128 bits of 5^(28 i), i from DECIMAL_FIRST on; exact for i = 0 and 1. */
 static const uint64_t decimal_large_powers[25][2] = {
-    {UINT64_C(0xe1afa13afbd14d6d), UINT64_C(0x82189c09a3a1ec21)}, {UINT64_C(0xe3e27a444d8d98b7), UINT64_C(0xfd1b1b2308169b25)},
-    {UINT64_C(0xe61acf033d1a45df), UINT64_C(0x6fb92487298e33bd)}, {UINT64_C(0xe858ad248f5c22c9), UINT64_C(0xd1b3400f8f9cff68)},
-    {UINT64_C(0xea9c227723ee8bcb), UINT64_C(0x465e15a979c1cadc)}, {UINT64_C(0xece53cec4a314ebd), UINT64_C(0xa4f8bf5635246428)},
-    {UINT64_C(0xef340a98172aace4), UINT64_C(0x86fb897116c87c34)}, {UINT64_C(0xf18899b1bc3f8ca1), UINT64_C(0xdc44e6c3cb279ac1)},
-    {UINT64_C(0xf3e2f893dec3f126), UINT64_C(0x5a89dba3c3efccfa)}, {UINT64_C(0xf64335bcf065d37d), UINT64_C(0x4d4617b5ff4a16d5)},
-    {UINT64_C(0xf8a95fcf88747d94), UINT64_C(0x75a44c6397ce912a)}, {UINT64_C(0xfb158592be068d2e), UINT64_C(0xeed6e2f0f0d56712)},
-    {UINT64_C(0xfd87b5f28300ca0d), UINT64_C(0x8bca9d6e188853fc)}, {UINT64_C(0x8000000000000000), UINT64_C(0x0000000000000000)},
-    {UINT64_C(0x813f3978f8940984), UINT64_C(0x4000000000000000)}, {UINT64_C(0x82818f1281ed449f), UINT64_C(0xbff8f10e7a8921a4)},
-    {UINT64_C(0x83c7088e1aab65db), UINT64_C(0x792667c6da79e0fa)}, {UINT64_C(0x850fadc09923329e), UINT64_C(0x03e2cf6bc604ddb0)},
-    {UINT64_C(0x865b86925b9bc5c2), UINT64_C(0x0b8a2392ba45a9b2)}, {UINT64_C(0x87aa9aff79042286), UINT64_C(0x90fb44d2f05d0842)},
-    {UINT64_C(0x88fcf317f22241e2), UINT64_C(0x441fece3bdf81f03)}, {UINT64_C(0x8a5296ffe33cc92f), UINT64_C(0x82bd6b70d99aaa6f)},
-    {UINT64_C(0x8bab8eefb6409c1a), UINT64_C(0x1ad089b6c2f7548e)}, {UINT64_C(0x8d07e33455637eb2), UINT64_C(0xdb0b487b6423e1e8)},
+    {UINT64_C(0xe1afa13afbd14d6d), UINT64_C(0x82189c09a3a1ec21)},
+    {UINT64_C(0xe3e27a444d8d98b7), UINT64_C(0xfd1b1b2308169b25)},
+    {UINT64_C(0xe61acf033d1a45df), UINT64_C(0x6fb92487298e33bd)},
+    {UINT64_C(0xe858ad248f5c22c9), UINT64_C(0xd1b3400f8f9cff68)},
+    {UINT64_C(0xea9c227723ee8bcb), UINT64_C(0x465e15a979c1cadc)},
+    {UINT64_C(0xece53cec4a314ebd), UINT64_C(0xa4f8bf5635246428)},
+    {UINT64_C(0xef340a98172aace4), UINT64_C(0x86fb897116c87c34)},
+    {UINT64_C(0xf18899b1bc3f8ca1), UINT64_C(0xdc44e6c3cb279ac1)},
+    {UINT64_C(0xf3e2f893dec3f126), UINT64_C(0x5a89dba3c3efccfa)},
+    {UINT64_C(0xf64335bcf065d37d), UINT64_C(0x4d4617b5ff4a16d5)},
+    {UINT64_C(0xf8a95fcf88747d94), UINT64_C(0x75a44c6397ce912a)},
+    {UINT64_C(0xfb158592be068d2e), UINT64_C(0xeed6e2f0f0d56712)},
+    {UINT64_C(0xfd87b5f28300ca0d), UINT64_C(0x8bca9d6e188853fc)},
+    {UINT64_C(0x8000000000000000), UINT64_C(0x0000000000000000)},
+    {UINT64_C(0x813f3978f8940984), UINT64_C(0x4000000000000000)},
+    {UINT64_C(0x82818f1281ed449f), UINT64_C(0xbff8f10e7a8921a4)},
+    {UINT64_C(0x83c7088e1aab65db), UINT64_C(0x792667c6da79e0fa)},
+    {UINT64_C(0x850fadc09923329e), UINT64_C(0x03e2cf6bc604ddb0)},
+    {UINT64_C(0x865b86925b9bc5c2), UINT64_C(0x0b8a2392ba45a9b2)},
+    {UINT64_C(0x87aa9aff79042286), UINT64_C(0x90fb44d2f05d0842)},
+    {UINT64_C(0x88fcf317f22241e2), UINT64_C(0x441fece3bdf81f03)},
+    {UINT64_C(0x8a5296ffe33cc92f), UINT64_C(0x82bd6b70d99aaa6f)},
+    {UINT64_C(0x8bab8eefb6409c1a), UINT64_C(0x1ad089b6c2f7548e)},
+    {UINT64_C(0x8d07e33455637eb2), UINT64_C(0xdb0b487b6423e1e8)},
     {UINT64_C(0x8e679c2f5e44ff8f), UINT64_C(0x570f09eaa7ea7648)},
 };
 
 /* 5^0 .. 5^27, the last below 2^63. */
-static const uint64_t decimal_small_powers[DECIMAL_STEP] = {
-    UINT64_C(1), UINT64_C(5), UINT64_C(25), UINT64_C(125), UINT64_C(625), UINT64_C(3125), UINT64_C(15625),
-    UINT64_C(78125), UINT64_C(390625), UINT64_C(1953125), UINT64_C(9765625), UINT64_C(48828125),
-    UINT64_C(244140625), UINT64_C(1220703125), UINT64_C(6103515625), UINT64_C(30517578125),
-    UINT64_C(152587890625), UINT64_C(762939453125), UINT64_C(3814697265625), UINT64_C(19073486328125),
-    UINT64_C(95367431640625), UINT64_C(476837158203125), UINT64_C(2384185791015625), UINT64_C(11920928955078125),
-    UINT64_C(59604644775390625), UINT64_C(298023223876953125), UINT64_C(1490116119384765625),
-    UINT64_C(7450580596923828125)
-};
+static const uint64_t decimal_small_powers[DECIMAL_STEP] = {UINT64_C(1),
+                                                            UINT64_C(5),
+                                                            UINT64_C(25),
+                                                            UINT64_C(125),
+                                                            UINT64_C(625),
+                                                            UINT64_C(3125),
+                                                            UINT64_C(15625),
+                                                            UINT64_C(78125),
+                                                            UINT64_C(390625),
+                                                            UINT64_C(1953125),
+                                                            UINT64_C(9765625),
+                                                            UINT64_C(48828125),
+                                                            UINT64_C(244140625),
+                                                            UINT64_C(1220703125),
+                                                            UINT64_C(6103515625),
+                                                            UINT64_C(30517578125),
+                                                            UINT64_C(152587890625),
+                                                            UINT64_C(762939453125),
+                                                            UINT64_C(3814697265625),
+                                                            UINT64_C(19073486328125),
+                                                            UINT64_C(95367431640625),
+                                                            UINT64_C(476837158203125),
+                                                            UINT64_C(2384185791015625),
+                                                            UINT64_C(11920928955078125),
+                                                            UINT64_C(59604644775390625),
+                                                            UINT64_C(298023223876953125),
+                                                            UINT64_C(1490116119384765625),
+                                                            UINT64_C(7450580596923828125)};
 
 /* ---- arithmetic ---- */
 
@@ -112,11 +144,12 @@ static inline int32_t decimal_leading_zeros(uint64_t w)
 typedef struct decimal_power {
     uint64_t high, low; /* P, its highest bit set */
     int32_t exponent;
-    int32_t exact;      /* 10^k = P * 2^exponent; else P < 10^k / 2^exponent < P + DECIMAL_ERROR */
+    int32_t exact; /* 10^k = P * 2^exponent; else P < 10^k / 2^exponent < P + DECIMAL_ERROR */
 } decimal_power;
 
-/* 10^k from two factors. The large one is short of the truth by less than 1, the small one is exact and below 2^63, so
- * their product before normalizing is short by less than the small one; that and the bits cut off stay below 3. */
+/* 10^k from two factors. The large one is short of the truth by less than 1,
+ * the small one is exact and below 2^63, so their product before normalizing
+ * is short by less than the small one; that and the bits cut off stay below 3. */
 static inline decimal_power decimal_power_of_ten(int32_t k)
 {
     int32_t const i = (k - DECIMAL_STEP * DECIMAL_FIRST) / DECIMAL_STEP;
@@ -125,6 +158,7 @@ static inline decimal_power decimal_power_of_ten(int32_t k)
     decimal_power r;
     uint64_t p[3];
     int32_t const up = decimal_leading_zeros(small);
+
     decimal_mul_wide(large[0], large[1], small << up, p);
     if (p[2] >> 63 == 0) {
         p[2] = p[2] << 1 | p[1] >> 63;

@@ -1,9 +1,9 @@
 /* decimal_big.h - d * 10^k against c * 2^q in whole numbers of a fixed size. Only decimal*.c include this.
  *
- * Powers of two that both sides share cancel, the rest go to the side where they are not fractions. The numbers stay
- * below 2^3700: d has at most 771 digits (2562 bits) and k is at least -1116 (see decimal_decide), so c * 5^-k has at
- * most 2592 + 55 bits. The other powers of two keep the sides about equal, unless c * 2^q is half of the smallest
- * float, where they add less than 1116 - 150 bits. */
+ * Powers of two that both sides share cancel, the rest go to the side where they are not fractions. The
+ * numbers stay below 2^3700: d has at most 771 digits (2562 bits) and k is at least -1116 (see
+ * decimal_decide), so c * 5^-k has at most 2592 + 55 bits. The other powers of two keep the sides about
+ * equal, unless c * 2^q is half of the smallest float, where they add less than 1116 - 150 bits. */
 #ifndef BVXI_DECIMAL_BIG_H
 #define BVXI_DECIMAL_BIG_H
 

@@ -1,11 +1,12 @@
 /* decimal_print.c - binary numbers to the shortest decimal text, without a locale or a heap.
  *
  * Source: Giulietti. The Schubfach way to render doubles. 2020.
- * With 10^k the largest power of ten not above the distance of two neighbours, the interval that rounds to a number
- * holds a multiple of 10^k, and at most one of 10^(k+1). All comparisons are between values scaled to about 60 bits
- * and rounded to odd, which keeps their order exact; the scaling is by a 128-bit power of ten, and by big integers where
- * that cannot tell.
- * Guarantee: the text reads back to the same bits, no shorter one does, and of those as short it is the closest. */
+ * With 10^k the largest power of ten not above the distance of two neighbours, the interval that rounds to a
+ * number holds a multiple of 10^k, and at most one of 10^(k+1). All comparisons are between values scaled to
+ * about 60 bits and rounded to odd, which keeps their order exact; the scaling is by a 128-bit power of ten,
+ * and by big integers where that cannot tell.
+ * Guarantee: the text reads back to the same bits, no shorter one does, and of those as short it is the
+ * closest. */
 #include "core/core.h"
 #include "core/decimal.h"
 #include "core/decimal_big.h"
@@ -17,6 +18,7 @@ static uint64_t decimal_scale_odd(uint64_t c, int32_t q, int32_t k)
     int32_t const cut = -(q + ten.exponent) - 64; /* 60..64, as 10^k <= 2^q < 10^(k+1) up to a quarter */
     uint64_t const mask = cut == 64 ? UINT64_MAX : (UINT64_C(1) << cut) - 1;
     uint64_t p[3], r;
+
     decimal_mul_wide(ten.high, ten.low, c, p);
     r = cut == 64 ? p[2] : p[2] << (64 - cut) | p[1] >> cut;
     if (ten.exact) return r | ((p[1] & mask) != 0 || p[0] != 0);
@@ -41,6 +43,7 @@ static uint64_t decimal_shortest(uint64_t c, int32_t q, const decimal_kind *kind
     uint64_t const here = decimal_scale_odd(4 * c, q, k);
     uint64_t const high = decimal_scale_odd(4 * c + 2, q, k) - odd;
     uint64_t const s = here / 4;
+
     *exponent = k;
     if (s >= 10) {
         uint64_t const t = s / 10;
@@ -68,6 +71,7 @@ static size_t decimal_put_digits(uint64_t v, char *text)
 static size_t decimal_put(uint64_t digits, int32_t exponent, char *text)
 {
     char d[20];
+
     for (; digits % 10 == 0; digits /= 10) exponent++;
     size_t const n = decimal_put_digits(digits, d);
     int32_t const point = (int32_t)n + exponent;
@@ -100,6 +104,7 @@ static size_t decimal_put(uint64_t digits, int32_t exponent, char *text)
 static int32_t decimal_print(uint64_t bits, int negative, const decimal_kind *kind, char *text)
 {
     size_t n = 0;
+
     if (bits > decimal_infinity(kind)) {
         memcpy(text, "nan", 4);
         return 3;

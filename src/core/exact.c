@@ -1,11 +1,12 @@
 /* exact.c - a look at the arithmetic that this library was compiled to, before it is trusted.
  *
- * Rounding other than to nearest, intermediate results wider than their type (x87) and contracted products (a * b + c
- * rounded once) would change results silently, and so would the parts of fast-math: numbers taken to be finite, sums
- * regrouped, quotients made products. Each shows in a sum of volatile operands, or in one of a number that is read once, which
- * such a compiler shortens to the answer that is wrong; a build or a thread that shows one is refused when its context is
- * created. Flushing of subnormal numbers is not asked: it changes no result of numbers that are not subnormal themselves.
- * Nothing here overflows, divides by zero or is invalid: the thread may have such exceptions made signals. */
+ * Rounding other than to nearest, intermediate results wider than their type (x87) and contracted products (a
+ * * b + c rounded once) would change results silently, and so would the parts of fast-math: numbers taken to
+ * be finite, sums regrouped, quotients made products. Each shows in a sum of volatile operands, or in one of
+ * a number that is read once, which such a compiler shortens to the answer that is wrong; a build or a thread
+ * that shows one is refused when its context is created. Flushing of subnormal numbers is not asked: it
+ * changes no result of numbers that are not subnormal themselves. Nothing here overflows, divides by zero or
+ * is invalid: the thread may have such exceptions made signals. */
 #include "context.h"
 
 /* The parts of fast-math that have no macro in every compiler. */
@@ -16,10 +17,13 @@ static const char *fast_math_fault(void)
     uint64_t const bits = quiet_nan;
     double const large = one, small = half, tenth = three / 10.0;
     double none;
+
     memcpy(&none, &bits, sizeof none);
     if (none == none) return "numbers are taken to be finite; compile without -ffinite-math-only";
-    if ((large + small) - large != 0.0) return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
-    if (tenth != 0.3) return "quotients are made products; compile without -freciprocal-math and -funsafe-math-optimizations";
+    if ((large + small) - large != 0.0)
+        return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
+    if (tenth != 0.3)
+        return "quotients are made products; compile without -freciprocal-math and -funsafe-math-optimizations";
     return NULL;
 }
 
@@ -29,6 +33,7 @@ const char *bvx_arithmetic_fault(void)
     volatile double const above = 1.0 + 1.0 / 1073741824.0, below = 1.0 - 1.0 / 1073741824.0;
     volatile float const one_f = 1.0f, half_f = 1.0f / 16777216.0f;
     volatile double up, down, most;
+
     up = one + half;
     down = minus - half;
     most = one + 1.5 * half;

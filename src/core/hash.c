@@ -15,8 +15,8 @@ static inline uint64_t hash_step(uint64_t h, uint64_t word)
 
 static inline uint64_t little_endian_word(const unsigned char *b)
 {
-    return (uint64_t)b[0] | (uint64_t)b[1] << 8 | (uint64_t)b[2] << 16 | (uint64_t)b[3] << 24 | (uint64_t)b[4] << 32 |
-           (uint64_t)b[5] << 40 | (uint64_t)b[6] << 48 | (uint64_t)b[7] << 56;
+    return (uint64_t)b[0] | (uint64_t)b[1] << 8 | (uint64_t)b[2] << 16 | (uint64_t)b[3] << 24 |
+           (uint64_t)b[4] << 32 | (uint64_t)b[5] << 40 | (uint64_t)b[6] << 48 | (uint64_t)b[7] << 56;
 }
 
 /* Add the low n bytes of value, n <= 8; the bits above them are zero. */
@@ -47,6 +47,7 @@ uint64_t bvxi_hash_end(const bvxi_hash *hash)
 void bvxi_hash_bytes(bvxi_hash *hash, const void *bytes, size_t count)
 {
     const unsigned char *b = bytes;
+
     while ((hash->size & 7) != 0 && count != 0) {
         hash_part(hash, *b++, 1);
         count--;
@@ -67,6 +68,7 @@ void bvxi_hash_bytes(bvxi_hash *hash, const void *bytes, size_t count)
 static void hash_fours(bvxi_hash *hash, const unsigned char *p, size_t count)
 {
     uint32_t v[2];
+
     if ((hash->size & 7) == 0 && count >= 2) {
         uint64_t h = hash->state;
         size_t const words = count / 2;

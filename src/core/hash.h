@@ -1,7 +1,8 @@
 /* hash.h - the hash of bvx_hash, fed piece by piece. Not installed.
  *
- * Arrays of numbers are taken as numbers and stand for their little-endian bytes, so the machine's own byte order
- * never shows. start, any number of pieces, end; one start and end make one bvx_hash of all the bytes between. */
+ * Arrays of numbers are taken as numbers and stand for their little-endian bytes, so the machine's own byte
+ * order never shows. start, any number of pieces, end; one start and end make one bvx_hash of all the bytes
+ * between. */
 #ifndef BVXI_HASH_H
 #define BVXI_HASH_H
 

@@ -21,6 +21,7 @@ void bvxi_heap_free(void *user, void *block, size_t size, size_t align)
 void *bvxi_heap_alloc(void *user, size_t size, size_t align)
 {
     unsigned char *raw, *block;
+
     (void)user;
     if (size > SIZE_MAX - align - sizeof raw) return NULL;
     raw = malloc(size + align + sizeof raw);

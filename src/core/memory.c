@@ -1,8 +1,8 @@
 /* memory.c - every byte of the library: allocator, arena, limit and peak.
  *
- * The arena takes results from its low end and scratch from its high end. Each block has a header with its size and
- * whether it is free; a free block at an end is popped, with all free blocks behind it, so any order of freeing
- * comes back to an empty arena. */
+ * The arena takes results from its low end and scratch from its high end. Each block has a header with its
+ * size and whether it is free; a free block at an end is popped, with all free blocks behind it, so any order
+ * of freeing comes back to an empty arena. */
 #include "context.h"
 
 typedef struct block_header {
@@ -20,6 +20,7 @@ static block_header *header_at(const bvxi_arena *a, size_t offset)
 void *bvxi_arena_alloc(bvxi_arena *a, int kind, size_t size)
 {
     size_t const gap = a->high - a->low;
+
     if (size > gap || gap - size < 2 * BVXI_ALIGN) return NULL;
     size_t const payload = (size + BVXI_ALIGN - 1) / BVXI_ALIGN * BVXI_ALIGN;
     size_t const total = payload + BVXI_ALIGN;
@@ -53,7 +54,8 @@ static void pop_results(bvxi_arena *a)
 
 static void pop_scratch(bvxi_arena *a)
 {
-    while (a->high < a->size && header_at(a, a->high)->is_free) a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
+    while (a->high < a->size && header_at(a, a->high)->is_free)
+        a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
 }
 
 void bvxi_arena_free(bvxi_arena *a, void *block)
@@ -69,14 +71,17 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
 {
     uint64_t const want = size == 0 ? 1 : size;
     void *p;
-    if (want > SIZE_MAX - BVXI_ALIGN || (ctx->memory_limit != 0 && (want > ctx->memory_limit ||
-                                                      ctx->memory_used > ctx->memory_limit - want)))
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u", what, want,
-                         ctx->memory_used, ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
+
+    if (want > SIZE_MAX - BVXI_ALIGN ||
+        (ctx->memory_limit != 0 && (want > ctx->memory_limit || ctx->memory_used > ctx->memory_limit - want)))
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u",
+                         what, want, ctx->memory_used,
+                         ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
     p = ctx->arena.memory != NULL ? bvxi_arena_alloc(&ctx->arena, kind, (size_t)want)
                                   : ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
     if (p == NULL)
-        return bvxi_fail(ctx, BVX_ERR_MEMORY, "%s: no memory for %u bytes, %u are in use", what, want, ctx->memory_used);
+        return bvxi_fail(ctx, BVX_ERR_MEMORY, "%s: no memory for %u bytes, %u are in use", what, want,
+                         ctx->memory_used);
     ctx->memory_used += want;
     if (ctx->memory_used > ctx->memory_peak) ctx->memory_peak = ctx->memory_used;
     memcpy(block, &p, sizeof p);
@@ -96,14 +101,17 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
 {
     uint64_t const had = size == 0 ? 1 : size;
     if (block == NULL) return;
-    ctx->memory_used -= had < ctx->memory_used ? had : ctx->memory_used; /* another context's block may come back here */
+    /* another context's block may come back here */
+    ctx->memory_used -= had < ctx->memory_used ? had : ctx->memory_used;
     if (ctx->arena.memory != NULL) bvxi_arena_free(&ctx->arena, block);
     else ctx->free(ctx->alloc_user, block, (size_t)had, BVXI_ALIGN);
 }
 
-bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size, const char *what)
+bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,
+                       const char *what)
 {
     void *old, *moved = NULL;
+
     if (size == new_size) return BVX_OK;
     memcpy(&old, block, sizeof old);
     BVXI_TRY(bvxi_alloc(ctx, kind, new_size, what, &moved));

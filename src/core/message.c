@@ -39,6 +39,7 @@ static void message_put_unsigned(message_line *l, uint64_t v)
 static void message_put_format(message_line *l, const char *format, va_list args)
 {
     char number[32];
+
     for (const char *p = format; *p != 0; p++) {
         if (*p != '%') {
             message_put(l, p, 1);
@@ -105,7 +106,8 @@ static const char *named_function(const char *format, va_list args)
     return format[0] == '%' && format[1] == 's' && format[2] == ':' ? va_arg(args, const char *) : "";
 }
 
-static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *format, va_list args)
+static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, const char *format,
+                         va_list args)
 {
     bvx_error *const e = &ctx->error;
     message_line l = {ctx->message, sizeof ctx->message, 0, e};
@@ -157,7 +159,8 @@ bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, const char *ar
 
 bvx_status bvxi_fail_reserved(bvx_context *ctx, const char *function, const char *owner)
 {
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: %sreserved must be 0", function, owner);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: %sreserved must be 0", function,
+                         owner);
 }
 
 const char *bvx_last_message(const bvx_context *context)
@@ -168,8 +171,12 @@ const char *bvx_last_message(const bvx_context *context)
 const bvx_error *bvx_last_error(const bvx_context *context)
 {
     static const char none[] = "there is no context";
-    static const bvx_error without_context = {.status = BVX_ERR_ARGUMENT, .reason = BVX_REASON_NULL, .function = "",
-                                              .message = none, .text = none, .index = -1};
+    static const bvx_error without_context = {.status = BVX_ERR_ARGUMENT,
+                                              .reason = BVX_REASON_NULL,
+                                              .function = "",
+                                              .message = none,
+                                              .text = none,
+                                              .index = -1};
 
     return context == NULL ? &without_context : &context->error;
 }

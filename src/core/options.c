@@ -1,22 +1,26 @@
 /* options.c - option structs whose size tells their age, and the ranges of their fields.
  *
- * A caller older than the library gives a shorter struct: what it lacks keeps its default. A newer caller gives a
- * longer one: what the library does not know must be zero, so that no option is silently ignored. */
+ * A caller older than the library gives a shorter struct: what it lacks keeps its default. A newer caller
+ * gives a longer one: what the library does not know must be zero, so that no option is silently ignored. */
 #include "core.h"
 
-bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options, size_t size)
+bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
+                             size_t size)
 {
     size_t given_size;
+
     if (given == NULL) return BVX_OK;
     memcpy(&given_size, given, sizeof given_size);
     if (given_size < sizeof given_size || given_size > 65536)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS, "%s: options carry the size %u; fill them with their _init function",
-                         function, (uint64_t)given_size);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS,
+                             "%s: options carry the size %u; fill them with their _init function", function,
+                             (uint64_t)given_size);
     memcpy(options, given, given_size < size ? given_size : size);
     for (size_t i = size; i < given_size; i++)
         if (((const unsigned char *)given)[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_VERSION, BVX_REASON_OPTIONS, "%s: options set a field (byte %u) that this library does not know",
-                             function, (uint64_t)i);
+            return bvxi_fail_for(ctx, BVX_ERR_VERSION, BVX_REASON_OPTIONS,
+                                 "%s: options set a field (byte %u) that this library does not know",
+                                 function, (uint64_t)i);
     return BVX_OK;
 }
 
@@ -30,17 +34,21 @@ void bvxi_give_options(void *options, size_t size, const void *defaults, size_t 
 
 /* ---- Ranges ---- */
 
-static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row, int64_t value)
+static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                    int64_t value)
 {
     if (row->kind != BVXI_IS_WHOLE)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is unknown", function, row->name, value);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is unknown", function,
+                             row->name, value);
     if (row->low == 0.0 && row->high == 1.0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d, not 0 or 1", function, row->name, value);
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d; %d to %d are possible", function, row->name, value,
-                         (int64_t)row->low, (int64_t)row->high);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d, not 0 or 1", function,
+                             row->name, value);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %d; %d to %d are possible",
+                         function, row->name, value, (int64_t)row->low, (int64_t)row->high);
 }
 
-static bvx_status check_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+static bvx_status check_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                     const unsigned char *at)
 {
     int32_t value;
     int good;
@@ -51,17 +59,19 @@ static bvx_status check_whole_option(bvx_context *ctx, const char *function, con
     return good ? BVX_OK : fail_whole_option(ctx, function, row, value);
 }
 
-static bvx_status check_count_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+static bvx_status check_count_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                     const unsigned char *at)
 {
     uint64_t value;
 
     memcpy(&value, at, sizeof value);
     if (value >= (uint64_t)row->low && value <= (uint64_t)row->high) return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %u; %u to %u are possible", function, row->name, value,
-                         (uint64_t)row->low, (uint64_t)row->high);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %u; %u to %u are possible",
+                         function, row->name, value, (uint64_t)row->low, (uint64_t)row->high);
 }
 
-static bvx_status check_real_option(bvx_context *ctx, const char *function, const bvxi_option *row, const unsigned char *at)
+static bvx_status check_real_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                    const unsigned char *at)
 {
     const char *const also = row->kind == BVXI_IS_ZERO_OR ? "0, or " : "";
     double value;
@@ -73,23 +83,27 @@ static bvx_status check_real_option(bvx_context *ctx, const char *function, cons
     if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;
 
     if (row->kind == BVXI_IS_ABOVE)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be above %g%s", function, row->name, value,
-                             row->low, row->high == 0.0 ? "" : " and finite");
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be above %g%s",
+                             function, row->name, value, row->low, row->high == 0.0 ? "" : " and finite");
     if (row->high == BVXI_FINITE)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be %g or more and finite", function, row->name,
-                             value, row->low);
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; %s%g to %g are possible", function, row->name, value, also,
-                         row->low, row->high);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: %s is %g; it must be %g or more and finite", function, row->name, value,
+                             row->low);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; %s%g to %g are possible",
+                         function, row->name, value, also, row->low, row->high);
 }
 
 /* Of an array the element too; all of them are of 8 bytes. */
-static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, const bvxi_option *row, size_t i)
+static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                       size_t i)
 {
     if (row->size <= 8) return bvxi_fail_reserved(ctx, function, "");
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", function, (uint64_t)i);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", function,
+                         (uint64_t)i);
 }
 
-bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options, const bvxi_option *rows, size_t count)
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options,
+                              const bvxi_option *rows, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         const bvxi_option *const row = &rows[i];

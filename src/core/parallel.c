@@ -1,7 +1,7 @@
 /* parallel.c - tasks in batches, with progress and cancellation asked on the calling thread between them.
  *
- * What a task computes depends on its index alone; the number of tasks follows from the work's shape. So neither the
- * threads nor the batches show in any result. */
+ * What a task computes depends on its index alone; the number of tasks follows from the work's shape. So
+ * neither the threads nor the batches show in any result. */
 #include "context.h"
 
 enum { BATCHES = 8, TASKS_PER_WORKER = 16 };
@@ -21,6 +21,7 @@ static void run_shifted(void *user, int32_t index, int32_t worker)
 static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *task, void *user)
 {
     shifted s = {task, user, first};
+
     if (ctx->threads == 1 || count == 1 || (ctx->parallel == NULL && ctx->pool == NULL)) {
         for (int32_t i = 0; i < count; i++) task(user, first + i, 0);
     } else if (ctx->parallel != NULL) {
@@ -34,6 +35,7 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
                          bvx_task_fn *task, void *user)
 {
     int32_t batch = count;
+
     if (ctx->progress != NULL) { /* few enough batches to cost nothing, large enough to feed every worker */
         int32_t const least = ctx->threads * TASKS_PER_WORKER;
         batch = (count + BATCHES - 1) / BATCHES;

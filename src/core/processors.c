@@ -1,9 +1,11 @@
-/* processors.c - how many threads are worth having: processors that this process may run on, what its control groups grant
- * of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT ask for, by which schedulers of many processes divide a machine.
+/* processors.c - how many threads are worth having: processors that this process may run on, what its control
+ * groups grant of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT ask for, by which schedulers of many
+ * processes divide a machine.
  *
- * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of version 1 has
- * cpu.cfs_quota_us (-1: all) and cpu.cfs_period_us. Every group above it limits it too. Inside a container the path that
- * /proc tells may be that outside; then the mounted folder itself is the container's. Nothing is kept between calls. */
+ * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of
+ * version 1 has cpu.cfs_quota_us (-1: all) and cpu.cfs_period_us. Every group above it limits it too. Inside
+ * a container the path that /proc tells may be that outside; then the mounted folder itself is the
+ * container's. Nothing is kept between calls. */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE /* what -std=c99 hides: affinity */
 #endif
@@ -85,14 +87,19 @@ static int32_t folder_quota(const char *mounted, const char *group, size_t lengt
     int64_t quota;
 
     if (version == 2) {
-        if (!join_path(path, mounted, group, length, "/cpu.max") || read_text(path, text, sizeof text) < 0) return 0;
+        if (!join_path(path, mounted, group, length, "/cpu.max") || read_text(path, text, sizeof text) < 0)
+            return 0;
         quota = take_count(&p);
         return granted(quota, take_count(&p));
     }
 
-    if (!join_path(path, mounted, group, length, "/cpu.cfs_quota_us") || read_text(path, text, sizeof text) < 0) return 0;
+    if (!join_path(path, mounted, group, length, "/cpu.cfs_quota_us") ||
+        read_text(path, text, sizeof text) < 0)
+        return 0;
     quota = take_count(&p);
-    if (quota < 0 || !join_path(path, mounted, group, length, "/cpu.cfs_period_us") || read_text(path, text, sizeof text) < 0) return 0;
+    if (quota < 0 || !join_path(path, mounted, group, length, "/cpu.cfs_period_us") ||
+        read_text(path, text, sizeof text) < 0)
+        return 0;
     p = text;
     return granted(quota, take_count(&p));
 }
@@ -122,7 +129,8 @@ static int names_cpu(const char *list, const char *end)
     return 0;
 }
 
-/* A line of /proc/self/cgroup: number:controllers:path. Version 2 has none named, and may be mounted beside version 1. */
+/* A line of /proc/self/cgroup: number:controllers:path. Version 2 has none
+ * named, and may be mounted beside version 1. */
 static int32_t line_quota(const char *line, const char *end, const char *mounted)
 {
     char folder[GROUP_PATH];
@@ -133,7 +141,8 @@ static int32_t line_quota(const char *line, const char *end, const char *mounted
     if (path == end) return 0;
     if (path == list + 1) {
         if (!join_path(folder, mounted, "/unified", 8, "")) return 0;
-        return lesser_quota(group_quota(mounted, path + 1, length, 2), group_quota(folder, path + 1, length, 2));
+        return lesser_quota(group_quota(mounted, path + 1, length, 2),
+                            group_quota(folder, path + 1, length, 2));
     }
     if (!names_cpu(list + 1, path) || !join_path(folder, mounted, "/cpu", 4, "")) return 0;
     return group_quota(folder, path + 1, length, 1);
@@ -176,7 +185,8 @@ static int32_t allowed_processors(void)
     return bvxi_online_processors();
 }
 
-/* "0.20 0.18 0.12 1/80 11206": of 80 threads of the machine one runs or waits for a processor, the calling one. */
+/* "0.20 0.18 0.12 1/80 11206": of 80 threads of the machine one runs or
+ * waits for a processor, the calling one. */
 int32_t bvxi_running_threads(void)
 {
     char text[128];

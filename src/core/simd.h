@@ -1,7 +1,8 @@
-/* simd.h - vectors of 4 doubles and 8 floats with one set of names, over whatever the machine has. Not installed.
+/* simd.h - vectors of 4 doubles and 8 floats with one set of names, over whatever the machine has. Not
+ * installed.
  *
- * A kernel is written once, in a file named ..._body.h, with the names at the end of this file. Its source includes the body once
- * for each set of instructions:
+ * A kernel is written once, in a file named ..._body.h, with the names at the end of this file. Its source
+ * includes the body once for each set of instructions:
  *
  *     #define BVXI_SIMD_LEVEL _base       NEON, WebAssembly's simd128, or arrays where there is neither
  *     #include of the body
@@ -10,19 +11,19 @@
  *     #define BVXI_SIMD_LEVEL _avx2       chosen at run time
  *     ...
  *
- * Functions of a body are named BVXI_SIMD(name), which appends the level, and begin with BVXI_SIMD_CODE, which lets the compiler
- * use the level's instructions.
- * Guarantee: each operation gives the same bits in all of them, also for zeros, infinities and no number, so what the arrays do is
- * the specification. -DBVX_SIMD_ARRAYS takes the arrays instead of NEON and simd128. */
+ * Functions of a body are named BVXI_SIMD(name), which appends the level, and begin with BVXI_SIMD_CODE,
+ * which lets the compiler use the level's instructions.
+ * Guarantee: each operation gives the same bits in all of them, also for zeros, infinities and no number, so
+ * what the arrays do is the specification. -DBVX_SIMD_ARRAYS takes the arrays instead of NEON and simd128. */
 #ifndef BVXI_SIMD_H
 #define BVXI_SIMD_H
 
 #include "core/core.h"
 
 #define BVXI_SIMD_PASTE(name, level) name##level
-#define BVXI_SIMD_JOIN(name, level) BVXI_SIMD_PASTE(name, level)
-#define BVXI_SIMD(name) BVXI_SIMD_JOIN(name, BVXI_SIMD_LEVEL)
-#define BVXI_SIMD_CODE BVXI_SIMD_JOIN(BVXI_SIMD_CODE, BVXI_SIMD_LEVEL)
+#define BVXI_SIMD_JOIN(name, level)  BVXI_SIMD_PASTE(name, level)
+#define BVXI_SIMD(name)              BVXI_SIMD_JOIN(name, BVXI_SIMD_LEVEL)
+#define BVXI_SIMD_CODE               BVXI_SIMD_JOIN(BVXI_SIMD_CODE, BVXI_SIMD_LEVEL)
 #define BVXI_SIMD_CODE_base
 #define BVXI_SIMD_CODE_avx2 BVXI_AVX2
 
@@ -35,8 +36,8 @@
 #define BVXI_SIMD_HALVES 0
 #endif
 
-/* 1: where a body could be asked element by element instead, its base is taken all the same. Arrays only where that is wanted,
- * for a look at them. */
+/* 1: where a body could be asked element by element instead, its base is taken all the same. Arrays only
+ * where that is wanted, for a look at them. */
 #if BVXI_SIMD_HALVES || defined(BVX_SIMD_ARRAYS)
 #define BVXI_SIMD_BASE 1
 #else
@@ -54,80 +55,89 @@
 
 /* ---- Names: x, y, yes and no are vectors, m and n are masks, which are set or not in each lane ---- */
 
-#define doubles4 BVXI_SIMD(bvxi_four)
+#define doubles4  BVXI_SIMD(bvxi_four)
 #define four_mask BVXI_SIMD(bvxi_four_mask)
-#define four_all BVXI_SIMD(bvxi_four_all)       /* (double): in each lane */
-#define four_load BVXI_SIMD(bvxi_four_load)     /* (const double *), any alignment */
-#define four_columns_f32 BVXI_SIMD(bvxi_four_columns_f32) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i] d[i] */
+#define four_all  BVXI_SIMD(bvxi_four_all)  /* (double): in each lane */
+#define four_load BVXI_SIMD(bvxi_four_load) /* (const double *), any alignment */
+#define four_columns_f32 \
+    BVXI_SIMD(           \
+        bvxi_four_columns_f32) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i] d[i] */
 #define four_columns_f64 BVXI_SIMD(bvxi_four_columns_f64) /* the same from doubles */
-#define four_store BVXI_SIMD(bvxi_four_store)   /* (double *, x) */
-#define four_first BVXI_SIMD(bvxi_four_first)   /* (x): the double of lane 0 */
-#define four_add BVXI_SIMD(bvxi_four_add)       /* (x, y) */
-#define four_sub BVXI_SIMD(bvxi_four_sub)
-#define four_mul BVXI_SIMD(bvxi_four_mul)
-#define four_div BVXI_SIMD(bvxi_four_div)
-#define four_max BVXI_SIMD(bvxi_four_max)       /* x > y ? x : y */
-#define four_sqrt BVXI_SIMD(bvxi_four_sqrt)     /* (x) */
-#define four_size BVXI_SIMD(bvxi_four_size)     /* (x): without its sign */
-#define four_less BVXI_SIMD(bvxi_four_less)     /* (x, y): a mask; not set for no number */
-#define four_less_equal BVXI_SIMD(bvxi_four_less_equal)
-#define four_equal BVXI_SIMD(bvxi_four_equal)
-#define four_and BVXI_SIMD(bvxi_four_and)       /* (m, n): a mask */
-#define four_or BVXI_SIMD(bvxi_four_or)
-#define four_but BVXI_SIMD(bvxi_four_but)       /* (m, n): m where n is not set */
-#define four_choose BVXI_SIMD(bvxi_four_choose) /* (m, yes, no) */
+#define four_store       BVXI_SIMD(bvxi_four_store)       /* (double *, x) */
+#define four_first       BVXI_SIMD(bvxi_four_first)       /* (x): the double of lane 0 */
+#define four_add         BVXI_SIMD(bvxi_four_add)         /* (x, y) */
+#define four_sub         BVXI_SIMD(bvxi_four_sub)
+#define four_mul         BVXI_SIMD(bvxi_four_mul)
+#define four_div         BVXI_SIMD(bvxi_four_div)
+#define four_max         BVXI_SIMD(bvxi_four_max)  /* x > y ? x : y */
+#define four_sqrt        BVXI_SIMD(bvxi_four_sqrt) /* (x) */
+#define four_size        BVXI_SIMD(bvxi_four_size) /* (x): without its sign */
+#define four_less        BVXI_SIMD(bvxi_four_less) /* (x, y): a mask; not set for no number */
+#define four_less_equal  BVXI_SIMD(bvxi_four_less_equal)
+#define four_equal       BVXI_SIMD(bvxi_four_equal)
+#define four_and         BVXI_SIMD(bvxi_four_and) /* (m, n): a mask */
+#define four_or          BVXI_SIMD(bvxi_four_or)
+#define four_but         BVXI_SIMD(bvxi_four_but)         /* (m, n): m where n is not set */
+#define four_choose      BVXI_SIMD(bvxi_four_choose)      /* (m, yes, no) */
 #define four_choose_mask BVXI_SIMD(bvxi_four_choose_mask) /* the same for masks */
-#define four_keep BVXI_SIMD(bvxi_four_keep)     /* (m, x): x where m is set, 0 elsewhere */
-#define four_drop BVXI_SIMD(bvxi_four_drop)     /* (m, x): 0 where m is set, x elsewhere */
-#define four_bits BVXI_SIMD(bvxi_four_bits)     /* (m): bit i is lane i */
+#define four_keep        BVXI_SIMD(bvxi_four_keep)        /* (m, x): x where m is set, 0 elsewhere */
+#define four_drop        BVXI_SIMD(bvxi_four_drop)        /* (m, x): 0 where m is set, x elsewhere */
+#define four_bits        BVXI_SIMD(bvxi_four_bits)        /* (m): bit i is lane i */
 
-#define floats8 BVXI_SIMD(bvxi_eight) /* the names below mean the same */
-#define eight_mask BVXI_SIMD(bvxi_eight_mask)
-#define eight_all BVXI_SIMD(bvxi_eight_all)
-#define eight_load BVXI_SIMD(bvxi_eight_load)
+#define floats8          BVXI_SIMD(bvxi_eight) /* the names below mean the same */
+#define eight_mask       BVXI_SIMD(bvxi_eight_mask)
+#define eight_all        BVXI_SIMD(bvxi_eight_all)
+#define eight_load       BVXI_SIMD(bvxi_eight_load)
 #define eight_load_bytes BVXI_SIMD(bvxi_eight_load_bytes) /* (const uint8_t *): floats at any address */
-#define eight_load_two BVXI_SIMD(bvxi_eight_load_two) /* (const float *, const float *): four of each */
-#define eight_store BVXI_SIMD(bvxi_eight_store)
-#define eight_add BVXI_SIMD(bvxi_eight_add)
-#define eight_sub BVXI_SIMD(bvxi_eight_sub)
-#define eight_mul BVXI_SIMD(bvxi_eight_mul)
-#define eight_div BVXI_SIMD(bvxi_eight_div)
-#define eight_min BVXI_SIMD(bvxi_eight_min) /* x < y ? x : y */
-#define eight_max BVXI_SIMD(bvxi_eight_max)
-#define eight_sqrt BVXI_SIMD(bvxi_eight_sqrt)
-#define eight_less BVXI_SIMD(bvxi_eight_less)
+#define eight_load_two   BVXI_SIMD(bvxi_eight_load_two)   /* (const float *, const float *): four of each */
+#define eight_store      BVXI_SIMD(bvxi_eight_store)
+#define eight_add        BVXI_SIMD(bvxi_eight_add)
+#define eight_sub        BVXI_SIMD(bvxi_eight_sub)
+#define eight_mul        BVXI_SIMD(bvxi_eight_mul)
+#define eight_div        BVXI_SIMD(bvxi_eight_div)
+#define eight_min        BVXI_SIMD(bvxi_eight_min) /* x < y ? x : y */
+#define eight_max        BVXI_SIMD(bvxi_eight_max)
+#define eight_sqrt       BVXI_SIMD(bvxi_eight_sqrt)
+#define eight_less       BVXI_SIMD(bvxi_eight_less)
 #define eight_less_equal BVXI_SIMD(bvxi_eight_less_equal)
-#define eight_equal BVXI_SIMD(bvxi_eight_equal)
-#define eight_and BVXI_SIMD(bvxi_eight_and)
-#define eight_or BVXI_SIMD(bvxi_eight_or)
-#define eight_but BVXI_SIMD(bvxi_eight_but)
-#define eight_choose BVXI_SIMD(bvxi_eight_choose)
-#define eight_keep BVXI_SIMD(bvxi_eight_keep)
-#define eight_drop BVXI_SIMD(bvxi_eight_drop)
-#define eight_bits BVXI_SIMD(bvxi_eight_bits)
-#define eight_columns BVXI_SIMD(bvxi_eight_columns) /* (const floats8 row[8], void *to, size_t stride): lane k of the rows, in their
+#define eight_equal      BVXI_SIMD(bvxi_eight_equal)
+#define eight_and        BVXI_SIMD(bvxi_eight_and)
+#define eight_or         BVXI_SIMD(bvxi_eight_or)
+#define eight_but        BVXI_SIMD(bvxi_eight_but)
+#define eight_choose     BVXI_SIMD(bvxi_eight_choose)
+#define eight_keep       BVXI_SIMD(bvxi_eight_keep)
+#define eight_drop       BVXI_SIMD(bvxi_eight_drop)
+#define eight_bits       BVXI_SIMD(bvxi_eight_bits)
+#define eight_columns \
+    BVXI_SIMD(        \
+        bvxi_eight_columns) /* (const floats8 row[8], void *to, size_t stride): lane k of the rows, in their
                                                        order, as eight floats k * stride bytes after to */
 
 /* ---- Coordinates: a, b and n are arrays of three vectors, n not one of the others ---- */
 
-#define four_dot(a, b) four_add(four_add(four_mul((a)[0], (b)[0]), four_mul((a)[1], (b)[1])), four_mul((a)[2], (b)[2]))
-#define eight_dot(a, b) eight_add(eight_add(eight_mul((a)[0], (b)[0]), eight_mul((a)[1], (b)[1])), eight_mul((a)[2], (b)[2]))
+#define four_dot(a, b) \
+    four_add(four_add(four_mul((a)[0], (b)[0]), four_mul((a)[1], (b)[1])), four_mul((a)[2], (b)[2]))
+#define eight_dot(a, b) \
+    eight_add(eight_add(eight_mul((a)[0], (b)[0]), eight_mul((a)[1], (b)[1])), eight_mul((a)[2], (b)[2]))
 
-#define four_cross(a, b, n)                                                                  \
-    do {                                                                                     \
-        (n)[0] = four_sub(four_mul((a)[1], (b)[2]), four_mul((a)[2], (b)[1]));               \
-        (n)[1] = four_sub(four_mul((a)[2], (b)[0]), four_mul((a)[0], (b)[2]));               \
-        (n)[2] = four_sub(four_mul((a)[0], (b)[1]), four_mul((a)[1], (b)[0]));               \
+#define four_cross(a, b, n)                                                    \
+    do {                                                                       \
+        (n)[0] = four_sub(four_mul((a)[1], (b)[2]), four_mul((a)[2], (b)[1])); \
+        (n)[1] = four_sub(four_mul((a)[2], (b)[0]), four_mul((a)[0], (b)[2])); \
+        (n)[2] = four_sub(four_mul((a)[0], (b)[1]), four_mul((a)[1], (b)[0])); \
     } while (0)
-#define eight_cross(a, b, n)                                                                 \
-    do {                                                                                     \
-        (n)[0] = eight_sub(eight_mul((a)[1], (b)[2]), eight_mul((a)[2], (b)[1]));            \
-        (n)[1] = eight_sub(eight_mul((a)[2], (b)[0]), eight_mul((a)[0], (b)[2]));            \
-        (n)[2] = eight_sub(eight_mul((a)[0], (b)[1]), eight_mul((a)[1], (b)[0]));            \
+#define eight_cross(a, b, n)                                                      \
+    do {                                                                          \
+        (n)[0] = eight_sub(eight_mul((a)[1], (b)[2]), eight_mul((a)[2], (b)[1])); \
+        (n)[1] = eight_sub(eight_mul((a)[2], (b)[0]), eight_mul((a)[0], (b)[2])); \
+        (n)[2] = eight_sub(eight_mul((a)[0], (b)[1]), eight_mul((a)[1], (b)[0])); \
     } while (0)
 
-#define four_minus(a, b, n) ((n)[0] = four_sub((a)[0], (b)[0]), (n)[1] = four_sub((a)[1], (b)[1]), (n)[2] = four_sub((a)[2], (b)[2]))
-#define eight_minus(a, b, n) ((n)[0] = eight_sub((a)[0], (b)[0]), (n)[1] = eight_sub((a)[1], (b)[1]), (n)[2] = eight_sub((a)[2], (b)[2]))
+#define four_minus(a, b, n) \
+    ((n)[0] = four_sub((a)[0], (b)[0]), (n)[1] = four_sub((a)[1], (b)[1]), (n)[2] = four_sub((a)[2], (b)[2]))
+#define eight_minus(a, b, n)                                                 \
+    ((n)[0] = eight_sub((a)[0], (b)[0]), (n)[1] = eight_sub((a)[1], (b)[1]), \
+     (n)[2] = eight_sub((a)[2], (b)[2]))
 /* n = a + s b and a - s b, s one vector */
 #define eight_along(a, s, b, n)                                                                          \
     ((n)[0] = eight_add((a)[0], eight_mul(s, (b)[0])), (n)[1] = eight_add((a)[1], eight_mul(s, (b)[1])), \
@@ -135,7 +145,8 @@
 #define eight_without(a, s, b, n)                                                                        \
     ((n)[0] = eight_sub((a)[0], eight_mul(s, (b)[0])), (n)[1] = eight_sub((a)[1], eight_mul(s, (b)[1])), \
      (n)[2] = eight_sub((a)[2], eight_mul(s, (b)[2])))
-#define four_choose_three(m, yes, no, n) \
-    ((n)[0] = four_choose(m, (yes)[0], (no)[0]), (n)[1] = four_choose(m, (yes)[1], (no)[1]), (n)[2] = four_choose(m, (yes)[2], (no)[2]))
+#define four_choose_three(m, yes, no, n)                                                     \
+    ((n)[0] = four_choose(m, (yes)[0], (no)[0]), (n)[1] = four_choose(m, (yes)[1], (no)[1]), \
+     (n)[2] = four_choose(m, (yes)[2], (no)[2]))
 
 #endif

@@ -1,4 +1,5 @@
-/* simd_arrays.h - the operations of simd.h in plain C, which say what they are. Not installed; simd.h includes it. */
+/* simd_arrays.h - the operations of simd.h in plain C, which say what they
+ * are. Not installed; simd.h includes it. */
 #ifndef BVXI_SIMD_ARRAYS_H
 #define BVXI_SIMD_ARRAYS_H
 
@@ -24,50 +25,65 @@ typedef struct bvxi_eight_mask_base {
 
 /* result.field[i] = expression, for each lane i. */
 #define BVXI_SIMD_EACH(name, lanes, type, field, parameters, expression)  \
-    BVXI_VECTOR_INLINE type name parameters                                \
-    {                                                                      \
-        type result;                                                       \
-        for (int i = 0; i < (lanes); i++) result.field[i] = (expression);  \
-        return result;                                                     \
+    BVXI_VECTOR_INLINE type name parameters                               \
+    {                                                                     \
+        type result;                                                      \
+        for (int i = 0; i < (lanes); i++) result.field[i] = (expression); \
+        return result;                                                    \
     }
 
 /* Operations on vectors that read alike for both widths; root is a square root rounded to the lane's type. */
-#define BVXI_SIMD_ARRAYS(width, lanes, lane, root)                                                                            \
-    BVXI_SIMD_EACH(width##_all_base, lanes, width##_base, v, (lane x), x)                                                     \
-    BVXI_SIMD_EACH(width##_load_base, lanes, width##_base, v, (const lane *from), from[i])                                    \
-    BVXI_SIMD_EACH(width##_add_base, lanes, width##_base, v, (width##_base x, width##_base y), x.v[i] + y.v[i])               \
-    BVXI_SIMD_EACH(width##_sub_base, lanes, width##_base, v, (width##_base x, width##_base y), x.v[i] - y.v[i])               \
-    BVXI_SIMD_EACH(width##_mul_base, lanes, width##_base, v, (width##_base x, width##_base y), x.v[i] * y.v[i])               \
-    BVXI_SIMD_EACH(width##_div_base, lanes, width##_base, v, (width##_base x, width##_base y), x.v[i] / y.v[i])               \
-    BVXI_SIMD_EACH(width##_max_base, lanes, width##_base, v, (width##_base x, width##_base y), x.v[i] > y.v[i] ? x.v[i] : y.v[i]) \
-    BVXI_SIMD_EACH(width##_sqrt_base, lanes, width##_base, v, (width##_base x), root)                                         \
-    BVXI_SIMD_EACH(width##_less_base, lanes, width##_mask_base, set, (width##_base x, width##_base y), x.v[i] < y.v[i])       \
-    BVXI_SIMD_EACH(width##_less_equal_base, lanes, width##_mask_base, set, (width##_base x, width##_base y), x.v[i] <= y.v[i]) \
-    BVXI_SIMD_EACH(width##_equal_base, lanes, width##_mask_base, set, (width##_base x, width##_base y), x.v[i] == y.v[i])     \
-    BVXI_SIMD_EACH(width##_and_base, lanes, width##_mask_base, set, (width##_mask_base m, width##_mask_base n), m.set[i] & n.set[i]) \
-    BVXI_SIMD_EACH(width##_or_base, lanes, width##_mask_base, set, (width##_mask_base m, width##_mask_base n), m.set[i] | n.set[i]) \
-    BVXI_SIMD_EACH(width##_but_base, lanes, width##_mask_base, set, (width##_mask_base m, width##_mask_base n), m.set[i] & (n.set[i] ^ 1)) \
-    BVXI_SIMD_EACH(width##_choose_base, lanes, width##_base, v, (width##_mask_base m, width##_base yes, width##_base no),     \
-                    m.set[i] ? yes.v[i] : no.v[i])                                                                             \
-    BVXI_SIMD_EACH(width##_keep_base, lanes, width##_base, v, (width##_mask_base m, width##_base x), m.set[i] ? x.v[i] : 0)   \
-    BVXI_SIMD_EACH(width##_drop_base, lanes, width##_base, v, (width##_mask_base m, width##_base x), m.set[i] ? 0 : x.v[i])   \
-    BVXI_VECTOR_INLINE void width##_store_base(lane *to, width##_base x)                                                       \
-    {                                                                                                                          \
-        memcpy(to, x.v, sizeof x.v);                                                                                           \
-    }                                                                                                                          \
-    BVXI_VECTOR_INLINE uint32_t width##_bits_base(width##_mask_base m)                                                         \
-    {                                                                                                                          \
-        uint32_t bits = 0;                                                                                                     \
-        for (int i = 0; i < (lanes); i++) bits |= (uint32_t)m.set[i] << i;                                                     \
-        return bits;                                                                                                           \
+#define BVXI_SIMD_ARRAYS(width, lanes, lane, root)                                                           \
+    BVXI_SIMD_EACH(width##_all_base, lanes, width##_base, v, (lane x), x)                                    \
+    BVXI_SIMD_EACH(width##_load_base, lanes, width##_base, v, (const lane *from), from[i])                   \
+    BVXI_SIMD_EACH(width##_add_base, lanes, width##_base, v, (width##_base x, width##_base y),               \
+                   x.v[i] + y.v[i])                                                                          \
+    BVXI_SIMD_EACH(width##_sub_base, lanes, width##_base, v, (width##_base x, width##_base y),               \
+                   x.v[i] - y.v[i])                                                                          \
+    BVXI_SIMD_EACH(width##_mul_base, lanes, width##_base, v, (width##_base x, width##_base y),               \
+                   x.v[i] * y.v[i])                                                                          \
+    BVXI_SIMD_EACH(width##_div_base, lanes, width##_base, v, (width##_base x, width##_base y),               \
+                   x.v[i] / y.v[i])                                                                          \
+    BVXI_SIMD_EACH(width##_max_base, lanes, width##_base, v, (width##_base x, width##_base y),               \
+                   x.v[i] > y.v[i] ? x.v[i] : y.v[i])                                                        \
+    BVXI_SIMD_EACH(width##_sqrt_base, lanes, width##_base, v, (width##_base x), root)                        \
+    BVXI_SIMD_EACH(width##_less_base, lanes, width##_mask_base, set, (width##_base x, width##_base y),       \
+                   x.v[i] < y.v[i])                                                                          \
+    BVXI_SIMD_EACH(width##_less_equal_base, lanes, width##_mask_base, set, (width##_base x, width##_base y), \
+                   x.v[i] <= y.v[i])                                                                         \
+    BVXI_SIMD_EACH(width##_equal_base, lanes, width##_mask_base, set, (width##_base x, width##_base y),      \
+                   x.v[i] == y.v[i])                                                                         \
+    BVXI_SIMD_EACH(width##_and_base, lanes, width##_mask_base, set,                                          \
+                   (width##_mask_base m, width##_mask_base n), m.set[i] & n.set[i])                          \
+    BVXI_SIMD_EACH(width##_or_base, lanes, width##_mask_base, set,                                           \
+                   (width##_mask_base m, width##_mask_base n), m.set[i] | n.set[i])                          \
+    BVXI_SIMD_EACH(width##_but_base, lanes, width##_mask_base, set,                                          \
+                   (width##_mask_base m, width##_mask_base n), m.set[i] & (n.set[i] ^ 1))                    \
+    BVXI_SIMD_EACH(width##_choose_base, lanes, width##_base, v,                                              \
+                   (width##_mask_base m, width##_base yes, width##_base no), m.set[i] ? yes.v[i] : no.v[i])  \
+    BVXI_SIMD_EACH(width##_keep_base, lanes, width##_base, v, (width##_mask_base m, width##_base x),         \
+                   m.set[i] ? x.v[i] : 0)                                                                    \
+    BVXI_SIMD_EACH(width##_drop_base, lanes, width##_base, v, (width##_mask_base m, width##_base x),         \
+                   m.set[i] ? 0 : x.v[i])                                                                    \
+    BVXI_VECTOR_INLINE void width##_store_base(lane *to, width##_base x)                                     \
+    {                                                                                                        \
+        memcpy(to, x.v, sizeof x.v);                                                                         \
+    }                                                                                                        \
+    BVXI_VECTOR_INLINE uint32_t width##_bits_base(width##_mask_base m)                                       \
+    {                                                                                                        \
+        uint32_t bits = 0;                                                                                   \
+        for (int i = 0; i < (lanes); i++) bits |= (uint32_t)m.set[i] << i;                                   \
+        return bits;                                                                                         \
     }
 
 BVXI_SIMD_ARRAYS(bvxi_four, 4, double, sqrt(x.v[i]))
 BVXI_SIMD_ARRAYS(bvxi_eight, 8, float, (float)sqrt((double)x.v[i]))
 BVXI_SIMD_EACH(bvxi_four_size_base, 4, bvxi_four_base, v, (bvxi_four_base x), bvxi_absolute(x.v[i]))
 BVXI_SIMD_EACH(bvxi_four_choose_mask_base, 4, bvxi_four_mask_base, set,
-               (bvxi_four_mask_base m, bvxi_four_mask_base yes, bvxi_four_mask_base no), m.set[i] ? yes.set[i] : no.set[i])
-BVXI_SIMD_EACH(bvxi_eight_min_base, 8, bvxi_eight_base, v, (bvxi_eight_base x, bvxi_eight_base y), x.v[i] < y.v[i] ? x.v[i] : y.v[i])
+               (bvxi_four_mask_base m, bvxi_four_mask_base yes, bvxi_four_mask_base no),
+               m.set[i] ? yes.set[i] : no.set[i])
+BVXI_SIMD_EACH(bvxi_eight_min_base, 8, bvxi_eight_base, v, (bvxi_eight_base x, bvxi_eight_base y),
+               x.v[i] < y.v[i] ? x.v[i] : y.v[i])
 
 BVXI_VECTOR_INLINE double bvxi_four_first_base(bvxi_four_base x)
 {
@@ -89,13 +105,14 @@ BVXI_VECTOR_INLINE bvxi_eight_base bvxi_eight_load_two_base(const float *low, co
     return x;
 }
 
-#define BVXI_SIMD_COLUMNS(name, type)                                                                                      \
-    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, bvxi_four_base to[4])         \
-    {                                                                                                                      \
-        for (size_t i = 0; i < 4; i++) {                                                                                   \
-            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]};                               \
-            to[i] = bvxi_four_load_base(lane);                                                                             \
-        }                                                                                                                  \
+#define BVXI_SIMD_COLUMNS(name, type)                                                        \
+    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, \
+                                 bvxi_four_base to[4])                                       \
+    {                                                                                        \
+        for (size_t i = 0; i < 4; i++) {                                                     \
+            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]}; \
+            to[i] = bvxi_four_load_base(lane);                                               \
+        }                                                                                    \
     }
 BVXI_SIMD_COLUMNS(bvxi_four_columns_f32_base, float)
 BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)

@@ -1,8 +1,8 @@
-/* simd_halves.h - the operations of simd.h as two vectors of 16 bytes: NEON and WebAssembly's simd128. Not installed; simd.h
- * includes it.
+/* simd_halves.h - the operations of simd.h as two vectors of 16 bytes: NEON and WebAssembly's simd128. Not
+ * installed; simd.h includes it.
  *
- * NEON's own maximum orders zeros and gives no number where there is one, so a comparison and a choice stand in its place;
- * simd128 has a maximum of the wanted kind, whose operands are turned. */
+ * NEON's own maximum orders zeros and gives no number where there is one, so a comparison and a choice stand
+ * in its place; simd128 has a maximum of the wanted kind, whose operands are turned. */
 #ifndef BVXI_SIMD_HALVES_H
 #define BVXI_SIMD_HALVES_H
 
@@ -14,49 +14,49 @@
 typedef v128_t bvxi_half_f64, bvxi_half_f32, bvxi_half_m64, bvxi_half_m32;
 
 /* Names of one operation on two doubles and on four floats. */
-#define BVXI_HALF_all_f64 wasm_f64x2_splat
-#define BVXI_HALF_all_f32 wasm_f32x4_splat
-#define BVXI_HALF_load_f64 wasm_v128_load
-#define BVXI_HALF_load_f32 wasm_v128_load
-#define BVXI_HALF_store_f64 wasm_v128_store
-#define BVXI_HALF_store_f32 wasm_v128_store
-#define BVXI_HALF_add_f64 wasm_f64x2_add
-#define BVXI_HALF_add_f32 wasm_f32x4_add
-#define BVXI_HALF_sub_f64 wasm_f64x2_sub
-#define BVXI_HALF_sub_f32 wasm_f32x4_sub
-#define BVXI_HALF_mul_f64 wasm_f64x2_mul
-#define BVXI_HALF_mul_f32 wasm_f32x4_mul
-#define BVXI_HALF_div_f64 wasm_f64x2_div
-#define BVXI_HALF_div_f32 wasm_f32x4_div
-#define BVXI_HALF_max_f64(x, y) wasm_f64x2_pmax(y, x)
-#define BVXI_HALF_max_f32(x, y) wasm_f32x4_pmax(y, x)
-#define BVXI_HALF_min_f32(x, y) wasm_f32x4_pmin(y, x)
-#define BVXI_HALF_sqrt_f64 wasm_f64x2_sqrt
-#define BVXI_HALF_sqrt_f32 wasm_f32x4_sqrt
-#define BVXI_HALF_size_f64 wasm_f64x2_abs
-#define BVXI_HALF_less_f64 wasm_f64x2_lt
-#define BVXI_HALF_less_f32 wasm_f32x4_lt
-#define BVXI_HALF_less_equal_f64 wasm_f64x2_le
-#define BVXI_HALF_less_equal_f32 wasm_f32x4_le
-#define BVXI_HALF_equal_f64 wasm_f64x2_eq
-#define BVXI_HALF_equal_f32 wasm_f32x4_eq
-#define BVXI_HALF_and_f64 wasm_v128_and
-#define BVXI_HALF_and_f32 wasm_v128_and
-#define BVXI_HALF_or_f64 wasm_v128_or
-#define BVXI_HALF_or_f32 wasm_v128_or
-#define BVXI_HALF_but_f64 wasm_v128_andnot
-#define BVXI_HALF_but_f32 wasm_v128_andnot
+#define BVXI_HALF_all_f64                wasm_f64x2_splat
+#define BVXI_HALF_all_f32                wasm_f32x4_splat
+#define BVXI_HALF_load_f64               wasm_v128_load
+#define BVXI_HALF_load_f32               wasm_v128_load
+#define BVXI_HALF_store_f64              wasm_v128_store
+#define BVXI_HALF_store_f32              wasm_v128_store
+#define BVXI_HALF_add_f64                wasm_f64x2_add
+#define BVXI_HALF_add_f32                wasm_f32x4_add
+#define BVXI_HALF_sub_f64                wasm_f64x2_sub
+#define BVXI_HALF_sub_f32                wasm_f32x4_sub
+#define BVXI_HALF_mul_f64                wasm_f64x2_mul
+#define BVXI_HALF_mul_f32                wasm_f32x4_mul
+#define BVXI_HALF_div_f64                wasm_f64x2_div
+#define BVXI_HALF_div_f32                wasm_f32x4_div
+#define BVXI_HALF_max_f64(x, y)          wasm_f64x2_pmax(y, x)
+#define BVXI_HALF_max_f32(x, y)          wasm_f32x4_pmax(y, x)
+#define BVXI_HALF_min_f32(x, y)          wasm_f32x4_pmin(y, x)
+#define BVXI_HALF_sqrt_f64               wasm_f64x2_sqrt
+#define BVXI_HALF_sqrt_f32               wasm_f32x4_sqrt
+#define BVXI_HALF_size_f64               wasm_f64x2_abs
+#define BVXI_HALF_less_f64               wasm_f64x2_lt
+#define BVXI_HALF_less_f32               wasm_f32x4_lt
+#define BVXI_HALF_less_equal_f64         wasm_f64x2_le
+#define BVXI_HALF_less_equal_f32         wasm_f32x4_le
+#define BVXI_HALF_equal_f64              wasm_f64x2_eq
+#define BVXI_HALF_equal_f32              wasm_f32x4_eq
+#define BVXI_HALF_and_f64                wasm_v128_and
+#define BVXI_HALF_and_f32                wasm_v128_and
+#define BVXI_HALF_or_f64                 wasm_v128_or
+#define BVXI_HALF_or_f32                 wasm_v128_or
+#define BVXI_HALF_but_f64                wasm_v128_andnot
+#define BVXI_HALF_but_f32                wasm_v128_andnot
 #define BVXI_HALF_choose_f64(m, yes, no) wasm_v128_bitselect(yes, no, m)
 #define BVXI_HALF_choose_m64(m, yes, no) wasm_v128_bitselect(yes, no, m)
 #define BVXI_HALF_choose_f32(m, yes, no) wasm_v128_bitselect(yes, no, m)
-#define BVXI_HALF_keep_f64(m, x) wasm_v128_and(x, m)
-#define BVXI_HALF_keep_f32(m, x) wasm_v128_and(x, m)
-#define BVXI_HALF_drop_f64(m, x) wasm_v128_andnot(x, m)
-#define BVXI_HALF_drop_f32(m, x) wasm_v128_andnot(x, m)
-#define BVXI_HALF_bits_f64(m) ((uint32_t)wasm_i64x2_bitmask(m))
-#define BVXI_HALF_bits_f32(m) ((uint32_t)wasm_i32x4_bitmask(m))
-#define BVXI_HALF_first_f64(x) wasm_f64x2_extract_lane(x, 0)
-#define BVXI_HALF_load_bytes wasm_v128_load
+#define BVXI_HALF_keep_f64(m, x)         wasm_v128_and(x, m)
+#define BVXI_HALF_keep_f32(m, x)         wasm_v128_and(x, m)
+#define BVXI_HALF_drop_f64(m, x)         wasm_v128_andnot(x, m)
+#define BVXI_HALF_drop_f32(m, x)         wasm_v128_andnot(x, m)
+#define BVXI_HALF_bits_f64(m)            ((uint32_t)wasm_i64x2_bitmask(m))
+#define BVXI_HALF_bits_f32(m)            ((uint32_t)wasm_i32x4_bitmask(m))
+#define BVXI_HALF_first_f64(x)           wasm_f64x2_extract_lane(x, 0)
+#define BVXI_HALF_load_bytes             wasm_v128_load
 
 #else
 #include <arm_neon.h>
@@ -66,48 +66,48 @@ typedef float32x4_t bvxi_half_f32;
 typedef uint64x2_t bvxi_half_m64;
 typedef uint32x4_t bvxi_half_m32;
 
-#define BVXI_HALF_all_f64 vdupq_n_f64
-#define BVXI_HALF_all_f32 vdupq_n_f32
-#define BVXI_HALF_load_f64 vld1q_f64
-#define BVXI_HALF_load_f32 vld1q_f32
-#define BVXI_HALF_store_f64 vst1q_f64
-#define BVXI_HALF_store_f32 vst1q_f32
-#define BVXI_HALF_add_f64 vaddq_f64
-#define BVXI_HALF_add_f32 vaddq_f32
-#define BVXI_HALF_sub_f64 vsubq_f64
-#define BVXI_HALF_sub_f32 vsubq_f32
-#define BVXI_HALF_mul_f64 vmulq_f64
-#define BVXI_HALF_mul_f32 vmulq_f32
-#define BVXI_HALF_div_f64 vdivq_f64
-#define BVXI_HALF_div_f32 vdivq_f32
-#define BVXI_HALF_max_f64(x, y) vbslq_f64(vcgtq_f64(x, y), x, y)
-#define BVXI_HALF_max_f32(x, y) vbslq_f32(vcgtq_f32(x, y), x, y)
-#define BVXI_HALF_min_f32(x, y) vbslq_f32(vcltq_f32(x, y), x, y)
-#define BVXI_HALF_sqrt_f64 vsqrtq_f64
-#define BVXI_HALF_sqrt_f32 vsqrtq_f32
-#define BVXI_HALF_size_f64 vabsq_f64
-#define BVXI_HALF_less_f64 vcltq_f64
-#define BVXI_HALF_less_f32 vcltq_f32
-#define BVXI_HALF_less_equal_f64 vcleq_f64
-#define BVXI_HALF_less_equal_f32 vcleq_f32
-#define BVXI_HALF_equal_f64 vceqq_f64
-#define BVXI_HALF_equal_f32 vceqq_f32
-#define BVXI_HALF_and_f64 vandq_u64
-#define BVXI_HALF_and_f32 vandq_u32
-#define BVXI_HALF_or_f64 vorrq_u64
-#define BVXI_HALF_or_f32 vorrq_u32
-#define BVXI_HALF_but_f64 vbicq_u64
-#define BVXI_HALF_but_f32 vbicq_u32
-#define BVXI_HALF_choose_f64 vbslq_f64
-#define BVXI_HALF_choose_m64 vbslq_u64
-#define BVXI_HALF_choose_f32 vbslq_f32
-#define BVXI_HALF_keep_f64(m, x) vreinterpretq_f64_u64(vandq_u64(m, vreinterpretq_u64_f64(x)))
-#define BVXI_HALF_keep_f32(m, x) vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(x)))
-#define BVXI_HALF_drop_f64(m, x) vreinterpretq_f64_u64(vbicq_u64(vreinterpretq_u64_f64(x), m))
-#define BVXI_HALF_drop_f32(m, x) vreinterpretq_f32_u32(vbicq_u32(vreinterpretq_u32_f32(x), m))
-#define BVXI_HALF_bits_f64(m) ((uint32_t)((vgetq_lane_u64(m, 0) & 1) | (vgetq_lane_u64(m, 1) & 2)))
-#define BVXI_HALF_bits_f32(m) bvxi_half_bits(m)
-#define BVXI_HALF_first_f64(x) vgetq_lane_f64(x, 0)
+#define BVXI_HALF_all_f64          vdupq_n_f64
+#define BVXI_HALF_all_f32          vdupq_n_f32
+#define BVXI_HALF_load_f64         vld1q_f64
+#define BVXI_HALF_load_f32         vld1q_f32
+#define BVXI_HALF_store_f64        vst1q_f64
+#define BVXI_HALF_store_f32        vst1q_f32
+#define BVXI_HALF_add_f64          vaddq_f64
+#define BVXI_HALF_add_f32          vaddq_f32
+#define BVXI_HALF_sub_f64          vsubq_f64
+#define BVXI_HALF_sub_f32          vsubq_f32
+#define BVXI_HALF_mul_f64          vmulq_f64
+#define BVXI_HALF_mul_f32          vmulq_f32
+#define BVXI_HALF_div_f64          vdivq_f64
+#define BVXI_HALF_div_f32          vdivq_f32
+#define BVXI_HALF_max_f64(x, y)    vbslq_f64(vcgtq_f64(x, y), x, y)
+#define BVXI_HALF_max_f32(x, y)    vbslq_f32(vcgtq_f32(x, y), x, y)
+#define BVXI_HALF_min_f32(x, y)    vbslq_f32(vcltq_f32(x, y), x, y)
+#define BVXI_HALF_sqrt_f64         vsqrtq_f64
+#define BVXI_HALF_sqrt_f32         vsqrtq_f32
+#define BVXI_HALF_size_f64         vabsq_f64
+#define BVXI_HALF_less_f64         vcltq_f64
+#define BVXI_HALF_less_f32         vcltq_f32
+#define BVXI_HALF_less_equal_f64   vcleq_f64
+#define BVXI_HALF_less_equal_f32   vcleq_f32
+#define BVXI_HALF_equal_f64        vceqq_f64
+#define BVXI_HALF_equal_f32        vceqq_f32
+#define BVXI_HALF_and_f64          vandq_u64
+#define BVXI_HALF_and_f32          vandq_u32
+#define BVXI_HALF_or_f64           vorrq_u64
+#define BVXI_HALF_or_f32           vorrq_u32
+#define BVXI_HALF_but_f64          vbicq_u64
+#define BVXI_HALF_but_f32          vbicq_u32
+#define BVXI_HALF_choose_f64       vbslq_f64
+#define BVXI_HALF_choose_m64       vbslq_u64
+#define BVXI_HALF_choose_f32       vbslq_f32
+#define BVXI_HALF_keep_f64(m, x)   vreinterpretq_f64_u64(vandq_u64(m, vreinterpretq_u64_f64(x)))
+#define BVXI_HALF_keep_f32(m, x)   vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(x)))
+#define BVXI_HALF_drop_f64(m, x)   vreinterpretq_f64_u64(vbicq_u64(vreinterpretq_u64_f64(x), m))
+#define BVXI_HALF_drop_f32(m, x)   vreinterpretq_f32_u32(vbicq_u32(vreinterpretq_u32_f32(x), m))
+#define BVXI_HALF_bits_f64(m)      ((uint32_t)((vgetq_lane_u64(m, 0) & 1) | (vgetq_lane_u64(m, 1) & 2)))
+#define BVXI_HALF_bits_f32(m)      bvxi_half_bits(m)
+#define BVXI_HALF_first_f64(x)     vgetq_lane_f64(x, 0)
 #define BVXI_HALF_load_bytes(from) vreinterpretq_f32_u8(vld1q_u8(from))
 
 BVXI_VECTOR_INLINE uint32_t bvxi_half_bits(uint32x4_t m)
@@ -136,58 +136,58 @@ typedef struct bvxi_eight_mask_base {
 } bvxi_eight_mask_base;
 
 /* Operations of one and of two operands, half by half. */
-#define BVXI_HALVES_ONE(result, name, type, operation)                            \
-    BVXI_VECTOR_INLINE result name##_base(type x)                                 \
-    {                                                                             \
-        result const r = {operation(x.low), operation(x.high)};                   \
-        return r;                                                                 \
+#define BVXI_HALVES_ONE(result, name, type, operation)          \
+    BVXI_VECTOR_INLINE result name##_base(type x)               \
+    {                                                           \
+        result const r = {operation(x.low), operation(x.high)}; \
+        return r;                                               \
     }
-#define BVXI_HALVES_TWO(result, name, first, second, operation)                   \
-    BVXI_VECTOR_INLINE result name##_base(first x, second y)                      \
-    {                                                                             \
-        result const r = {operation(x.low, y.low), operation(x.high, y.high)};    \
-        return r;                                                                 \
+#define BVXI_HALVES_TWO(result, name, first, second, operation)                \
+    BVXI_VECTOR_INLINE result name##_base(first x, second y)                   \
+    {                                                                          \
+        result const r = {operation(x.low, y.low), operation(x.high, y.high)}; \
+        return r;                                                              \
     }
 
-#define BVXI_HALVES(width, vector, mask, lane, half, kind)                                                    \
-    BVXI_VECTOR_INLINE vector width##_all_base(lane x)                                                        \
-    {                                                                                                         \
-        vector const r = {BVXI_HALF_all_##kind(x), BVXI_HALF_all_##kind(x)};                                  \
-        return r;                                                                                             \
-    }                                                                                                         \
-    BVXI_VECTOR_INLINE vector width##_load_base(const lane *from)                                             \
-    {                                                                                                         \
-        vector const r = {BVXI_HALF_load_##kind(from), BVXI_HALF_load_##kind(from + (half))};                 \
-        return r;                                                                                             \
-    }                                                                                                         \
-    BVXI_VECTOR_INLINE void width##_store_base(lane *to, vector x)                                            \
-    {                                                                                                         \
-        BVXI_HALF_store_##kind(to, x.low);                                                                    \
-        BVXI_HALF_store_##kind(to + (half), x.high);                                                          \
-    }                                                                                                         \
-    BVXI_VECTOR_INLINE vector width##_choose_base(mask m, vector yes, vector no)                              \
-    {                                                                                                         \
-        vector const r = {BVXI_HALF_choose_##kind(m.low, yes.low, no.low),                                    \
-                          BVXI_HALF_choose_##kind(m.high, yes.high, no.high)};                                \
-        return r;                                                                                             \
-    }                                                                                                         \
-    BVXI_VECTOR_INLINE uint32_t width##_bits_base(mask m)                                                     \
-    {                                                                                                         \
-        return BVXI_HALF_bits_##kind(m.low) | BVXI_HALF_bits_##kind(m.high) << (half);                        \
-    }                                                                                                         \
-    BVXI_HALVES_ONE(vector, width##_sqrt, vector, BVXI_HALF_sqrt_##kind)                                      \
-    BVXI_HALVES_TWO(vector, width##_add, vector, vector, BVXI_HALF_add_##kind)                                \
-    BVXI_HALVES_TWO(vector, width##_sub, vector, vector, BVXI_HALF_sub_##kind)                                \
-    BVXI_HALVES_TWO(vector, width##_mul, vector, vector, BVXI_HALF_mul_##kind)                                \
-    BVXI_HALVES_TWO(vector, width##_div, vector, vector, BVXI_HALF_div_##kind)                                \
-    BVXI_HALVES_TWO(vector, width##_max, vector, vector, BVXI_HALF_max_##kind)                                \
-    BVXI_HALVES_TWO(mask, width##_less, vector, vector, BVXI_HALF_less_##kind)                                \
-    BVXI_HALVES_TWO(mask, width##_less_equal, vector, vector, BVXI_HALF_less_equal_##kind)                    \
-    BVXI_HALVES_TWO(mask, width##_equal, vector, vector, BVXI_HALF_equal_##kind)                              \
-    BVXI_HALVES_TWO(mask, width##_and, mask, mask, BVXI_HALF_and_##kind)                                      \
-    BVXI_HALVES_TWO(mask, width##_or, mask, mask, BVXI_HALF_or_##kind)                                        \
-    BVXI_HALVES_TWO(mask, width##_but, mask, mask, BVXI_HALF_but_##kind)                                      \
-    BVXI_HALVES_TWO(vector, width##_keep, mask, vector, BVXI_HALF_keep_##kind)                                \
+#define BVXI_HALVES(width, vector, mask, lane, half, kind)                                    \
+    BVXI_VECTOR_INLINE vector width##_all_base(lane x)                                        \
+    {                                                                                         \
+        vector const r = {BVXI_HALF_all_##kind(x), BVXI_HALF_all_##kind(x)};                  \
+        return r;                                                                             \
+    }                                                                                         \
+    BVXI_VECTOR_INLINE vector width##_load_base(const lane *from)                             \
+    {                                                                                         \
+        vector const r = {BVXI_HALF_load_##kind(from), BVXI_HALF_load_##kind(from + (half))}; \
+        return r;                                                                             \
+    }                                                                                         \
+    BVXI_VECTOR_INLINE void width##_store_base(lane *to, vector x)                            \
+    {                                                                                         \
+        BVXI_HALF_store_##kind(to, x.low);                                                    \
+        BVXI_HALF_store_##kind(to + (half), x.high);                                          \
+    }                                                                                         \
+    BVXI_VECTOR_INLINE vector width##_choose_base(mask m, vector yes, vector no)              \
+    {                                                                                         \
+        vector const r = {BVXI_HALF_choose_##kind(m.low, yes.low, no.low),                    \
+                          BVXI_HALF_choose_##kind(m.high, yes.high, no.high)};                \
+        return r;                                                                             \
+    }                                                                                         \
+    BVXI_VECTOR_INLINE uint32_t width##_bits_base(mask m)                                     \
+    {                                                                                         \
+        return BVXI_HALF_bits_##kind(m.low) | BVXI_HALF_bits_##kind(m.high) << (half);        \
+    }                                                                                         \
+    BVXI_HALVES_ONE(vector, width##_sqrt, vector, BVXI_HALF_sqrt_##kind)                      \
+    BVXI_HALVES_TWO(vector, width##_add, vector, vector, BVXI_HALF_add_##kind)                \
+    BVXI_HALVES_TWO(vector, width##_sub, vector, vector, BVXI_HALF_sub_##kind)                \
+    BVXI_HALVES_TWO(vector, width##_mul, vector, vector, BVXI_HALF_mul_##kind)                \
+    BVXI_HALVES_TWO(vector, width##_div, vector, vector, BVXI_HALF_div_##kind)                \
+    BVXI_HALVES_TWO(vector, width##_max, vector, vector, BVXI_HALF_max_##kind)                \
+    BVXI_HALVES_TWO(mask, width##_less, vector, vector, BVXI_HALF_less_##kind)                \
+    BVXI_HALVES_TWO(mask, width##_less_equal, vector, vector, BVXI_HALF_less_equal_##kind)    \
+    BVXI_HALVES_TWO(mask, width##_equal, vector, vector, BVXI_HALF_equal_##kind)              \
+    BVXI_HALVES_TWO(mask, width##_and, mask, mask, BVXI_HALF_and_##kind)                      \
+    BVXI_HALVES_TWO(mask, width##_or, mask, mask, BVXI_HALF_or_##kind)                        \
+    BVXI_HALVES_TWO(mask, width##_but, mask, mask, BVXI_HALF_but_##kind)                      \
+    BVXI_HALVES_TWO(vector, width##_keep, mask, vector, BVXI_HALF_keep_##kind)                \
     BVXI_HALVES_TWO(vector, width##_drop, mask, vector, BVXI_HALF_drop_##kind)
 
 BVXI_HALVES(bvxi_four, bvxi_four_base, bvxi_four_mask_base, double, 2, f64)
@@ -195,9 +195,12 @@ BVXI_HALVES(bvxi_eight, bvxi_eight_base, bvxi_eight_mask_base, float, 4, f32)
 BVXI_HALVES_ONE(bvxi_four_base, bvxi_four_size, bvxi_four_base, BVXI_HALF_size_f64)
 BVXI_HALVES_TWO(bvxi_eight_base, bvxi_eight_min, bvxi_eight_base, bvxi_eight_base, BVXI_HALF_min_f32)
 
-BVXI_VECTOR_INLINE bvxi_four_mask_base bvxi_four_choose_mask_base(bvxi_four_mask_base m, bvxi_four_mask_base yes, bvxi_four_mask_base no)
+BVXI_VECTOR_INLINE bvxi_four_mask_base bvxi_four_choose_mask_base(bvxi_four_mask_base m,
+                                                                  bvxi_four_mask_base yes,
+                                                                  bvxi_four_mask_base no)
 {
-    bvxi_four_mask_base const r = {BVXI_HALF_choose_m64(m.low, yes.low, no.low), BVXI_HALF_choose_m64(m.high, yes.high, no.high)};
+    bvxi_four_mask_base const r = {BVXI_HALF_choose_m64(m.low, yes.low, no.low),
+                                   BVXI_HALF_choose_m64(m.high, yes.high, no.high)};
     return r;
 }
 
@@ -218,13 +221,14 @@ BVXI_VECTOR_INLINE bvxi_eight_base bvxi_eight_load_two_base(const float *low, co
     return r;
 }
 
-#define BVXI_SIMD_COLUMNS(name, type)                                                                                      \
-    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, bvxi_four_base to[4])         \
-    {                                                                                                                      \
-        for (size_t i = 0; i < 4; i++) {                                                                                   \
-            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]};                               \
-            to[i] = bvxi_four_load_base(lane);                                                                             \
-        }                                                                                                                  \
+#define BVXI_SIMD_COLUMNS(name, type)                                                        \
+    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, \
+                                 bvxi_four_base to[4])                                       \
+    {                                                                                        \
+        for (size_t i = 0; i < 4; i++) {                                                     \
+            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]}; \
+            to[i] = bvxi_four_load_base(lane);                                               \
+        }                                                                                    \
     }
 BVXI_SIMD_COLUMNS(bvxi_four_columns_f32_base, float)
 BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)

@@ -1,19 +1,25 @@
-/* threads.c - the one file that knows threads: the helpers of a context, and the parallel-for that they serve.
+/* threads.c - the one file that knows threads: the helpers of a context, and the parallel-for that they
+ * serve.
  *
- * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on processors that others
- * keep busy. Four rules see to that; none of them can show in a result, as what a task computes depends on its index alone.
+ * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on
+ * processors that others keep busy. Four rules see to that; none of them can show in a result, as what a task
+ * computes depends on its index alone.
  *
- *   - The calling thread begins alone. Helpers are started once a context's steps have taken COLD_TIME, and are woken for a
+ *   - The calling thread begins alone. Helpers are started once a context's steps have taken COLD_TIME, and
+ *   are woken for a
  *     step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate has to be right.
- *   - There are no more helpers than processors without work, where the system tells (Linux). The caller wakes
+ *   - There are no more helpers than processors without work, where the system tells (Linux). The caller
+ *   wakes
  *     one; each that comes wakes two more while tasks are left.
- *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor meanwhile holds
+ *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor
+ *   meanwhile holds
  *     no task, so nobody waits for it. Who waits looks again and again for SPIN_TIME, then sleeps.
- *   - A helper that loses its processor inside a task makes the caller wait. The caller then works alone for a multiple of
+ *   - A helper that loses its processor inside a task makes the caller wait. The caller then works alone for
+ *   a multiple of
  *     that time, a longer one each time it happens again.
  *
- * POSIX threads where the compiler was told to use them (-pthread defines _REENTRANT), else OpenMP where that is on, else
- * none. A forked child has no helpers: it works alone in contexts of its parent. */
+ * POSIX threads where the compiler was told to use them (-pthread defines _REENTRANT), else OpenMP where that
+ * is on, else none. A forked child has no helpers: it works alone in contexts of its parent. */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE /* what -std=c99 hides: clocks */
 #endif
@@ -27,7 +33,13 @@
 #include <unistd.h>
 
 /* Nanoseconds. A wake costs some 5000, a start and a look at the system's load ten times that. */
-enum { COLD_TIME = 200000, SMALL_TIME = 20000, LOOK_TIME = 3000000, SPIN_TIME = 100000, NOTICED_WAIT = 200000 };
+enum {
+    COLD_TIME = 200000,
+    SMALL_TIME = 20000,
+    LOOK_TIME = 3000000,
+    SPIN_TIME = 100000,
+    NOTICED_WAIT = 200000
+};
 
 enum { FEW_TASKS = 8, REST_LEAST = 8, REST_MOST = 64, HELPER_STACK = 1 << 20 };
 
@@ -46,11 +58,13 @@ struct bvxi_pool {
     int64_t lost;        /* time that helpers were inside this step without a processor [Units: ns] */
 
     int32_t most, started, asleep, quit; /* helpers: wanted, running, of those waiting for work */
-    int32_t online, idle, called;        /* processors of the machine; helpers that there are some for; those of this step */
-    int64_t alone;                       /* time of steps before the first helper [Units: ns] */
-    int64_t look_at, rest_until;         /* next look for idle processors; no helpers before [Units: ns of the clock] */
-    int32_t rest;                        /* how many times a wait the next rest lasts */
-    int32_t eager;                       /* for tests, as bvxi_pool_be_eager */
+    /* processors of the machine; helpers that there are some for; those of this step */
+    int32_t online, idle, called;
+    int64_t alone; /* time of steps before the first helper [Units: ns] */
+    /* next look for idle processors; no helpers before [Units: ns of the clock] */
+    int64_t look_at, rest_until;
+    int32_t rest;  /* how many times a wait the next rest lasts */
+    int32_t eager; /* for tests, as bvxi_pool_be_eager */
 
     pthread_t helper[]; /* [Size: most] */
 };
@@ -63,8 +77,8 @@ static int64_t clock_time(clockid_t clock)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* Numbers that a thread reads while another, which may have the lock, changes them. The lock orders what tasks read and write,
- * so these need no order of their own. */
+/* Numbers that a thread reads while another, which may have the lock, changes them. The lock orders what
+ * tasks read and write, so these need no order of their own. */
 #if defined(__GNUC__)
 static int32_t look_at(const int32_t *number)
 {
@@ -122,7 +136,8 @@ static void watch(const int32_t *number, int32_t wanted)
 
 static void take_tasks(bvxi_pool *pool, int32_t worker)
 {
-    for (int32_t i = claim_task(pool); i < pool->count; i = claim_task(pool)) pool->task(pool->user, i, worker);
+    for (int32_t i = claim_task(pool); i < pool->count; i = claim_task(pool))
+        pool->task(pool->user, i, worker);
 }
 
 static void *help(void *given);
@@ -141,7 +156,8 @@ static void call_helper(bvxi_pool *pool)
     }
     if (pool->started == pool->most) return;
 
-    /* Signals are for the program's own threads. A helper that cannot be started is done without, from now on. */
+    /* Signals are for the program's own threads. A helper that cannot be
+     * started is done without, from now on. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     pthread_attr_init(&attributes);
@@ -154,7 +170,8 @@ static void call_helper(bvxi_pool *pool)
 
 static void work_on_step(bvxi_pool *pool)
 {
-    int32_t const worker = ++pool->entered; /* below the number of tasks, as tasks have scratch for no more workers */
+    /* below the number of tasks, as tasks have scratch for no more workers */
+    int32_t const worker = ++pool->entered;
     int64_t time, processor_time;
 
     change(&pool->inside, pool->inside + 1);
@@ -186,7 +203,8 @@ static void watch_for_step(bvxi_pool *pool)
 
 static int may_enter(const bvxi_pool *pool)
 {
-    return pool->open && pool->inside < pool->idle && pool->entered + 1 < pool->count && look_at(&pool->next) < pool->count;
+    return pool->open && pool->inside < pool->idle && pool->entered + 1 < pool->count &&
+           look_at(&pool->next) < pool->count;
 }
 
 static void *help(void *given)
@@ -269,12 +287,14 @@ static int has_processors(bvxi_pool *pool, int64_t now)
     return pool->idle > 0;
 }
 
-/* Runs tasks on the calling thread until helpers are worth their wake; returns the first task that is left. */
+/* Runs tasks on the calling thread until helpers are worth their wake; returns the first task that is
+ * left. */
 static int32_t begin_alone(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
 {
     int64_t const start = clock_time(CLOCK_MONOTONIC);
     int64_t const cold = COLD_TIME - pool->alone;
-    int64_t const large = cold > 0 ? cold : count <= FEW_TASKS ? 0 : SMALL_TIME; /* few tasks may be long ones */
+    /* few tasks may be long ones */
+    int64_t const large = cold > 0 ? cold : count <= FEW_TASKS ? 0 : SMALL_TIME;
     int64_t const least = pool->eager ? 0 : large;
     int64_t now = start;
     int32_t i = 0;
@@ -293,7 +313,8 @@ void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
     pool->idle = pool->most;
 }
 
-/* With the lock held: the last helpers leave; those that had no processor to do so make the next steps the caller's own. */
+/* With the lock held: the last helpers leave; those that had no processor
+ * to do so make the next steps the caller's own. */
 static void wait_for_helpers(bvxi_pool *pool)
 {
     int64_t start, waited;
@@ -316,7 +337,8 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
 {
     int32_t const first = begin_alone(pool, count, task, user);
 
-    if (count - first < 2 || pool->owner != getpid()) { /* a lone task is the caller's, and so is all in a forked child */
+    /* a lone task is the caller's, and so is all in a forked child */
+    if (count - first < 2 || pool->owner != getpid()) {
         for (int32_t i = first; i < count; i++) task(user, i, 0);
         return;
     }

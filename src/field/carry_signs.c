@@ -1,17 +1,22 @@
 /* carry_signs.c - inside and outside beyond the band.
  *
- * The centres that the band leaves fall into spaces, connected through faces. A space whose neighbours in the band all lie on one
- * side lies there as a whole. Where a hole lets both sides into one space, fronts move into it from the band, through faces, one
- * voxel a step; a centre takes the side of the front that comes first, and outside when both come at once.
- * The band must be a voxel wide on either side (width >= the largest spacing): then the surface never passes between a centre in
- * the band and one beyond it.
+ * The centres that the band leaves fall into spaces, connected through faces. A space whose neighbours in the
+ * band all lie on one side lies there as a whole. Where a hole lets both sides into one space, fronts move
+ * into it from the band, through faces, one voxel a step; a centre takes the side of the front that comes
+ * first, and outside when both come at once. The band must be a voxel wide on either side (width >= the
+ * largest spacing): then the surface never passes between a centre in the band and one beyond it.
  *
- * A step looks at the state before it alone, so neither order nor threads show. Rows are visited only where something changed
- * beside them in the step before. */
+ * A step looks at the state before it alone, so neither order nor threads show. Rows are visited only where
+ * something changed beside them in the step before. */
 #include "field/signs.h"
 #include "grid/spaces.h"
 
-enum { CARRY_INSIDE = 1, CARRY_OUTSIDE = 2, CARRY_WORDS = 1 << 12 /* least words a task */, CARRY_PIECES = 256 };
+enum {
+    CARRY_INSIDE = 1,
+    CARRY_OUTSIDE = 2,
+    CARRY_WORDS = 1 << 12 /* least words a task */,
+    CARRY_PIECES = 256
+};
 
 /* ---- spaces ---- */
 
@@ -30,19 +35,23 @@ static unsigned sides_in_row(const carry_spaces *s, int32_t begin, int32_t end, 
     const bvx_grid *const g = s->band;
     uint64_t const row = ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row;
     uint64_t in = 0, out = 0;
+
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
-        uint64_t const band = g->words[row + (uint64_t)k] & bvxi_run_mask(begin, end, k), inside = s->inside[row + (uint64_t)k];
+        uint64_t const band = g->words[row + (uint64_t)k] & bvxi_run_mask(begin, end, k);
+        uint64_t const inside = s->inside[row + (uint64_t)k];
         in |= band & inside;
         out |= band & ~inside;
     }
     return (in != 0 ? CARRY_INSIDE : 0u) | (out != 0 ? CARRY_OUTSIDE : 0u);
 }
 
-static void look_around_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+static void look_around_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y,
+                                  int32_t z)
 {
     carry_spaces *const s = user;
     const int32_t *const size = s->band->size;
     unsigned sides = s->sides[space];
+
     if (sides == (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     if (begin > 0) sides |= sides_in_row(s, begin - 1, begin, y, z);
     if (end < size[0]) sides |= sides_in_row(s, end, end + 1, y, z);
@@ -64,13 +73,15 @@ static void settle_space_run(void *user, uint32_t space, int32_t begin, int32_t 
     s->mixed++;
 }
 
-/* inside: spaces of one side are settled. open: the others. s->sides is told while inside is still that of the band alone. */
-static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bvx_grid *band, uint64_t *inside,
-                                uint64_t *open, uint64_t *mixed)
+/* inside: spaces of one side are settled. open: the others. s->sides is
+ * told while inside is still that of the band alone. */
+static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bvx_grid *band,
+                                uint64_t *inside, uint64_t *open, uint64_t *mixed)
 {
     carry_spaces s = {0};
     bvxi_spaces spaces;
     bvx_status status;
+
     s.band = band;
     s.inside = s.to = inside;
     s.open = open;
@@ -91,8 +102,8 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
 typedef struct carry_front {
     const bvx_grid *shape;
     uint64_t *inside;
-    uint64_t *open;           /* centres that no front has reached */
-    uint64_t *come, *come_in; /* those that one reaches in this step, and those of them that are inside */
+    uint64_t *open;            /* centres that no front has reached */
+    uint64_t *come, *come_in;  /* those that one reaches in this step, and those of them that are inside */
     uint8_t *changed, *change; /* by row: in the step before, in this one */
     uint64_t reached[CARRY_PIECES];
     int32_t pieces;
@@ -104,14 +115,19 @@ static inline uint64_t carry_known(const carry_front *f, uint64_t word, uint64_t
     return ~f->open[word] & (f->inside[word] ^ flip);
 }
 
-/* Centres of word k beside centres of one side: flip 0 inside, all ones outside. Bits past the row's end are not looked at:
- * they are known outside ones, so the last word's are masked. */
+/* Centres of word k beside centres of one side: flip 0 inside, all ones outside. Bits past the row's end are
+ * not looked at: they are known outside ones, so the last word's are masked. */
 static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint64_t flip)
 {
     const bvx_grid *const g = f->shape;
-    uint64_t const words = (uint64_t)g->words_per_row, slice = words * (uint64_t)g->size[1], at = row * words + (uint64_t)k;
-    uint64_t const y = row % (uint64_t)g->size[1], z = row / (uint64_t)g->size[1], tail = bvxi_tail_mask(g->size[0]);
+    uint64_t const words = (uint64_t)g->words_per_row;
+    uint64_t const slice = words * (uint64_t)g->size[1];
+    uint64_t const at = row * words + (uint64_t)k;
+    uint64_t const y = row % (uint64_t)g->size[1];
+    uint64_t const z = row / (uint64_t)g->size[1];
+    uint64_t const tail = bvxi_tail_mask(g->size[0]);
     uint64_t own = carry_known(f, at, flip), near;
+
     if (k + 1 == g->words_per_row) own &= tail;
     near = own << 1 | own >> 1;
     if (k > 0) near |= carry_known(f, at - 1, flip) >> 63;
@@ -129,9 +145,12 @@ static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint6
 
 static int changed_beside(const carry_front *f, uint64_t row)
 {
-    uint64_t const ny = (uint64_t)f->shape->size[1], nz = (uint64_t)f->shape->size[2], y = row % ny, z = row / ny;
-    return f->changed[row] || (y > 0 && f->changed[row - 1]) || (y + 1 < ny && f->changed[row + 1]) || (z > 0 && f->changed[row - ny]) ||
-           (z + 1 < nz && f->changed[row + ny]);
+    uint64_t const ny = (uint64_t)f->shape->size[1];
+    uint64_t const nz = (uint64_t)f->shape->size[2];
+    uint64_t const y = row % ny;
+    uint64_t const z = row / ny;
+    return f->changed[row] || (y > 0 && f->changed[row - 1]) || (y + 1 < ny && f->changed[row + 1]) ||
+           (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny]);
 }
 
 static void look_for_fronts(void *user, int32_t piece, int32_t worker)
@@ -139,6 +158,7 @@ static void look_for_fronts(void *user, int32_t piece, int32_t worker)
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
     uint64_t row, end, reached = 0;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -165,6 +185,7 @@ static void move_fronts(void *user, int32_t piece, int32_t worker)
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -181,6 +202,7 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
 {
     uint64_t const rows = bvxi_grid_rows(f->shape);
     uint64_t reached = 1;
+
     f->pieces = bvxi_piece_count(rows, 1 + CARRY_WORDS / (uint64_t)f->shape->words_per_row);
     memset(f->changed, 1, (size_t)rows);
     while (reached != 0) {
@@ -195,13 +217,15 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
     return BVX_OK;
 }
 
-static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at, const bvx_grid *band, uint64_t *open, uint64_t *inside)
+static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at, const bvx_grid *band,
+                                 uint64_t *open, uint64_t *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8, rows = bvxi_grid_rows(band);
     carry_front f = {0};
     uint64_t *come = NULL;
     uint8_t *changed = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come);
+
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed);
     if (status == BVX_OK) {
         f.shape = band;
@@ -218,12 +242,13 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     return status;
 }
 
-bvx_status bvxi_carry_signs(bvx_context *ctx, const char *function, const char *stage, double at, const bvx_grid *band,
-                            bvx_grid *inside)
+bvx_status bvxi_carry_signs(bvx_context *ctx, const char *function, const char *stage, double at,
+                            const bvx_grid *band, bvx_grid *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8;
     uint64_t *open = NULL, mixed = 0;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
     status = settle_spaces(ctx, function, band, inside->words, open, &mixed);
     if (status == BVX_OK && mixed != 0) status = meet_in_spaces(ctx, stage, at, band, open, inside->words);

@@ -1,7 +1,7 @@
 /* dense.c - a field as an array with a number, or three, for every centre.
  *
- * Rows are written by themselves, so threads do not show. Where the band has no value the field's own half-width stands, which
- * is a lower bound of the distance; propagate.c gives upper bounds instead. */
+ * Rows are written by themselves, so threads do not show. Where the band has no value the field's own
+ * half-width stands, which is a lower bound of the distance; propagate.c gives upper bounds instead. */
 #include "field/field.h"
 
 enum { DENSE_GRAIN = 1 << 15 /* centres of the smallest task */ };
@@ -19,6 +19,7 @@ static void write_dense_rows(void *user, int32_t piece, int32_t worker)
     uint64_t const each = job->vectors ? 3 : 1;
     double numbers[3 * BVXI_WORD_BITS];
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -33,14 +34,19 @@ static void write_dense_rows(void *user, int32_t piece, int32_t worker)
     }
 }
 
-static bvx_status check_far(bvx_context *ctx, const char *function, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far_rule)
+static bvx_status check_far(bvx_context *ctx, const char *function, const bvx_field *field,
+                            const bvx_mesh_view *mesh, int32_t far_rule)
 {
     if (far_rule != BVX_FAR_CONSTANT && far_rule != BVX_FAR_PROPAGATED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: far_rule is %d, not BVX_FAR_CONSTANT (0) or BVX_FAR_PROPAGATED (1)", function, (int64_t)far_rule);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: far_rule is %d, not BVX_FAR_CONSTANT (0) or BVX_FAR_PROPAGATED (1)", function,
+                         (int64_t)far_rule);
     if (far_rule == BVX_FAR_CONSTANT) return BVX_OK;
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
     if (field->triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: BVX_FAR_PROPAGATED needs the field's triangles: measure it with features 1", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: BVX_FAR_PROPAGATED needs the field's triangles: measure it with features 1",
+                         function);
     if (field->value_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the band has no value that could be propagated", function);
     return BVX_OK;
@@ -51,6 +57,7 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
 {
     static const char function[] = "bvx_field_dense";
     dense_job job;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(bvxi_field_check(context, function, field));
@@ -59,13 +66,17 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     job.field = field;
     job.values = values;
     job.vectors = vectors;
-    job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band), 1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
-    BVXI_TRY(bvxi_parallel(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces, write_dense_rows, &job));
-    return far_rule == BVX_FAR_CONSTANT ? BVX_OK : bvxi_field_propagate(context, function, field, mesh, vectors, values);
+    job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band),
+                                  1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
+    BVXI_TRY(bvxi_parallel(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces,
+                           write_dense_rows, &job));
+    return far_rule == BVX_FAR_CONSTANT
+               ? BVX_OK
+               : bvxi_field_propagate(context, function, field, mesh, vectors, values);
 }
 
-bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh, int32_t far_rule, int32_t vectors,
-                           float *values)
+bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
+                           int32_t far_rule, int32_t vectors, float *values)
 {
     return BVXI_CALL(context, run_field_dense(context, field, mesh, far_rule, vectors, values));
 }

@@ -1,6 +1,7 @@
 /* field.c - distance fields freed, checked and read.
  *
- * A value's number is its row's first number and the set bits before it in the row: no index of the values is kept. */
+ * A value's number is its row's first number and the set bits before it in the row: no index of the values is
+ * kept. */
 #include "field/field.h"
 
 /* ---- freed ---- */
@@ -13,6 +14,7 @@ static uint64_t field_rows(const bvx_field *field)
 void bvx_field_free(bvx_context *context, bvx_field *field)
 {
     uint64_t number_bytes;
+
     if (context == NULL || field == NULL) return;
     number_bytes = field->value_type == BVX_F64 ? 8 : 4;
     bvxi_free(context, field->features, field->value_count);
@@ -39,15 +41,18 @@ static bvx_status check_field_rows(bvx_context *ctx, const char *function, const
 {
     uint64_t const rows = bvxi_grid_rows(&field->band);
     uint64_t next = 0;
+
     for (uint64_t r = 0; r < rows; r++) {
         if (field->row_values[r] != next)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%i] is %u, but the rows before hold %u values", function, r,
-                             field->row_values[r], next);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: field.row_values[%i] is %u, but the rows before hold %u values", function,
+                             r, field->row_values[r], next);
         next += field_row_values(&field->band, r);
     }
     if (field->row_values[rows] != next || field->value_count != next)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_count is %u and the rows end at %u, but the band has %u voxels", function,
-                         field->value_count, field->row_values[rows], next);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: field.value_count is %u and the rows end at %u, but the band has %u voxels",
+                         function, field->value_count, field->row_values[rows], next);
     return BVX_OK;
 }
 
@@ -55,14 +60,16 @@ static bvx_status check_field_inside(bvx_context *ctx, const char *function, con
 {
     if (field->inside.words == NULL) {
         if (field->sign == BVX_SIGN_NONE) return BVX_OK;
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.inside has no words, but field.sign is %d", function, (int64_t)field->sign);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.inside has no words, but field.sign is %d",
+                         function, (int64_t)field->sign);
     }
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->inside));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->inside));
     if (!bvxi_lattice_equal(&field->band.lattice, &field->inside.lattice) ||
         memcmp(field->band.low, field->inside.low, sizeof field->band.low) != 0 ||
         memcmp(field->band.size, field->inside.size, sizeof field->band.size) != 0)
-        return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: field.band and field.inside are not of one lattice and window", function);
+        return bvxi_fail(ctx, BVX_ERR_LATTICE,
+                         "%s: field.band and field.inside are not of one lattice and window", function);
     return BVX_OK;
 }
 
@@ -71,30 +78,35 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
     if (field == NULL) return bvxi_fail_null(ctx, function, "field");
     for (uint64_t i = 0; i < 4; i++)
         if (field->reserved[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: field.reserved[%u] must be 0", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
+                                 "%s: field.reserved[%u] must be 0", function, i);
     if (field->row_values == NULL || field->distances == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field is empty: it has no %s", function,
                          field->row_values == NULL ? "row_values" : "distances");
     if (field->value_type != BVX_F32 && field->value_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (int64_t)field->value_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
+                         function, (int64_t)field->value_type);
     if (field->sign < BVX_SIGN_EXACT || field->sign > BVX_SIGN_NONE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.sign is %d; BVX_SIGN_EXACT (1) to BVX_SIGN_NONE (6) are possible", function,
-                         (int64_t)field->sign);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: field.sign is %d; BVX_SIGN_EXACT (1) to BVX_SIGN_NONE (6) are possible",
+                         function, (int64_t)field->sign);
     if (!(field->half_width > 0.0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.half_width is %g; it must be above 0", function, field->half_width);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.half_width is %g; it must be above 0", function,
+                         field->half_width);
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->band));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->band));
     BVXI_TRY(check_field_inside(ctx, function, field));
     return check_field_rows(ctx, function, field);
 }
 
-bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, const bvx_field *field, int32_t vectors)
+bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, const bvx_field *field,
+                                    int32_t vectors)
 {
     if (vectors != 0 && vectors != 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: vectors is %d, not 0 or 1", function, (int64_t)vectors);
     if (vectors == 1 && field->vectors == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no vectors (it was measured with no_vectors)", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the field has no vectors (it was measured with no_vectors)", function);
     return BVX_OK;
 }
 
@@ -106,7 +118,9 @@ uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z
     const bvx_grid *const g = &field->band;
     if (x < 0 || y < 0 || z < 0 || x >= g->size[0] || y >= g->size[1] || z >= g->size[2]) return UINT64_MAX;
     uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
-    if (g->words_per_row != bvxi_row_words(g->size[0]) || row >= g->word_capacity / (uint64_t)g->words_per_row) return UINT64_MAX;
+    if (g->words_per_row != bvxi_row_words(g->size[0]) ||
+        row >= g->word_capacity / (uint64_t)g->words_per_row)
+        return UINT64_MAX;
     const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
     uint64_t n = field->row_values[row];
     if ((words[x >> 6] >> (x & 63) & 1) == 0) return UINT64_MAX;
@@ -114,17 +128,21 @@ uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z
     return n + bvxi_popcount(words[x >> 6] & ((UINT64_C(1) << (x & 63)) - 1));
 }
 
-void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next, double *numbers)
+void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next,
+                     double *numbers)
 {
     const bvx_grid *const g = &field->band;
     uint64_t const at = row * (uint64_t)g->words_per_row + (uint64_t)word;
     uint64_t const band = g->words[at], inside = field->inside.words != NULL ? field->inside.words[at] : 0;
-    int32_t const left = g->size[0] - word * BVXI_WORD_BITS, n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
+    int32_t const left = g->size[0] - word * BVXI_WORD_BITS;
+    int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
+
     for (int32_t i = 0; i < n; i++) {
         int const valued = (int)(band >> i & 1);
         if (vectors) {
             for (uint64_t a = 0; a < 3; a++)
-                numbers[3 * (size_t)i + a] = valued ? bvxi_field_number(field, field->vectors, 3 * *next + a) : 0.0;
+                numbers[3 * (size_t)i + a] = valued ? bvxi_field_number(field, field->vectors, 3 * *next + a)
+                                                    : 0.0;
         } else if (valued) {
             numbers[i] = bvxi_field_number(field, field->distances, *next);
         } else {

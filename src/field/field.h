@@ -6,19 +6,23 @@
 
 #include <math.h>
 
-/* field.c: refuse a field that is none, naming the field of the struct: band, numbers of rows against its bits, arrays that any
- * reader needs, inside on the band's window. Cost: O(words). */
+/* field.c: refuse a field that is none, naming the field of the struct: band, numbers of rows against its
+ * bits, arrays that any reader needs, inside on the band's window. Cost: O(words). */
 bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_field *field);
 /* Refuse what cannot be read from it: vectors not 0 or 1, or vectors of a field that has none. */
-bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, const bvx_field *field, int32_t vectors);
+bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, const bvx_field *field,
+                                    int32_t vectors);
 
-/* Up to 64 centres of a row, 64 * word on, as numbers: signed distances, or with vectors 1 three numbers each; outside the band
- * half_width, negative inside, or 0 0 0. *next is the number of the row's next value, at first row_values[row]. */
-void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next, double *numbers);
+/* Up to 64 centres of a row, 64 * word on, as numbers: signed distances, or with
+ * vectors 1 three numbers each; outside the band half_width, negative inside, or
+ * 0 0 0. *next is the number of the row's next value, at first row_values[row]. */
+void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t vectors, uint64_t *next,
+                     double *numbers);
 
-/* propagate.c: signed distances or vectors outside the band from triangles handed on; the field is checked, the band is not empty. */
-bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field, const bvx_mesh_view *mesh,
-                                int32_t vectors, float *values);
+/* propagate.c: signed distances or vectors outside the band from triangles
+ * handed on; the field is checked, the band is not empty. */
+bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,
+                                const bvx_mesh_view *mesh, int32_t vectors, float *values);
 
 static inline double bvxi_field_number(const bvx_field *field, const void *array, uint64_t i)
 {
@@ -30,7 +34,8 @@ static inline void bvxi_field_centre(const bvx_grid *grid, int32_t x, int32_t y,
 {
     int32_t const at[3] = {x, y, z};
     for (int a = 0; a < 3; a++)
-        centre[a] = grid->lattice.origin[a] + ((double)grid->low[a] + (double)at[a] + 0.5) * grid->lattice.spacing[a];
+        centre[a] = grid->lattice.origin[a] +
+                    ((double)grid->low[a] + (double)at[a] + 0.5) * grid->lattice.spacing[a];
 }
 
 /* The nearest float; infinity beyond the largest one. */

@@ -1,10 +1,11 @@
 /* measure.c - a band of distances round a mesh: bvx_measure_field.
  *
- * Source: "Model repair by a vector distance field" (the vector to the closest point, kept for the cells near the surface).
+ * Source: "Model repair by a vector distance field" (the vector to the closest point, kept for the cells near
+ * the surface).
  *
- * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the arrays have their exact
- * sizes; then values are filled in by rank, the sign rule sets the grid of inside centres (signs.h), and distances of centres
- * inside become negative. */
+ * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the
+ * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside
+ * centres (signs.h), and distances of centres inside become negative. */
 #include "field/field.h"
 #include "field/nearest.h"
 #include "field/signs.h"
@@ -14,7 +15,8 @@
 
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
-static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}}, 0, 0, {0, 0}};
+static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}},
+                                                 0, 0,   {0, 0}};
 
 enum { MEASURE_GRAIN = 1 << 14 /* values of the smallest task, about */ };
 
@@ -53,9 +55,11 @@ static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 {
     if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
     if (field->band.owned == 1) return BVX_OK; /* the library's own, which go when another one is made */
-    if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL || field->vectors != NULL ||
-        field->distances != NULL || field->triangles != NULL || field->features != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field brings arrays, which are not used; zero it first", measure_name);
+    if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
+        field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
+        field->features != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field brings arrays, which are not used; zero it first",
+                         measure_name);
     return BVX_OK;
 }
 
@@ -66,17 +70,20 @@ static double measure_width(const bvx_lattice *l, double half_width)
 }
 
 /* No distance within width, from a finite centre to the mesh, is beyond what numbers of the field hold. */
-static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *job, const bvx_lattice *l, double width)
+static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *job, const bvx_lattice *l,
+                                         double width)
 {
     double const most = job->o.value_type == BVX_F32 ? 0x1p125 : 0x1p1000;
     double low[3], high[3];
+
     if (width < most) return BVX_OK;
     BVXI_TRY(bvxi_view_bounds(ctx, measure_name, job->mesh, low, high));
     for (int a = 0; a < 3; a++) {
         double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
         double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
         if (!(above - below < most))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: distances of up to %g do not fit the field's numbers%s", measure_name, above - below,
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: distances of up to %g do not fit the field's numbers%s",
+                             measure_name, above - below,
                              job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
     }
     return BVX_OK;
@@ -87,25 +94,30 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double const width = measure_width(l, job->o.half_width);
+
     for (int a = 0; a < 3; a++) {
         if (job->o.value_type == BVX_F32 && (l->spacing[a] > 0x1p100 || l->spacing[a] < 0x1p-100))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64", measure_name,
-                             l->spacing[a], axis_name[a]);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64",
+                             measure_name, l->spacing[a], axis_name[a]);
     }
     if (!(width > 0.0))
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: half_width is %g voxels, which is nothing in the world's unit", measure_name, job->o.half_width);
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: half_width is %g voxels, which is nothing in the world's unit", measure_name,
+                         job->o.half_width);
     return check_largest_distance(ctx, job, l, width);
 }
 
-static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice, const bvx_field_options *options,
-                                const bvx_field *field, measure_job *job)
+static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                const bvx_field_options *options, const bvx_field *field, measure_job *job)
 {
     BVXI_TRY(check_empty_field(ctx, field));
     job->o = field_defaults;
     BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &job->o, sizeof job->o));
     BVXI_TRY(check_measure_choices(ctx, &job->o));
     BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);
     BVXI_TRY(bvxi_lattice_check(ctx, measure_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, measure_name, lattice, &job->o.window, &job->window));
     job->mesh = mesh;
@@ -129,11 +141,13 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
 {
     bvx_field *const f = &job->field;
     uint64_t rows;
+
     BVXI_TRY(bvx_grid_create(ctx, lattice, &job->window, &f->band));
     rows = bvxi_grid_rows(&f->band);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
     if (f->half_width - f->half_width == 0.0)
-        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.8, job->nearest, f->half_width, &f->band, f->row_values));
+        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.8, job->nearest, f->half_width, &f->band,
+                                   f->row_values));
     else take_every_centre(f);
     return BVX_OK;
 }
@@ -148,6 +162,7 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
     int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
     uint64_t const n = job->field.value_count;
     bvx_status status;
+
     if (!job->o.features && !signs_by_features(job->field.sign)) return BVX_OK;
     status = bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles);
     if (status == BVX_OK) status = bvxi_alloc(ctx, kind, n, "the field's features", &job->features);
@@ -161,19 +176,24 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
 static bvx_status make_values(bvx_context *ctx, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)], number_bytes = f->value_type == BVX_F32 ? 4 : 8;
+    uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)];
+    uint64_t const number_bytes = f->value_type == BVX_F32 ? 4 : 8;
     bvxi_nearest_values values;
+
     f->value_count = n;
-    if (n > UINT64_MAX / 24) return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
+    if (n > UINT64_MAX / 24)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
-    if (!job->o.no_vectors) BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
+    if (!job->o.no_vectors)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
     BVXI_TRY(make_features(ctx, job));
     values.value_type = f->value_type;
     values.vectors = f->vectors;
     values.distances = f->distances;
     values.triangles = job->triangles;
     values.features = job->features;
-    return bvxi_nearest_fill(ctx, measure_stage, 0.8, 0.9, job->nearest, HUGE_VAL, &f->band, f->row_values, &values);
+    return bvxi_nearest_fill(ctx, measure_stage, 0.8, 0.9, job->nearest, HUGE_VAL, &f->band, f->row_values,
+                             &values);
 }
 
 /* ---- inside ---- */
@@ -182,6 +202,7 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
 {
     bvx_field *const f = &job->field;
     bvxi_sides sides;
+
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
     if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, &f->sign, &f->inside);
@@ -190,7 +211,8 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
     sides.first = f->row_values;
     sides.triangles = job->triangles;
     sides.features = job->features;
-    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.9, 0.97, job->nearest, f->half_width, &sides, f->sign, &f->inside);
+    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.9, 0.97, job->nearest, f->half_width,
+                              &sides, f->sign, &f->inside);
 }
 
 typedef struct negate_job {
@@ -204,6 +226,7 @@ static void negate_rows(void *user, int32_t piece, int32_t worker)
     const bvx_field *const f = job->field;
     uint64_t const words = (uint64_t)f->band.words_per_row;
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(&f->band), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -231,7 +254,8 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
 
 static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
-    BVXI_TRY(bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
+    BVXI_TRY(
+        bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
     BVXI_TRY(make_band(ctx, lattice, job));
     return make_values(ctx, job);
 }
@@ -260,6 +284,7 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
 {
     measure_job job;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));

@@ -1,10 +1,12 @@
 /* nearest_brick.c - the nearest triangles of a brick of 4 x 4 x 4 centres.
  *
- * One search of the tree lists the leaves for all 64; then each 2 x 2 x 2 of them looks through the list. Where floats leave one
- * candidate it is the answer; where they leave more (a shared edge or corner: all of its triangles are equally far) the
- * evaluation in doubles decides by (distance squared, triangle number). Where a list or the candidates do not hold all, the
- * search goes on in parts, and the evaluation keeps the best so far.
- * Guarantee: the least (distance squared, triangle number) of the evaluation over all triangles of the mesh. */
+ * One search of the tree lists the leaves for all 64; then each 2 x 2 x 2 of them looks through the list.
+ * Where floats leave one candidate it is the answer; where they leave more (a shared edge or corner: all of
+ * its triangles are equally far) the evaluation in doubles decides by (distance squared, triangle number).
+ * Where a list or the candidates do not hold all, the search goes on in parts, and the evaluation keeps the
+ * best so far.
+ * Guarantee: the least (distance squared, triangle number) of the evaluation over all triangles of the
+ * mesh. */
 #include "field/nearest_brick.h"
 
 #include <math.h>
@@ -20,7 +22,8 @@ void bvxi_near_brick_begin(const bvxi_nearest *n, const int32_t first[3], bvxi_n
         for (int32_t i = 0; i < BVXI_NEAR_SIDE; i++) w->centre[a][i] = near_centre(n, a, first[a] + i);
         double const middle = (w->centre[a][0] + w->centre[a][BVXI_NEAR_SIDE - 1]) * 0.5;
         w->middle[a] = (middle - n->middle[a]) * n->box_scale;
-        for (int i = 0; i < BVXI_NEAR_SIDE; i++) w->offset[a][i] = (float)((w->centre[a][i] - middle) * n->box_scale);
+        for (int i = 0; i < BVXI_NEAR_SIDE; i++)
+            w->offset[a][i] = (float)((w->centre[a][i] - middle) * n->box_scale);
     }
 }
 
@@ -44,6 +47,7 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
 static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     bvxi_near_pairs *const p = &w->pairs;
+
     bvxi_near_evaluate(n, w->fast, p);
     for (int32_t i = 0; i < p->count; i++) {
         int32_t const s = p->slot[i];
@@ -77,16 +81,19 @@ static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     float most2[8];
     int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
-    for (int32_t i = 0; i < count; i++) take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
+    for (int32_t i = 0; i < count; i++)
+        take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
 }
 
-/* The end of a search: where one triangle alone may win, surely within the limit, it is taken without a look. */
+/* The end of a search: where one triangle alone may win, surely within the limit, it is taken without a
+ * look. */
 static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bvxi_near_worker *w)
 {
     float most2[8];
     int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
     uint32_t once = 0, more = parts ? 255u : 0;
-    for (int c = 0; c < 8; c++) more |= (uint32_t)!(most2[c] < sure2) << c;
+
+    for (int c = 0; c < 8; c++) more |= (uint32_t) !(most2[c] < sure2) << c;
     for (int32_t i = 0; i < count; i++) {
         uint32_t const bit = 1u << w->winners[i].centre;
         more |= once & bit;
@@ -124,8 +131,10 @@ static int32_t look_through_near_list(const bvxi_nearest *n, bvxi_near_worker *w
 static void begin_near_cell(const bvxi_nearest *n, const bvxi_near_start *start, bvxi_near_worker *w)
 {
     bvxi_near_question *const q = &w->question;
+
     if (!w->known) {
-        for (int a = 0; a < 3; a++) q->point[a] = (double)n->level[0][0].low[a][0] + (double)n->level[0][0].point[a][0];
+        for (int a = 0; a < 3; a++)
+            q->point[a] = (double)n->level[0][0].low[a][0] + (double)n->level[0][0].point[a][0];
         q->point_error = 0.0;
         for (int a = 0; a < 3; a++) { /* that of its leaf */
             double const low = (double)n->level[0][0].low[a][0], high = (double)n->level[0][0].high[a][0];
@@ -137,7 +146,8 @@ static void begin_near_cell(const bvxi_nearest *n, const bvxi_near_start *start,
 }
 
 /* The box of the brick's centres begin .. end (along each axis). */
-static void begin_near_box(const bvxi_nearest *n, const int32_t begin[3], const int32_t end[3], double limit, bvxi_near_worker *w)
+static void begin_near_box(const bvxi_nearest *n, const int32_t begin[3], const int32_t end[3], double limit,
+                           bvxi_near_worker *w)
 {
     for (int a = 0; a < 3; a++) {
         w->question.first[a] = w->middle[a] + (double)w->offset[a][begin[a]];
@@ -158,7 +168,9 @@ static void keep_near_point(bvxi_near_worker *w)
 static void sieve_near_part(bvxi_near_worker *w)
 {
     for (int a = 0; a < 3; a++)
-        for (int i = 0; i < BVXI_NEAR_SIDE; i++) w->places.at[a][i] = (float)((double)w->offset[a][i] + (w->middle[a] - (double)w->cell.origin[a]));
+        for (int i = 0; i < BVXI_NEAR_SIDE; i++)
+            w->places.at[a][i] = (float)((double)w->offset[a][i] +
+                                         (w->middle[a] - (double)w->cell.origin[a]));
     bvxi_near_sieve_list(&w->list, &w->places, bvxi_near_cell_reach2(&w->cell), w->fast, &w->sieve);
 }
 
@@ -174,18 +186,20 @@ static int32_t list_near_part(const bvxi_nearest *n, bvxi_near_worker *w)
 
 enum { NEAR_FEW_BLOCKS = 4 };
 
-/* Is the middle of the cell, whose list is complete and short, so far from all triangles that no centre of the cell lies within
- * the limit? Boxes of large triangles hold much that is far from them. */
+/* Is the middle of the cell, whose list is complete and short, so far from all triangles that no centre of
+ * the cell lies within the limit? Boxes of large triangles hold much that is far from them. */
 static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     bvxi_near_places middle;
     double radius2 = 0.0;
     float reach, reach2;
+
     if (w->list.count > NEAR_FEW_BLOCKS || !(w->question.limit < 0x1p50)) return 0;
     for (int a = 0; a < 3; a++) {
         double const half = (w->question.last[a] - w->question.first[a]) * 0.5;
         radius2 += half * half;
-        for (int i = 0; i < BVXI_NEAR_SIDE; i++) middle.at[a][i] = (float)(w->question.first[a] + half - (double)w->cell.origin[a]);
+        for (int i = 0; i < BVXI_NEAR_SIDE; i++)
+            middle.at[a][i] = (float)(w->question.first[a] + half - (double)w->cell.origin[a]);
     }
     reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
     reach2 = reach * reach;
@@ -202,7 +216,8 @@ static void bound_near_cube(const bvxi_nearest *n, const int32_t first[3], doubl
 {
     for (int a = 0; a < 3; a++) {
         w->question.first[a] = (near_centre(n, a, first[a]) - n->middle[a]) * n->box_scale;
-        w->question.last[a] = (near_centre(n, a, first[a] + BVXI_NEAR_CUBE - 1) - n->middle[a]) * n->box_scale;
+        w->question.last[a] = (near_centre(n, a, first[a] + BVXI_NEAR_CUBE - 1) - n->middle[a]) *
+                              n->box_scale;
     }
     w->question.limit = width * n->scale * n->box_scale;
     begin_near_cell(n, NULL, w);
@@ -214,7 +229,8 @@ void bvxi_near_cube_begin(const bvxi_nearest *n, const int32_t first[3], double 
     bvxi_near_cell_start(n, &w->cell, w->fast, &w->start);
 }
 
-int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], double width, bvxi_near_worker *w)
+int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], double width,
+                               bvxi_near_worker *w)
 {
     bound_near_cube(n, first, width, w);
     if (!bvxi_near_cell_list(n, &w->cell, w->fast, &w->list)) return 1;
@@ -225,10 +241,12 @@ int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], do
 /* ---- Bricks ---- */
 
 /* Group g from the list, and from the rest of the cell's search where the list does not hold all. */
-static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, double limit, int32_t complete, bvxi_near_worker *w)
+static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, double limit, int32_t complete,
+                            bvxi_near_worker *w)
 {
     float const sure = (float)(limit * (1.0 - 0x1p-18)), sure2 = limit < 0x1p60 ? sure * sure : 0x1p127f;
     int32_t parts;
+
     bvxi_near_eight_begin(g, &w->places, active, w->cell.limit2, &w->eight);
     parts = look_through_near_list(n, w);
     while (!complete) {
@@ -242,6 +260,7 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
 static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
 {
     uint64_t const y = wanted | wanted >> 16 | wanted >> 32 | wanted >> 48, x = y | y >> 4 | y >> 8 | y >> 12;
+
     for (int a = 0; a < 3; a++) {
         begin[a] = BVXI_NEAR_SIDE;
         end[a] = 0;
@@ -258,6 +277,7 @@ static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
 static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limit, bvxi_near_worker *w)
 {
     int32_t begin[3], end[3], complete;
+
     bound_near_slots(wanted, begin, end);
     begin_near_box(n, begin, end, limit, w);
     complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
@@ -283,6 +303,7 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
 uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double width, bvxi_near_worker *w)
 {
     uint64_t found = 0;
+
     w->evaluated = 0;
     w->pairs.count = 0;
     memset(w->triangle, 0xff, sizeof w->triangle); /* BVXI_NEAR_NONE */

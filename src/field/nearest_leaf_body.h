@@ -1,4 +1,5 @@
-/* nearest_leaf_body.h - frames of eight triangles. Included by nearest_leaf.c once for each level of core/simd.h. */
+/* nearest_leaf_body.h - frames of eight triangles. Included by
+ * nearest_leaf.c once for each level of core/simd.h. */
 
 BVXI_SIMD_CODE static inline floats8 BVXI_SIMD(near_inverse)(floats8 x)
 {
@@ -6,14 +7,16 @@ BVXI_SIMD_CODE static inline floats8 BVXI_SIMD(near_inverse)(floats8 x)
 }
 
 /* Of the edges l, m and n, or their like, the one that is the longest. */
-BVXI_SIMD_CODE static inline void BVXI_SIMD(near_third)(eight_mask at_b, eight_mask at_c, const floats8 a[3], const floats8 b[3],
-                                                        const floats8 c[3], floats8 chosen[3])
+BVXI_SIMD_CODE static inline void BVXI_SIMD(near_third)(eight_mask at_b, eight_mask at_c, const floats8 a[3],
+                                                        const floats8 b[3], const floats8 c[3],
+                                                        floats8 chosen[3])
 {
     for (int axis = 0; axis < 3; axis++)
         chosen[axis] = eight_choose(at_c, c[axis], eight_choose(at_b, b[axis], a[axis]));
 }
 
-BVXI_SIMD_CODE static void BVXI_SIMD(frame_near_leaf)(const float corner[9][BVXI_NEAR_WIDTH], const float low[3], bvxi_near_leaf *leaf)
+BVXI_SIMD_CODE static void BVXI_SIMD(frame_near_leaf)(const float corner[9][BVXI_NEAR_WIDTH],
+                                                      const float low[3], bvxi_near_leaf *leaf)
 {
     floats8 const zero = eight_all(0.0f);
     floats8 const a[3] = {eight_load(corner[0]), eight_load(corner[1]), eight_load(corner[2])};
@@ -64,7 +67,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(frame_near_leaf)(const float corner[9][BVXI
     eight_along(o, before, e1, foot);
     for (int i = 0; i < 3; i++) foot[i] = eight_add(eight_all(low[i]), foot[i]);
 
-    /* Rows become columns: the numbers of a triangle lie side by side. The last of 16 makes way for the triangle's index. */
+    /* Rows become columns: the numbers of a triangle lie side by side. The
+     * last of 16 makes way for the triangle's index. */
     floats8 const first[8] = {foot[0], foot[1], foot[2], e1[0], e1[1], e1[2], e2[0], e2[1]};
     floats8 const second[8] = {e2[2], e3[0], e3[1], e3[2], before, after, height, zero};
     eight_columns(first, leaf->frame, sizeof leaf->frame[0]);

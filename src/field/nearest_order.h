@@ -10,13 +10,14 @@
 typedef struct bvxi_near_order {
     double grid_low[3], grid_side; /* where the curve's grid lies, set by the caller [Units: box] */
     uint64_t count;
-    uint64_t *keys, *spare;        /* [Size: count] */
-    uint32_t *numbers;             /* in the order of sorted; NULL: a key's low 32 bits [Size: count] */
-    const uint64_t *sorted;        /* keys or spare */
+    uint64_t *keys, *spare; /* [Size: count] */
+    uint32_t *numbers;      /* in the order of sorted; NULL: a key's low 32 bits [Size: count] */
+    const uint64_t *sorted; /* keys or spare */
 } bvxi_near_order;
 
 /* The rest of *o is zero before. It is to be freed also after a failure. */
-bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from, double to, const bvxi_nearest *n, bvxi_near_order *o);
+bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from, double to,
+                                const bvxi_nearest *n, bvxi_near_order *o);
 void bvxi_near_order_free(bvx_context *ctx, bvxi_near_order *o);
 
 /* How many of the triangles first .. end - 1, at most eight, make a leaf. */

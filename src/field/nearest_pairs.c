@@ -1,7 +1,7 @@
 /* nearest_pairs.c - closest points on triangles, four pairs of a point and a triangle at a time.
  *
- * Corners are gathered while the next are on their way; mesh/point_triangle_four.h evaluates them. Pairs that it leaves go to
- * point_triangle.c itself, and without vectors all pairs.
+ * Corners are gathered while the next are on their way; mesh/point_triangle_four.h evaluates them. Pairs that
+ * it leaves go to point_triangle.c itself, and without vectors all pairs.
  * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
 #include "field/nearest_pairs.h"
 #include "mesh/closest.h"
@@ -26,6 +26,7 @@ static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
 {
     const unsigned char *const positions = n->view.positions, *const indices = n->view.indices;
     uint32_t c[BVXI_NEAR_PAIRS][3];
+
     for (int32_t i = 0; i < p->count; i++) {
         memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
         for (int v = 0; v < 3; v++) BVXI_PREFETCH(positions + (size_t)c[i][v] * 12);

@@ -15,8 +15,10 @@ typedef struct bvxi_near_pairs {
     int32_t count;
 } bvxi_near_pairs;
 
-/* Take one more pair; there must be room. Its corners' numbers are asked for, as the evaluation comes later. */
-static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p, const double point[3], uint32_t triangle, int32_t slot)
+/* Take one more pair; there must be room. Its corners' numbers are asked for, as the evaluation comes
+ * later. */
+static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p, const double point[3],
+                                       uint32_t triangle, int32_t slot)
 {
     int32_t const i = p->count++;
     if (n->view.indices != NULL) BVXI_PREFETCH(bvxi_view_index_at(&n->view, triangle));
@@ -25,7 +27,8 @@ static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p
     for (int a = 0; a < 3; a++) p->point[a][i] = point[a];
 }
 
-/* Closest points and squared distances of all pairs, to the bit those of bvxi_closest_on_triangle (zeros may differ in sign). */
+/* Closest points and squared distances of all pairs, to the bit those of
+ * bvxi_closest_on_triangle (zeros may differ in sign). */
 void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs);
 
 /* ---- nearest_ties.c ---- */
@@ -33,7 +36,8 @@ void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pa
 /* Square of the distance from pair i's point to the plane of its triangle; 0 without area. */
 double bvxi_near_height2(const bvxi_near_pairs *pairs, int32_t i);
 
-/* Two triangles are equally far from pair i's point, and so are their planes: is pair i's, not the other, the one that is taken? */
+/* Two triangles are equally far from pair i's point, and so are their
+ * planes: is pair i's, not the other, the one that is taken? */
 int bvxi_near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int32_t i, uint32_t other);
 
 #endif

@@ -1,6 +1,8 @@
-/* nearest_pairs_body.h - four pairs of a point and a triangle. Included by nearest_pairs.c once for each level of core/simd.h. */
+/* nearest_pairs_body.h - four pairs of a point and a triangle. Included by
+ * nearest_pairs.c once for each level of core/simd.h. */
 
-BVXI_SIMD_CODE static inline void BVXI_SIMD(load_near_four)(const double (*from)[BVXI_NEAR_PAIRS], int32_t i, doubles4 to[3])
+BVXI_SIMD_CODE static inline void BVXI_SIMD(load_near_four)(const double (*from)[BVXI_NEAR_PAIRS], int32_t i,
+                                                            doubles4 to[3])
 {
     to[0] = four_load(from[0] + i);
     to[1] = four_load(from[1] + i);

@@ -1,8 +1,9 @@
 /* nearest_ties.c - which of equally near triangles is taken, by geometry alone.
  *
- * Beside an edge or corner all of its triangles are equally near. The one whose plane is farthest from the centre is the one that the
- * centre sees most of: its plane bounds the body there, others run past behind it. Where planes are equally far as well, the order of
- * closest points decides, then that of corners; so no numbering and no orientation shows. */
+ * Beside an edge or corner all of its triangles are equally near. The one whose plane is farthest from the
+ * centre is the one that the centre sees most of: its plane bounds the body there, others run past behind it.
+ * Where planes are equally far as well, the order of closest points decides, then that of corners; so no
+ * numbering and no orientation shows. */
 #include "field/nearest_pairs.h"
 #include "mesh/closest.h"
 #include "mesh/facet.h"

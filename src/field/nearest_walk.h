@@ -1,4 +1,5 @@
-/* nearest_walk.h - a window's centres in cubes of 16 x 16 x 16, a brick of 4 x 4 x 4 after the other. Not installed. */
+/* nearest_walk.h - a window's centres in cubes of 16 x 16 x 16, a brick of
+ * 4 x 4 x 4 after the other. Not installed. */
 #ifndef BVXI_NEAREST_WALK_H
 #define BVXI_NEAREST_WALK_H
 
@@ -65,7 +66,6 @@ static inline uint64_t *bvxi_near_row(const bvx_grid *g, int32_t y, int32_t z)
 uint64_t bvxi_near_slots_inside(const bvx_grid *g, const int32_t first[3]);
 /* Slots that are set; slots outside are not. */
 uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3]);
-
 
 /* One worker a thread. */
 bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_worker **workers);

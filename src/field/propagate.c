@@ -1,14 +1,15 @@
 /* propagate.c - distances outside the band from closest points that neighbours hand on.
  *
- * Source: Danielsson. Euclidean Distance Mapping. 1980, and Satherley, Jones. Vector-City Vector Distance Transform. 2001: a centre
- * takes over what its neighbour found closest. Handed on are the closest points of the band's centres; in the end each centre is
- * measured to the triangle that its point came from. So what it gets is the exact distance to some triangle: an upper bound, which
- * never is below the true one.
+ * Source: Danielsson. Euclidean Distance Mapping. 1980, and Satherley, Jones. Vector-City Vector Distance
+ * Transform. 2001: a centre takes over what its neighbour found closest. Handed on are the closest points of
+ * the band's centres; in the end each centre is measured to the triangle that its point came from. So what it
+ * gets is the exact distance to some triangle: an upper bound, which never is below the true one.
  *
- * Six sweeps, along x up and down, along y, along z, are done three times. Within a sweep a centre depends on the one before it
- * along the axis alone, so lines are done side by side and threads do not show. Of two points at one distance (as floats) that of
- * the lesser value wins. A centre misses its closest triangle when no point of it won on a way there; how far that puts it off
- * is measured in tests/unit/test_field_dense.c and stated at bvx_field_dense. */
+ * Six sweeps, along x up and down, along y, along z, are done three times. Within a sweep a centre depends on
+ * the one before it along the axis alone, so lines are done side by side and threads do not show. Of two
+ * points at one distance (as floats) that of the lesser value wins. A centre misses its closest triangle when
+ * no point of it won on a way there; how far that puts it off is measured in tests/unit/test_field_dense.c
+ * and stated at bvx_field_dense. */
 #include "field/field.h"
 #include "mesh/closest.h"
 #include "mesh/scale.h"
@@ -21,23 +22,25 @@ enum { PROPAGATE_SWEEPS = 6, PROPAGATE_ROUNDS = 3, PROPAGATE_GRAIN = 1 << 12 };
 typedef struct propagate_job {
     const bvx_field *field;
     const bvx_mesh_view *mesh;
-    uint32_t *source;   /* the value whose point is a centre's, or PROPAGATE_NONE [Size: voxels] */
-    float *points;      /* closest points of the band, scaled [Size: value_count * 3] */
-    float *values;      /* while it goes on, a centre's first number is the scaled distance squared */
-    uint64_t each;      /* numbers a centre */
-    double scale;       /* power of two that brings mesh and window into [-1, 1] */
+    uint32_t *source;         /* the value whose point is a centre's, or PROPAGATE_NONE [Size: voxels] */
+    float *points;            /* closest points of the band, scaled [Size: value_count * 3] */
+    float *values;            /* while it goes on, a centre's first number is the scaled distance squared */
+    uint64_t each;            /* numbers a centre */
+    double scale;             /* power of two that brings mesh and window into [-1, 1] */
     double first[3], step[3]; /* of the centres, scaled */
-    int32_t axis, down; /* of the sweep */
+    int32_t axis, down;       /* of the sweep */
     int32_t pieces;
 } propagate_job;
 
 /* ---- points ---- */
 
 /* Distance from a centre to a triangle, and the vector to its closest point [Units: world]. */
-static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, int32_t z, uint32_t triangle, double vector[3])
+static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, int32_t z, uint32_t triangle,
+                                double vector[3])
 {
     double p[3], t[3][3], q[3], d2;
     uint32_t c[3];
+
     bvxi_field_centre(&job->field->band, x, y, z, p);
     bvxi_view_triangle(job->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -57,6 +60,7 @@ static void propagate_start(void *user, int32_t piece, int32_t worker)
     const bvx_field *const f = job->field;
     const bvx_grid *const g = &f->band;
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -77,13 +81,15 @@ static void propagate_start(void *user, int32_t piece, int32_t worker)
 
 /* ---- sweeps ---- */
 
-/* The centre at takes over the point of the one before it when that is closer. Centres of the band keep their own. */
+/* The centre at takes over the point of the one before it when that is
+ * closer. Centres of the band keep their own. */
 static inline void propagate_offer(const propagate_job *job, const int32_t at[3], uint64_t to, uint64_t from)
 {
     uint32_t const offered = job->source[from], has = job->source[to];
     float *const best = &job->values[to * job->each];
     const float *q;
     float d, d2 = 0.0f;
+
     if (offered == has || offered == PROPAGATE_NONE) return;
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
     q = job->points + 3 * (size_t)offered;
@@ -106,6 +112,7 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
     int32_t const split = job->axis == 2 ? 1 : 2; /* the axis along which pieces are cut */
     uint64_t begin, end;
     int32_t low[3] = {0, 0, 0}, high[3] = {size[0], size[1], size[2]};
+
     (void)worker;
     bvxi_piece((uint64_t)size[split], job->pieces, piece, &begin, &end);
     low[split] = (int32_t)begin;
@@ -125,6 +132,7 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
 static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
 {
     int32_t const sweeps = PROPAGATE_SWEEPS * PROPAGATE_ROUNDS;
+
     for (int32_t s = 0; s < sweeps; s++) {
         double const from = 0.2 + 0.5 * s / sweeps, to = 0.2 + 0.5 * (s + 1) / sweeps;
         job->axis = s / 2 % 3;
@@ -144,6 +152,7 @@ static void propagate_finish(void *user, int32_t piece, int32_t worker)
     const bvx_field *const f = job->field;
     const bvx_grid *const g = &f->band;
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -163,14 +172,18 @@ static void propagate_finish(void *user, int32_t piece, int32_t worker)
 
 /* ---- all of it ---- */
 
-static bvx_status check_sources(bvx_context *ctx, const char *function, const bvx_field *field, const bvx_mesh_view *mesh)
+static bvx_status check_sources(bvx_context *ctx, const char *function, const bvx_field *field,
+                                const bvx_mesh_view *mesh)
 {
     if (field->value_count >= PROPAGATE_NONE)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function, field->value_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function,
+                         field->value_count);
     for (uint64_t n = 0; n < field->value_count; n++)
         if (field->triangles[n] >= mesh->triangle_count)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX, "%s: value %i has the closest triangle %u, but the mesh has %u", function, n,
-                             (uint64_t)field->triangles[n], mesh->triangle_count);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: value %i has the closest triangle %u, but the mesh has %u", function, n,
+                                 (uint64_t)field->triangles[n], mesh->triangle_count);
     return BVX_OK;
 }
 
@@ -179,6 +192,7 @@ static void place_centres(const double low[3], const double high[3], propagate_j
 {
     const bvx_grid *const g = &job->field->band;
     double first[3], last[3], least[3], most[3];
+
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
     for (int a = 0; a < 3; a++) {
@@ -196,8 +210,10 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
 {
     const bvx_grid *const g = &job->field->band;
     int32_t const pieces = bvxi_piece_count(bvxi_grid_rows(g), 1 + PROPAGATE_GRAIN / (uint64_t)g->size[0]);
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the points' numbers", &job->source));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are handed on", &job->points));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are handed on",
+                        &job->points));
     job->pieces = pieces;
     BVXI_TRY(bvxi_parallel(ctx, "dense field", 0.1, 0.2, job->pieces, propagate_start, job));
     BVXI_TRY(propagate_all(ctx, job));
@@ -205,13 +221,14 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
     return bvxi_parallel(ctx, "dense field", 0.7, 1.0, job->pieces, propagate_finish, job);
 }
 
-bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field, const bvx_mesh_view *mesh,
-                                int32_t vectors, float *values)
+bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,
+                                const bvx_mesh_view *mesh, int32_t vectors, float *values)
 {
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
     propagate_job job = {0};
     double low[3], high[3];
     bvx_status status;
+
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));

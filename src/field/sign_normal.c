@@ -1,8 +1,9 @@
 /* sign_normal.c - inside by the plane of the closest triangle.
  *
- * Source: "Model repair by a vector distance field". Where an edge or a corner is closest, several triangles are at one distance
- * and the one of least number decides, whose plane may have the centre on its wrong side: sign_pseudonormal.c mends that. It is
- * here because it is the paper's rule. A triangle without area has no side: what is closest to it is outside. */
+ * Source: "Model repair by a vector distance field". Where an edge or a corner is closest, several triangles
+ * are at one distance and the one of least number decides, whose plane may have the centre on its wrong side:
+ * sign_pseudonormal.c mends that. It is here because it is the paper's rule. A triangle without area has no
+ * side: what is closest to it is outside. */
 #include "field/signs.h"
 #include "mesh/facet.h"
 #include "mesh/scale.h"
@@ -18,6 +19,7 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     const normal_rule *const rule = user;
     double t[3][3];
     uint32_t c[3];
+
     (void)feature;
     bvxi_view_triangle(rule->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -27,8 +29,8 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     bvxi_facet_normal((const double(*)[3])t, outwards);
 }
 
-bvx_status bvxi_sign_normal(bvx_context *ctx, const char *function, const char *stage, double from, double to, const bvxi_sides *sides,
-                            bvx_grid *inside)
+bvx_status bvxi_sign_normal(bvx_context *ctx, const char *function, const char *stage, double from, double to,
+                            const bvxi_sides *sides, bvx_grid *inside)
 {
     normal_rule rule;
     double low[3], high[3];

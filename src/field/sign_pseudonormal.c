@@ -1,13 +1,15 @@
 /* sign_pseudonormal.c - inside by the angle-weighted normal of the closest feature.
  *
- * Source: Baerentzen, Aanaes. Signed Distance Computation Using the Angle Weighted Pseudonormal. 2005. The outwards direction at a
- * triangle is its normal, at an edge the sum of the unit normals of its triangles, at a vertex that of its triangles weighted by
- * their angles there. On a closed, oriented mesh that does not cross itself the sign is right wherever the closest point is
- * told right; the proof asks of the weights no more than that they come near the angles, which bvxi_angle gives to 1e-10.
+ * Source: Baerentzen, Aanaes. Signed Distance Computation Using the Angle Weighted Pseudonormal. 2005. The
+ * outwards direction at a triangle is its normal, at an edge the sum of the unit normals of its triangles, at
+ * a vertex that of its triangles weighted by their angles there. On a closed, oriented mesh that does not
+ * cross itself the sign is right wherever the closest point is told right; the proof asks of the weights no
+ * more than that they come near the angles, which bvxi_angle gives to 1e-10.
  *
- * Vertices at equal positions are one vertex, so meshes without shared vertices are served too; triangles without area count for
- * nothing. Sums go in the order of triangle numbers: the same bits everywhere. Vertices' sums are made beforehand, an edge's when
- * it is asked for, from the triangles at that end which has fewer. */
+ * Vertices at equal positions are one vertex, so meshes without shared vertices are served too; triangles
+ * without area count for nothing. Sums go in the order of triangle numbers: the same bits everywhere.
+ * Vertices' sums are made beforehand, an edge's when it is asked for, from the triangles at that end which
+ * has fewer. */
 #include "core/angle.h"
 #include "field/signs.h"
 #include "mesh/facet.h"
@@ -39,6 +41,7 @@ static void pseudo_corners(const pseudo_rule *rule, uint32_t triangle, uint32_t 
 static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[3][3], double n[3])
 {
     double length;
+
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
@@ -77,8 +80,10 @@ static void sum_at_vertex(const pseudo_rule *rule, uint32_t vertex, double sum[3
 
 static void sum_at_edge(const pseudo_rule *rule, uint32_t v, uint32_t w, double sum[3])
 {
-    uint32_t const v_count = rule->start[v + 1] - rule->start[v], w_count = rule->start[w + 1] - rule->start[w];
+    uint32_t const v_count = rule->start[v + 1] - rule->start[v];
+    uint32_t const w_count = rule->start[w + 1] - rule->start[w];
     uint32_t const at = v_count <= w_count ? v : w, other = at == v ? w : v;
+
     for (uint32_t i = rule->start[at]; i < rule->start[at + 1]; i++) {
         uint32_t c[3];
         double t[3][3], n[3];
@@ -93,6 +98,7 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
     const pseudo_rule *const rule = user;
     uint32_t c[3];
     double t[3][3];
+
     pseudo_corners(rule, triangle, c);
     memset(outwards, 0, 3 * sizeof outwards[0]);
     if (feature == 0) pseudo_normal(rule, c, t, outwards);
@@ -104,6 +110,7 @@ static void sum_at_vertices(void *user, int32_t piece, int32_t worker)
 {
     const pseudo_rule *const rule = user;
     uint64_t v, end;
+
     (void)worker;
     bvxi_piece(rule->mesh->vertex_count, rule->pieces, piece, &v, &end);
     for (; v < end; v++) {
@@ -120,6 +127,7 @@ static void pseudo_list_triangles(pseudo_rule *rule)
 {
     uint64_t const vertices = rule->mesh->vertex_count;
     uint32_t c[3];
+
     memset(rule->start, 0, (size_t)(vertices + 1) * sizeof *rule->start);
     for (uint64_t t = 0; t < rule->mesh->triangle_count; t++) {
         pseudo_corners(rule, (uint32_t)t, c);
@@ -142,9 +150,11 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
 {
     const bvx_mesh_view *const m = rule->mesh;
     uint64_t unused;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 4, "the vertices' places", &rule->same));
     BVXI_TRY(bvxi_weld(ctx, m, rule->same, &unused));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->vertex_count + 1) * 4, "the vertices' triangles", &rule->start));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, (m->vertex_count + 1) * 4, "the vertices' triangles", &rule->start));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->triangle_count * 12, "the list of triangles", &rule->list));
     pseudo_list_triangles(rule);
     return bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 24, "the vertices' directions", &rule->outwards);
@@ -159,23 +169,27 @@ static void pseudo_close(bvx_context *ctx, pseudo_rule *rule)
     bvxi_free(ctx, rule->same, m->vertex_count * 4);
 }
 
-bvx_status bvxi_sign_pseudonormal(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                                  const bvxi_sides *sides, bvx_grid *inside)
+bvx_status bvxi_sign_pseudonormal(bvx_context *ctx, const char *function, const char *stage, double from,
+                                  double to, const bvxi_sides *sides, bvx_grid *inside)
 {
     double const middle = from + (to - from) * 0.3;
     pseudo_rule rule = {0};
     double low[3], high[3];
     bvx_status status;
+
     if (sides->mesh->triangle_count > UINT32_MAX / 3)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u", function,
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u", function,
                          sides->mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
     BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
     rule.mesh = sides->mesh;
     rule.scale = bvxi_unit_scale(low, high);
     status = pseudo_open(ctx, &rule);
     rule.pieces = bvxi_piece_count(rule.mesh->vertex_count, PSEUDO_GRAIN);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, middle, rule.pieces, sum_at_vertices, &rule);
-    if (status == BVX_OK) status = bvxi_sign_side(ctx, function, stage, middle, to, sides, outwards_of_feature, &rule, inside);
+    if (status == BVX_OK)
+        status = bvxi_parallel(ctx, stage, from, middle, rule.pieces, sum_at_vertices, &rule);
+    if (status == BVX_OK)
+        status = bvxi_sign_side(ctx, function, stage, middle, to, sides, outwards_of_feature, &rule, inside);
     pseudo_close(ctx, &rule);
     return status;
 }

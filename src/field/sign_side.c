@@ -1,9 +1,10 @@
 /* sign_side.c - on which side of its closest feature a centre lies.
  *
- * The closest point of the triangle is computed once more, in doubles, whatever type the field's values have; a centre is inside
- * when the outwards direction there points away from it. Square to the direction, or without one, it is outside. A centre on the
- * surface counts as moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0: on faces that is what the solid's rules do; on edges and
- * corners the moved centre would have another feature, and the direction alone decides. */
+ * The closest point of the triangle is computed once more, in doubles, whatever type the field's values have;
+ * a centre is inside when the outwards direction there points away from it. Square to the direction, or
+ * without one, it is outside. A centre on the surface counts as moved by (e_x, e_y, e_z), e_x >> e_y >> e_z >
+ * 0: on faces that is what the solid's rules do; on edges and corners the moved centre would have another
+ * feature, and the direction alone decides. */
 #include "field/field.h"
 #include "field/signs.h"
 #include "mesh/closest.h"
@@ -30,7 +31,8 @@ static int is_rounding(double v)
 static int is_behind(const double outwards[3], const double away[3])
 {
     double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
-    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2])) return along < 0.0;
+    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
+        return along < 0.0;
     if (outwards[0] != 0.0) return outwards[0] < 0.0;
     return outwards[1] != 0.0 ? outwards[1] < 0.0 : outwards[2] < 0.0;
 }
@@ -41,6 +43,7 @@ static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_
     uint32_t const triangle = s->triangles[value];
     double p[3], t[3][3], q[3], away[3], outwards[3] = {0.0, 0.0, 0.0};
     uint32_t c[3];
+
     bvxi_field_centre(s->band, x, y, z, p);
     bvxi_view_triangle(s->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -59,6 +62,7 @@ static void decide_sides(void *user, int32_t piece, int32_t worker)
     const side_job *const job = user;
     const bvx_grid *const g = job->sides->band;
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
@@ -80,6 +84,7 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvxi_
 {
     const bvx_grid *const g = sides->band;
     double low[3], high[3], first[3], last[3];
+
     BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
@@ -91,11 +96,13 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvxi_
     return BVX_OK;
 }
 
-bvx_status bvxi_sign_side(bvx_context *ctx, const char *function, const char *stage, double from, double to, const bvxi_sides *sides,
-                          bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside)
+bvx_status bvxi_sign_side(bvx_context *ctx, const char *function, const char *stage, double from, double to,
+                          const bvxi_sides *sides, bvxi_outwards_fn *outwards, const void *rule,
+                          bvx_grid *inside)
 {
     uint64_t const rows = bvxi_grid_rows(sides->band), each = sides->first[rows] / rows;
     side_job job;
+
     job.sides = sides;
     job.outwards = outwards;
     job.rule = rule;

@@ -1,16 +1,21 @@
-/* sign_solid.c - inside by the rules that fill solids, at the same centres: so a field and a solid of one rule never disagree. */
+/* sign_solid.c - inside by the rules that fill solids, at the same centres:
+ * so a field and a solid of one rule never disagree. */
 #include "field/signs.h"
 
 static int32_t fill_of_sign(int32_t sign)
 {
     if (sign == BVX_SIGN_AUTO) return BVX_FILL_AUTO;
-    return sign == BVX_SIGN_EXACT ? BVX_FILL_PARITY : sign == BVX_SIGN_WINDING ? BVX_FILL_WINDING : BVX_FILL_VOTE;
+    return sign == BVX_SIGN_EXACT     ? BVX_FILL_PARITY
+           : sign == BVX_SIGN_WINDING ? BVX_FILL_WINDING
+                                      : BVX_FILL_VOTE;
 }
 
 /* Of a closed mesh NONZERO is its winding number. */
 static int32_t sign_of_fill(int32_t fill)
 {
-    return fill == BVX_FILL_PARITY ? BVX_SIGN_EXACT : fill == BVX_FILL_VOTE ? BVX_SIGN_VOTE : BVX_SIGN_WINDING;
+    return fill == BVX_FILL_PARITY ? BVX_SIGN_EXACT
+           : fill == BVX_FILL_VOTE ? BVX_SIGN_VOTE
+                                   : BVX_SIGN_WINDING;
 }
 
 bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)

@@ -1,7 +1,8 @@
 /* algebra.c - union, intersection, difference, xor and complement of grids, a word at a time.
  *
- * Every word of the result follows from the same word of the operands, so the result may be one of them. Eight words are loaded
- * before one is stored: compilers then use vectors without asking whether the arrays overlap. Memory is what it costs. */
+ * Every word of the result follows from the same word of the operands, so the result may be one of them.
+ * Eight words are loaded before one is stored: compilers then use vectors without asking whether the arrays
+ * overlap. Memory is what it costs. */
 #include "grid/grid.h"
 
 enum { ALGEBRA_UNION, ALGEBRA_INTERSECTION, ALGEBRA_SUBTRACT, ALGEBRA_XOR, ALGEBRA_COMPLEMENT };
@@ -24,12 +25,14 @@ BVXI_VECTOR_INLINE uint64_t combine_word(uint64_t a, uint64_t b, int32_t operati
     }
 }
 
-BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint64_t *to, size_t n, int32_t operation)
+BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint64_t *to, size_t n,
+                                      int32_t operation)
 {
     size_t i = 0;
     for (; i + ALGEBRA_BLOCK <= n; i += ALGEBRA_BLOCK) {
         uint64_t w[ALGEBRA_BLOCK];
-        for (int32_t k = 0; k < ALGEBRA_BLOCK; k++) w[k] = combine_word(a[i + (size_t)k], b[i + (size_t)k], operation);
+        for (int32_t k = 0; k < ALGEBRA_BLOCK; k++)
+            w[k] = combine_word(a[i + (size_t)k], b[i + (size_t)k], operation);
         memcpy(to + i, w, sizeof w);
     }
     for (; i < n; i++) to[i] = combine_word(a[i], b[i], operation);
@@ -40,6 +43,7 @@ BVXI_VECTOR_INLINE void combine_rows(const algebra_job *job, size_t from, size_t
 {
     const uint64_t *const a = job->a->words + from, *const b = job->b->words + from;
     uint64_t *const to = job->result->words + from;
+
     switch (job->operation) {
     case ALGEBRA_UNION: combine_words(a, b, to, n, ALGEBRA_UNION); break;
     case ALGEBRA_INTERSECTION: combine_words(a, b, to, n, ALGEBRA_INTERSECTION); break;
@@ -62,6 +66,7 @@ static void combine_piece(void *user, int32_t index, int32_t worker)
     size_t const row = (size_t)job->a->words_per_row;
     uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(job->a), job->pieces, index, &begin, &end);
 #if BVXI_HAVE_AVX2
@@ -73,12 +78,13 @@ static void combine_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t r = begin; r < end; r++) job->result->words[((size_t)r + 1) * row - 1] &= tail;
 }
 
-static bvx_status combine_grids(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b, int32_t operation,
-                                bvx_grid *result)
+static bvx_status combine_grids(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b,
+                                int32_t operation, bvx_grid *result)
 {
     bvx_window window;
     algebra_job job;
     int mine;
+
     if (ctx == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
@@ -110,7 +116,8 @@ bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_gri
 
 bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
-    return BVXI_CALL(context, combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result));
+    return BVXI_CALL(context,
+                     combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result));
 }
 
 bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
@@ -125,5 +132,6 @@ bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid 
 
 bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result)
 {
-    return BVXI_CALL(context, combine_grids(context, "bvx_grid_complement", grid, grid, ALGEBRA_COMPLEMENT, result));
+    return BVXI_CALL(context,
+                     combine_grids(context, "bvx_grid_complement", grid, grid, ALGEBRA_COMPLEMENT, result));
 }

@@ -2,9 +2,10 @@
  *
  * Source: Harley, Seal, in Warren. Hacker's Delight, 5-1 (rows are added three by three); 7-4 (compress).
  *
- * First the voxels above each other: rows come one by one into a binary counter whose digits are words, a pending word and a sum
- * word each, so a row costs one full adder on average. Then neighbours along x: counts of m columns become those of 2 m and 2 m + 1
- * by adding a row to itself shifted. Then the bits at which blocks begin are brought together. No voxel is looked at alone. */
+ * First the voxels above each other: rows come one by one into a binary counter whose digits are words, a
+ * pending word and a sum word each, so a row costs one full adder on average. Then neighbours along x: counts
+ * of m columns become those of 2 m and 2 m + 1 by adding a row to itself shifted. Then the bits at which
+ * blocks begin are brought together. No voxel is looked at alone. */
 #include "bits/shift.h"
 #include "grid/blocks.h"
 
@@ -20,11 +21,13 @@ typedef struct block_counter {
 
 /* ---- Above each other ---- */
 
-/* Row number n, from 0, into the counter: after it the pending word of digit p counts where bit p of n + 1 is 1. */
+/* Row number n, from 0, into the counter: after it the pending word of
+ * digit p counts where bit p of n + 1 is 1. */
 BVXI_VECTOR_INLINE void count_row(block_counter *c, uint32_t n, const uint64_t word[BLOCK_LANES])
 {
     uint64_t x[BLOCK_LANES];
     uint32_t p = 0;
+
     for (uint32_t l = 0; l < BLOCK_LANES; l++) x[l] = word[l];
     for (; (n >> p & 1) != 0; p++)
         for (uint32_t l = 0; l < BLOCK_LANES; l++) {
@@ -67,8 +70,10 @@ static int32_t block_digits(uint64_t most)
     return n;
 }
 
-/* Columns of words k .. k + 3: digits of how many of the box's rows have each bit. Returns the OR of them all. */
-BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box *box, int32_t k, int32_t planes, uint64_t *to)
+/* Columns of words k .. k + 3: digits of how many of the box's rows have
+ * each bit. Returns the OR of them all. */
+BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box *box, int32_t k,
+                                          int32_t planes, uint64_t *to)
 {
     const bvx_grid *const g = b->grid;
     size_t const row = (size_t)g->words_per_row;
@@ -76,9 +81,11 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
     uint64_t seen = 0;
     uint32_t n = 0;
     block_counter c;
+
     memset(c.sum, 0, (size_t)planes * sizeof c.sum[0]);
     for (int32_t z = box->z[0]; z < box->z[1]; z++) {
-        const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * row + (size_t)k;
+        const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * row +
+                               (size_t)k;
         for (int32_t y = box->y[0]; y < box->y[1]; y++, from += row) {
             uint64_t word[BLOCK_LANES];
             load_lanes(from, left, word);
@@ -101,6 +108,7 @@ BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *
     int32_t const row = g->words_per_row;
     uint64_t const flip = b->what == BVXI_BLOCKS_NONE ? ~UINT64_C(0) : 0;
     uint64_t seen = 0;
+
     for (int32_t k = 0; k < row; k++) to[k] = 0;
     for (int32_t z = box->z[0]; z < box->z[1]; z++) {
         const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * (size_t)row;
@@ -114,24 +122,29 @@ BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *
 
 /* ---- Neighbours along x ---- */
 
-BVXI_VECTOR_INLINE uint64_t bits_behind(const uint64_t *row, int32_t words, int32_t k, int32_t first, uint32_t shift)
+BVXI_VECTOR_INLINE uint64_t bits_behind(const uint64_t *row, int32_t words, int32_t k, int32_t first,
+                                        uint32_t shift)
 {
     uint64_t const low = k + first < words ? row[k + first] : 0;
     uint64_t const high = k + first + 1 < words ? row[k + first + 1] : 0;
     return shift == 0 ? low : low >> shift | high << (64 - shift);
 }
 
-/* sum[i] += other[i + m], both of so many digits; the sum then has `digits`. other may be sum: words in front are done with first. */
-BVXI_VECTOR_INLINE void add_shifted(uint64_t *sum, int32_t sum_digits, const uint64_t *other, int32_t other_digits, int32_t words, int32_t m,
-                                    int32_t digits)
+/* sum[i] += other[i + m], both of so many digits; the sum then has
+ * `digits`. other may be sum: words in front are done with first. */
+BVXI_VECTOR_INLINE void add_shifted(uint64_t *sum, int32_t sum_digits, const uint64_t *other,
+                                    int32_t other_digits, int32_t words, int32_t m, int32_t digits)
 {
     int32_t const first = m / 64;
     uint32_t const shift = (uint32_t)m % 64;
+
     for (int32_t k = 0; k < words; k++) {
         uint64_t carry = 0;
         for (int32_t p = 0; p < digits; p++) {
             uint64_t const a = p < sum_digits ? sum[(size_t)p * (size_t)words + (size_t)k] : 0;
-            uint64_t const c = p < other_digits ? bits_behind(other + (size_t)p * (size_t)words, words, k, first, shift) : 0;
+            uint64_t const c = p < other_digits
+                                   ? bits_behind(other + (size_t)p * (size_t)words, words, k, first, shift)
+                                   : 0;
             sum[(size_t)p * (size_t)words + (size_t)k] = a ^ c ^ carry;
             carry = (a & c) | ((a ^ c) & carry);
         }
@@ -143,17 +156,21 @@ BVXI_VECTOR_INLINE void join_shifted(uint64_t *sum, const uint64_t *other, int32
     for (int32_t k = 0; k < words; k++) sum[k] |= bits_behind(other, words, k, m / 64, (uint32_t)m % 64);
 }
 
-/* Bit i becomes what the factor's columns from i on have together: binary digits of the factor from the highest on. */
-BVXI_VECTOR_INLINE int32_t join_neighbours(const bvxi_blocks *b, uint64_t *sum, uint64_t *single, int32_t single_digits, uint64_t most)
+/* Bit i becomes what the factor's columns from i on have together: binary
+ * digits of the factor from the highest on. */
+BVXI_VECTOR_INLINE int32_t join_neighbours(const bvxi_blocks *b, uint64_t *sum, uint64_t *single,
+                                           int32_t single_digits, uint64_t most)
 {
     int32_t const words = b->words, f = b->factor[0];
     int32_t length = 1, digits = single_digits, top = 0;
+
     while (f >> top > 1) top++;
     memcpy(single, sum, (size_t)single_digits * (size_t)words * 8);
     for (int32_t bit = top - 1; bit >= 0; bit--) {
         int const odd = (f >> bit & 1) != 0;
         int32_t const doubled = b->what == BVXI_BLOCKS_COUNT ? block_digits((uint64_t)length * 2 * most) : 1;
-        int32_t const more = b->what == BVXI_BLOCKS_COUNT ? block_digits(((uint64_t)length * 2 + 1) * most) : 1;
+        int32_t const more = b->what == BVXI_BLOCKS_COUNT ? block_digits(((uint64_t)length * 2 + 1) * most)
+                                                          : 1;
         if (b->what != BVXI_BLOCKS_COUNT) {
             join_shifted(sum, sum, words, length);
             if (odd) join_shifted(sum, single, words, 2 * length);
@@ -199,7 +216,8 @@ static void gather_row(const bvxi_blocks *b, const uint64_t *row, uint64_t *to)
 {
     gathered_bits g = {to, 0, 0};
     for (int32_t k = 0; k < b->words; k++)
-        if (b->starts[k].count != 0) append_bits(&g, gather_starts(row[k], &b->starts[k]), b->starts[k].count);
+        if (b->starts[k].count != 0)
+            append_bits(&g, gather_starts(row[k], &b->starts[k]), b->starts[k].count);
     if (g.have != 0) *g.to = g.held;
 }
 
@@ -208,32 +226,39 @@ BVXI_AVX2 static void gather_row_bmi2(const bvxi_blocks *b, const uint64_t *row,
 {
     gathered_bits g = {to, 0, 0};
     for (int32_t k = 0; k < b->words; k++)
-        if (b->starts[k].count != 0) append_bits(&g, (uint64_t)_pext_u64(row[k], b->starts[k].mask), b->starts[k].count);
+        if (b->starts[k].count != 0)
+            append_bits(&g, (uint64_t)_pext_u64(row[k], b->starts[k].mask), b->starts[k].count);
     if (g.have != 0) *g.to = g.held;
 }
 #endif
 
 /* ---- A row of blocks ---- */
 
-BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t worker, int32_t j, int32_t k, int32_t *digits)
+BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t worker, int32_t j, int32_t k,
+                                                  int32_t *digits)
 {
     size_t const words = (size_t)b->words, set = words * (size_t)b->plane_count;
-    uint64_t *const sum = b->planes + (size_t)worker * (size_t)b->worker_words, *const single = sum + set, *const to = single + set;
+    uint64_t *const sum = b->planes + (size_t)worker * (size_t)b->worker_words;
+    uint64_t *const single = sum + set;
+    uint64_t *const to = single + set;
     uint64_t seen = 0, most = 1;
     int32_t n = 1;
     block_box box;
+
     bvxi_block_range(b, 1, j, &box.y[0], &box.y[1]);
     bvxi_block_range(b, 2, k, &box.z[0], &box.z[1]);
     if (b->what == BVXI_BLOCKS_COUNT) {
         most = (uint64_t)(box.y[1] - box.y[0]) * (uint64_t)(box.z[1] - box.z[0]);
         n = block_digits(most);
-        for (int32_t w = 0; w < b->grid->words_per_row; w += BLOCK_LANES) seen |= count_columns(b, &box, w, n, sum);
+        for (int32_t w = 0; w < b->grid->words_per_row; w += BLOCK_LANES)
+            seen |= count_columns(b, &box, w, n, sum);
     } else {
         seen = join_columns(b, &box, sum);
     }
     *digits = 0;
     if (seen == 0) return to;
-    for (int32_t p = 0; b->phase != 0 && p < n; p++) { /* the row with the first block's missing voxels in front */
+    /* the row with the first block's missing voxels in front */
+    for (int32_t p = 0; b->phase != 0 && p < n; p++) {
         uint64_t *const plane = sum + (size_t)p * words;
         bvxi_shift_row(plane, b->grid->words_per_row, -(int64_t)b->phase, single, b->words);
         memcpy(plane, single, words * 8);
@@ -252,13 +277,15 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
 }
 
 #if BVXI_HAVE_AVX2
-BVXI_AVX2 static const uint64_t *make_block_row_avx2(const bvxi_blocks *b, int32_t worker, int32_t j, int32_t k, int32_t *digits)
+BVXI_AVX2 static const uint64_t *make_block_row_avx2(const bvxi_blocks *b, int32_t worker, int32_t j,
+                                                     int32_t k, int32_t *digits)
 {
     return make_block_row(b, worker, j, k, digits);
 }
 #endif
 
-const uint64_t *bvxi_blocks_row(const bvxi_blocks *blocks, int32_t worker, int32_t j, int32_t k, int32_t *digits)
+const uint64_t *bvxi_blocks_row(const bvxi_blocks *blocks, int32_t worker, int32_t j, int32_t k,
+                                int32_t *digits)
 {
 #if BVXI_HAVE_AVX2
     if (blocks->cpu == BVX_CPU_AVX2) return make_block_row_avx2(blocks, worker, j, k, digits);

@@ -19,10 +19,14 @@ static uint64_t bytes_to_bits(uint64_t w)
 
 static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
 {
-    int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8, z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
+    int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
+    int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
+
     for (int32_t j = z; j < z_end; j++) {
-        const uint64_t *at = g->words + ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k;
+        const uint64_t *at = g->words +
+                             ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
+                             (size_t)k;
         for (int32_t i = y; i < y_end; i++, at += g->words_per_row) w |= *at;
     }
     return w;
@@ -33,10 +37,12 @@ static void make_brick_rows(void *user, int32_t index, int32_t worker)
     const brick_work *const work = user;
     bvxi_bricks *const b = work->bricks;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece((uint64_t)b->size[1] * (uint64_t)b->size[2], work->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
-        int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8, z = (int32_t)(r / (uint64_t)b->size[1]) * 8;
+        int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
+        int32_t const z = (int32_t)(r / (uint64_t)b->size[1]) * 8;
         uint64_t *const row = b->words + (size_t)r * (size_t)b->words_per_row;
         memset(row, 0, (size_t)b->words_per_row * 8);
         for (int32_t k = 0; k < b->grid->words_per_row; k++)
@@ -54,6 +60,7 @@ bvx_status bvxi_bricks_make(bvx_context *ctx, const char *stage, double from, do
 {
     brick_work w = {bricks, 1};
     bvx_status status;
+
     memset(bricks, 0, sizeof *bricks);
     bricks->grid = grid;
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BVXI_BRICK_SHIFT;

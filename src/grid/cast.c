@@ -1,18 +1,21 @@
 /* cast.c - the first set voxel on each of many rays.
  *
- * Source: Amanatides, Woo. A Fast Voxel Traversal Algorithm for Ray Tracing. 1987, over the rows of the grid instead of its
- * voxels: the walk steps along y and z alone, and the part of a row that the ray is in between two steps is looked at in
- * words, empty ones in one glance. Where many rays are cast the same walk goes over rows of bricks of 8 x 8 x 8 voxels, and
- * over the rows of voxels only while it is beside bricks that hold something.
+ * Source: Amanatides, Woo. A Fast Voxel Traversal Algorithm for Ray Tracing. 1987, over the rows of the grid
+ * instead of its voxels: the walk steps along y and z alone, and the part of a row that the ray is in between
+ * two steps is looked at in words, empty ones in one glance. Where many rays are cast the same walk goes over
+ * rows of bricks of 8 x 8 x 8 voxels, and over the rows of voxels only while it is beside bricks that hold
+ * something.
  *
- * Guarantee. Along each axis the ray has u = (origin - lattice origin) / spacing and step = direction / spacing, and crosses
- * the lattice's plane i at t(i) = (i - u) * (1 / step), in doubles, never by adding up. A voxel's closed box is met for t from
- * the greatest t of its entering planes to the least of its leaving ones; an axis that the ray does not move along is met
- * always when u lies in the box, at both voxels when u is the plane between them. The hit is the set voxel with the least
- * (t, z, y, x) by these numbers, as if all had been asked: a ray through an edge or a corner looks at every voxel there, and
- * one that slides between two layers looks at both. So bricks change nothing, and as planes are counted from the lattice's
- * origin, neither does a window. (Beyond 2^50 voxels of distance planes get equal t, and ties may be left out.)
- * A start so far away or a direction so long that u or step overflows meets nothing; a t above the largest double is none. */
+ * Guarantee. Along each axis the ray has u = (origin - lattice origin) / spacing and step = direction /
+ * spacing, and crosses the lattice's plane i at t(i) = (i - u) * (1 / step), in doubles, never by adding up.
+ * A voxel's closed box is met for t from the greatest t of its entering planes to the least of its leaving
+ * ones; an axis that the ray does not move along is met always when u lies in the box, at both voxels when u
+ * is the plane between them. The hit is the set voxel with the least (t, z, y, x) by these numbers, as if all
+ * had been asked: a ray through an edge or a corner looks at every voxel there, and one that slides between
+ * two layers looks at both. So bricks change nothing, and as planes are counted from the lattice's origin,
+ * neither does a window. (Beyond 2^50 voxels of distance planes get equal t, and ties may be left out.) A
+ * start so far away or a direction so long that u or step overflows meets nothing; a t above the largest
+ * double is none. */
 #include "grid/bricks.h"
 #include "grid/components.h"
 #include "grid/grid.h"
@@ -20,9 +23,10 @@
 #include <math.h>
 
 enum {
-    CAST_GRAIN = 64,        /* least rays a piece */
-    CAST_BRICK_RAYS = 256,  /* bricks are made for so many rays, */
-    CAST_BRICK_WORDS = 2048 /* when the grid has at most so many words for each: what making them costs, they save */
+    CAST_GRAIN = 64,       /* least rays a piece */
+    CAST_BRICK_RAYS = 256, /* bricks are made for so many rays, */
+    /* when the grid has at most so many words for each: what making them costs, they save */
+    CAST_BRICK_WORDS = 2048
 };
 
 /* One axis of a ray. */
@@ -70,6 +74,7 @@ static inline double cast_place(const cast_axis *a, double t)
 static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, int32_t *low, int32_t *high)
 {
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
+
     if (a->way == 0) {
         *low = a->first;
         *high = a->last;
@@ -80,11 +85,13 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
     return *low <= *high;
 }
 
-/* Take voxel x of a row that is met during [from, to] when it is the best; 0 when those behind it come too late. */
+/* Take voxel x of a row that is met during [from, to] when it is the best;
+ * 0 when those behind it come too late. */
 static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double from, double to)
 {
     double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
     int better = r->voxel[0] < 0;
+
     if (enter > to || t > r->t) return 0;
     if (cast_leave(&r->axis[0], x) < from) return 1;
     if (!better && t == r->t) {
@@ -104,9 +111,10 @@ static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double f
 static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t z, double from, double to)
 {
     const bvx_grid *const g = r->grid;
-    const uint64_t *const row =
-        g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
+    const uint64_t *const row = g->words +
+                                ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
     int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
+
     for (int32_t n = 0; n <= k_high - k_low; n++) {
         int32_t const k = back ? k_high - n : k_low + n;
         uint64_t w = row[k];
@@ -124,8 +132,13 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
 /* Is there a brick that holds something among those of voxels low..high? */
 static int cast_bricks_hold(const bvxi_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
 {
-    const uint64_t *const row = b->words + ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
-    int32_t const first = low >> BVXI_BRICK_SHIFT, last = high >> BVXI_BRICK_SHIFT, k_first = first >> 6, k_last = last >> 6;
+    const uint64_t *const row = b->words +
+                                ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
+    int32_t const first = low >> BVXI_BRICK_SHIFT;
+    int32_t const last = high >> BVXI_BRICK_SHIFT;
+    int32_t const k_first = first >> 6;
+    int32_t const k_last = last >> 6;
+
     for (int32_t k = k_first; k <= k_last; k++) {
         uint64_t w = row[k];
         if (k == k_first) w &= ~UINT64_C(0) << (first & 63);
@@ -157,12 +170,16 @@ static inline double cast_leave_cell(const cast_axis *a, int32_t shift, int32_t 
 
 static void walk_cast_voxels(cast_ray *r, double from, double to);
 
-/* The row, or rows when the ray slides between some, in which it is during [from, to]; x goes from place p to q. */
-static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, double from, double to, double p, double q)
+/* The row, or rows when the ray slides between some, in which it is during
+ * [from, to]; x goes from place p to q. */
+static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, double from, double to,
+                             double p, double q)
 {
     const cast_axis *const a = r->axis;
-    int32_t const y_end = a[1].way == 0 ? a[1].last >> shift : y, z_end = a[2].way == 0 ? a[2].last >> shift : z;
+    int32_t const y_end = a[1].way == 0 ? a[1].last >> shift : y;
+    int32_t const z_end = a[2].way == 0 ? a[2].last >> shift : z;
     int32_t low, high;
+
     if (!cast_reach(&a[0], r->grid->size[0], p, q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {
@@ -180,12 +197,19 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
 {
     const cast_axis *const a = r->axis;
     int32_t const last_y = a[1].last >> shift, last_z = a[2].last >> shift;
-    int32_t y = cast_start(&a[1], shift, r->grid->size[1], t), z = cast_start(&a[2], shift, r->grid->size[2], t);
-    double leave_y = cast_leave_cell(&a[1], shift, y), leave_z = cast_leave_cell(&a[2], shift, z), p = cast_place(&a[0], t);
+    int32_t y = cast_start(&a[1], shift, r->grid->size[1], t);
+    int32_t z = cast_start(&a[2], shift, r->grid->size[2], t);
+    double leave_y = cast_leave_cell(&a[1], shift, y);
+    double leave_z = cast_leave_cell(&a[2], shift, z);
+    double p = cast_place(&a[0], t);
+
     for (;;) {
         double const next = leave_y < leave_z ? leave_y : leave_z, to = next < end ? next : end;
         double const q = cast_place(&a[0], to);
-        int const over_y = leave_y == next, over_z = leave_z == next, more_y = y != last_y, more_z = z != last_z;
+        int const over_y = leave_y == next;
+        int const over_z = leave_z == next;
+        int const more_y = y != last_y;
+        int const more_z = z != last_z;
         cast_rows(r, shift, y, z, t, to, p, q);
         if (!(next <= r->t && next <= end)) return;
         if (over_y && over_z) { /* over an edge along x: the two rows beside it too */
@@ -216,6 +240,7 @@ static void walk_cast_bricks(cast_ray *r, double from, double to)
 static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double direction, cast_axis *a)
 {
     int32_t const n = g->size[axis];
+
     a->low = (double)g->low[axis];
     a->u = (origin - g->lattice.origin[axis]) / g->lattice.spacing[axis];
     a->step = direction / g->lattice.spacing[axis];
@@ -257,6 +282,7 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
 static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *hit)
 {
     double latest = 0.0;
+
     hit->hit = 1;
     hit->t = r->t;
     hit->axis = -1;
@@ -287,6 +313,7 @@ static void cast_piece(void *user, int32_t index, int32_t worker)
 {
     const cast_work *const w = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(w->count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -305,12 +332,16 @@ static void cast_piece(void *user, int32_t index, int32_t worker)
 
 static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count)
 {
-    static const char *const part[6] = {"origin x", "origin y", "origin z", "direction x", "direction y", "direction z"};
+    static const char *const part[6] = {"origin x",    "origin y",    "origin z",
+                                        "direction x", "direction y", "direction z"};
+
     for (uint64_t i = 0; i < count; i++) {
         const double *const ray = rays + 6 * i;
         for (int k = 0; k < 6; k++)
             if (ray[k] - ray[k] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: ray %i has %s = %g, which is not finite", function, i, part[k], ray[k]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: ray %i has %s = %g, which is not finite", function, i, part[k],
+                                     ray[k]);
         if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: ray %i has a direction of length 0", function, i);
     }
@@ -324,13 +355,17 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     bvxi_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
     cast_work w = {grid, &bricks, rays, hits, t_max, count, bvxi_piece_count(count, CAST_GRAIN)};
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
-    if (!(t_max >= 0.0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or above", function, t_max);
+    if (!(t_max >= 0.0))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or above", function,
+                         t_max);
     if (count > SIZE_MAX / sizeof *hits)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u rays are beyond this machine's addresses", function, count);
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u rays are beyond this machine's addresses", function,
+                         count);
     BVXI_TRY(check_cast_rays(context, function, rays, count));
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
         BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));
@@ -339,8 +374,8 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     return status;
 }
 
-bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count, double t_max,
-                         bvx_ray_hit *hits)
+bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
+                         double t_max, bvx_ray_hit *hits)
 {
     return BVXI_CALL(context, run_grid_cast(context, grid, rays, count, t_max, hits));
 }

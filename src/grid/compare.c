@@ -1,8 +1,9 @@
 /* compare.c - two grids voxel by voxel: how many each has, where they differ, in how many pieces.
  *
- * One pass over the words counts, bounds and counts runs; its pieces are rows, as many as the shape asks for, and their sums
- * are whole numbers, so threads never show. Then the runs of what only one grid has go through union-find (components.c), and
- * once more for the sizes of the pieces found. Where nothing differs the first pass is all. */
+ * One pass over the words counts, bounds and counts runs; its pieces are rows, as many as the shape asks for,
+ * and their sums are whole numbers, so threads never show. Then the runs of what only one grid has go through
+ * union-find (components.c), and once more for the sizes of the pieces found. Where nothing differs the first
+ * pass is all. */
 #include "grid/components.h"
 #include "grid/grid.h"
 
@@ -10,8 +11,8 @@ enum { COMPARE_GRAIN = 2048 /* least words a piece */ };
 
 typedef struct compare_sums {
     uint64_t set_a, set_b, both;
-    uint64_t runs[2];                        /* of what only a has, of what only b has */
-    int32_t low[3], high[3];                 /* voxels that differ; low above high when there is none */
+    uint64_t runs[2];        /* of what only a has, of what only b has */
+    int32_t low[3], high[3]; /* voxels that differ; low above high when there is none */
 } compare_sums;
 
 typedef struct compare_work {
@@ -39,10 +40,12 @@ static void widen_compare_box(compare_sums *s, const int32_t low[3], const int32
     }
 }
 
-static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int32_t y, int32_t z, compare_sums *s)
+static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int32_t y, int32_t z,
+                        compare_sums *s)
 {
     uint64_t last_a = 0, last_b = 0;
     int32_t low[3] = {-1, y, z}, high[3] = {-1, y, z};
+
     for (int32_t k = 0; k < words; k++) {
         uint64_t const differ = a[k] ^ b[k], only_a = a[k] & differ, only_b = b[k] & differ;
         uint32_t const same = bvxi_popcount(a[k] & b[k]);
@@ -69,6 +72,7 @@ static void compare_piece(void *user, int32_t index, int32_t worker)
     uint64_t const ny = (uint64_t)a->size[1];
     compare_sums s;
     uint64_t begin, end;
+
     (void)worker;
     clear_compare_sums(a->size, &s);
     bvxi_piece(bvxi_grid_rows(a), w->pieces, index, &begin, &end);
@@ -99,6 +103,7 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
     int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
     bvx_status status;
+
     w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
     uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
@@ -113,11 +118,12 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
 /* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
 
-static void visit_row_difference(const uint64_t *one, const uint64_t *other, int32_t words, int32_t nx, int32_t y, int32_t z,
-                                 compare_run_fn *take, void *user)
+static void visit_row_difference(const uint64_t *one, const uint64_t *other, int32_t words, int32_t nx,
+                                 int32_t y, int32_t z, compare_run_fn *take, void *user)
 {
     uint64_t last = 0;
     int32_t begin = -1;
+
     for (int32_t k = 0; k < words; k++) {
         uint64_t changes = bvxi_run_changes(one[k] & ~other[k], &last);
         for (; changes != 0; changes &= changes - 1) {
@@ -130,33 +136,42 @@ static void visit_row_difference(const uint64_t *one, const uint64_t *other, int
 }
 
 /* All runs of what one has and the other has not, within the box of the difference. */
-static bvx_status visit_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other, const compare_sums *all,
-                                   double from, double to, compare_run_fn *take, void *user)
+static bvx_status visit_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
+                                   const compare_sums *all, double from, double to, compare_run_fn *take,
+                                   void *user)
 {
     int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
+
     for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
         if ((z - all->low[2]) % step == 0)
-            BVXI_TRY(bvxi_progress(ctx, "compare", from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
+            BVXI_TRY(bvxi_progress(ctx, "compare",
+                                   from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
         for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
-            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y, at = row * (size_t)one->words_per_row;
-            visit_row_difference(one->words + at, other->words + at, one->words_per_row, one->size[0], y, z, take, user);
+            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y;
+            size_t const at = row * (size_t)one->words_per_row;
+            visit_row_difference(one->words + at, other->words + at, one->words_per_row, one->size[0], y, z,
+                                 take, user);
         }
     }
     return BVX_OK;
 }
 
 /* Rows of what one has and the other has not, within the box of the difference. */
-static bvx_status join_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other, const compare_sums *all, double from,
-                                  double to, bvxi_components *c)
+static bvx_status join_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
+                                  const compare_sums *all, double from, double to, bvxi_components *c)
 {
     int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
+
     for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
         if ((z - all->low[2]) % step == 0)
-            BVXI_TRY(bvxi_progress(ctx, "compare", from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
+            BVXI_TRY(bvxi_progress(ctx, "compare",
+                                   from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
         for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
-            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y, at = row * (size_t)one->words_per_row;
+            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y;
+            size_t const at = row * (size_t)one->words_per_row;
             uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
-            for (int32_t k = 0; k < one->words_per_row; k++) words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
+            for (int32_t k = 0; k < one->words_per_row; k++)
+                words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
             bvxi_components_add(c, y - all->low[1], z - all->low[2]);
         }
     }
@@ -176,27 +191,31 @@ static void measure_compare_run(void *user, int32_t begin, int32_t end, int32_t 
     s->size[*s->label++] += (uint64_t)(end - begin);
 }
 
-static bvx_status measure_components(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other, const compare_sums *all,
-                                     double from, double to, const bvxi_components *c, uint64_t *largest)
+static bvx_status measure_components(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
+                                     const compare_sums *all, double from, double to,
+                                     const bvxi_components *c, uint64_t *largest)
 {
     uint64_t const bytes = c->component_count * sizeof(uint64_t);
     compare_sizes s = {c->label, NULL};
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
     status = visit_difference(ctx, one, other, all, from, to, measure_compare_run, &s);
-    for (uint64_t i = 0; status == BVX_OK && i < c->component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
+    for (uint64_t i = 0; status == BVX_OK && i < c->component_count; i++)
+        *largest = s.size[i] > *largest ? s.size[i] : *largest;
     bvxi_free(ctx, s.size, bytes);
     return status;
 }
 
-static bvx_status count_components(bvx_context *ctx, const char *function, const compare_work *w, const compare_sums *all,
-                                   int32_t side, uint64_t *count, uint64_t *largest)
+static bvx_status count_components(bvx_context *ctx, const char *function, const compare_work *w,
+                                   const compare_sums *all, int32_t side, uint64_t *count, uint64_t *largest)
 {
     const bvx_grid *const one = w->grid[side], *const other = w->grid[1 - side];
     double const from = side == 0 ? 0.5 : 0.75, middle = from + 0.15, to = from + 0.25;
     int32_t const box[3] = {one->size[0], all->high[1] - all->low[1] + 1, all->high[2] - all->low[2] + 1};
     bvxi_components c;
     bvx_status status;
+
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
     status = join_difference(ctx, one, other, all, from, middle, &c);
@@ -230,6 +249,7 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     compare_work w = {{a, b}, NULL, 0};
     bvx_grid_difference d;
     compare_sums all;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
@@ -245,7 +265,8 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     return BVX_OK;
 }
 
-bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid_difference *difference)
+bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
+                            bvx_grid_difference *difference)
 {
     return BVXI_CALL(context, run_grid_compare(context, a, b, difference));
 }

@@ -1,8 +1,8 @@
 /* coverage.c - the fraction of set voxels in each sample's box.
  *
- * A box is [i n/r, (i+1) n/r) along each axis; voxels that it cuts count with the part inside, in whole units of 1/r, so
- * fractions are exact at any ratio. Rows of boxes are first seen through the OR and the AND of their voxel rows: only
- * boxes that the surface passes are counted, by popcount.
+ * A box is [i n/r, (i+1) n/r) along each axis; voxels that it cuts count with the part inside, in whole units
+ * of 1/r, so fractions are exact at any ratio. Rows of boxes are first seen through the OR and the AND of
+ * their voxel rows: only boxes that the surface passes are counted, by popcount.
  * Guarantee: bits are exact; positions are linear in the fractions kept to 32 bits. */
 #include "grid/downsample.h"
 
@@ -27,10 +27,12 @@ BVXI_VECTOR_INLINE uint64_t cut_bits(const uint64_t *row, int32_t words, int32_t
 }
 
 /* Covered length of one row inside box i, in 1/r voxels. */
-BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *row, int32_t words, int32_t i, int fast)
+BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *row, int32_t words, int32_t i,
+                                     int fast)
 {
     int32_t const begin = x->begin[i], n = x->end[i] - begin;
     int64_t sum = 0;
+
     for (int32_t from = 0; from < n; from += 64) {
         int32_t const part = n - from < 64 ? n - from : 64;
         uint64_t const bits = cut_bits(row, words, begin + from, part);
@@ -41,13 +43,15 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
     return sum;
 }
 
-/* The same summed over neighbouring rows, for boxes of at most 64 voxels: what does not change from row to row is done
- * once, and cut voxels are counted apart. */
-BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t *row, int32_t words, int32_t rows, int32_t i, int fast)
+/* The same summed over neighbouring rows, for boxes of at most 64 voxels: what does not change from row to
+ * row is done once, and cut voxels are counted apart. */
+BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t *row, int32_t words,
+                                      int32_t rows, int32_t i, int fast)
 {
     int32_t const begin = x->begin[i], n = x->end[i] - begin, shift = begin & 63;
     uint64_t const mask = n < 64 ? (UINT64_C(1) << n) - 1 : ~UINT64_C(0);
     uint64_t whole = 0, first = 0, last = 0; /* set voxels: all, the first of each row, the last */
+
     if (n > 64) {
         int64_t sum = 0;
         for (int32_t a = 0; a < rows; a++, row += words) sum += cover_row(x, row, words, i, fast);
@@ -69,7 +73,8 @@ BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t 
             last += bits >> (n - 1);
         }
     }
-    return (int64_t)whole * x->r - (int64_t)first * (x->r - x->first[i]) - (int64_t)last * (x->r - x->last[i]);
+    return (int64_t)whole * x->r - (int64_t)first * (x->r - x->first[i]) -
+           (int64_t)last * (x->r - x->last[i]);
 }
 
 /* Covered volume of box (i, j, k): of each slice the first row, the rows between, the last row. */
@@ -77,24 +82,30 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
 {
     const bvxi_sample_axis *const x = &d->axis[0], *const y = &d->axis[1], *const z = &d->axis[2];
     int32_t const words = d->fine->words_per_row, begin = y->begin[j], rows = y->end[j] - begin;
-    int32_t const inside = y->voxels - begin < rows ? y->voxels - begin : rows; /* rows of the grid, one at least */
+    /* rows of the grid, one at least */
+    int32_t const inside = y->voxels - begin < rows ? y->voxels - begin : rows;
     int32_t const between = (inside < rows ? inside : rows - 1) - 1;
     int64_t sum = 0;
+
     for (int32_t b = z->begin[k]; b < z->end[k] && b < z->voxels; b++) {
         int64_t const wz = b == z->begin[k] ? z->first[k] : b == z->end[k] - 1 ? z->last[k] : z->r;
         const uint64_t *const row = bvxi_fine_row(d, begin, b);
         int64_t slice = cover_rows(x, row, words, 1, i, fast) * y->first[j];
         if (between > 0) slice += cover_rows(x, row + words, words, between, i, fast) * y->r;
-        if (rows > 1 && inside == rows) slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
+        if (rows > 1 && inside == rows)
+            slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
         sum += slice * wz;
     }
     return sum;
 }
 
-/* OR and AND of the voxel rows of a row of boxes, words [first, first + n). Rows beyond the grid are empty. */
-static void blend_rows(const bvxi_downsample *d, int32_t j, int32_t k, int32_t first, int32_t n, uint64_t *any, uint64_t *all)
+/* OR and AND of the voxel rows of a row of boxes, words [first, first + n). Rows beyond the grid are
+ * empty. */
+static void blend_rows(const bvxi_downsample *d, int32_t j, int32_t k, int32_t first, int32_t n,
+                       uint64_t *any, uint64_t *all)
 {
     const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
+
     for (int32_t w = 0; w < n; w++) {
         any[w] = 0;
         all[w] = y->end[j] <= y->voxels && z->end[k] <= z->voxels ? ~UINT64_C(0) : 0;
@@ -126,6 +137,7 @@ static uint32_t fraction_32(int64_t sum, int64_t total)
 {
     uint32_t value = 0;
     uint64_t left = (uint64_t)sum;
+
     if (sum >= total) return UINT32_MAX;
     if (total <= UINT32_MAX) return (uint32_t)((left << 32) / (uint64_t)total);
     for (int32_t bit = 0; bit < 32; bit++) { /* a binary digit at a time */
@@ -147,18 +159,22 @@ BVXI_VECTOR_INLINE void cover_sample_row(const bvxi_downsample *d, int32_t j, in
     uint32_t *const value = d->value != NULL ? d->value + row * (uint64_t)x->count : NULL;
     uint64_t any[COVERAGE_MAX_WORDS], all[COVERAGE_MAX_WORDS];
     int32_t first = 0, n = 0; /* words in any and all */
+
     for (int32_t i = 0; i < x->count; i++) {
         int32_t const begin = x->begin[i], end = x->end[i];
         int64_t sum;
-        if ((end - 1) >> 6 >= first + n || begin >> 6 < first || n == 0) { /* blend the next words; very wide boxes go without */
+        /* blend the next words; very wide boxes go without */
+        if ((end - 1) >> 6 >= first + n || begin >> 6 < first || n == 0) {
             first = begin >> 6;
-            n = d->fine->words_per_row - first < COVERAGE_MAX_WORDS ? d->fine->words_per_row - first : COVERAGE_MAX_WORDS;
+            n = d->fine->words_per_row - first < COVERAGE_MAX_WORDS ? d->fine->words_per_row - first
+                                                                    : COVERAGE_MAX_WORDS;
             if (n < 0) n = 0;
             blend_rows(d, j, k, first, n, any, all);
         }
         if (end > (first + n) * 64 && first + n < d->fine->words_per_row) sum = cover_box(d, i, j, k, fast);
         else if (range_is(any, n, begin - first * 64, end - first * 64, 0)) sum = 0;
-        else if (end <= x->voxels && range_is(all, n, begin - first * 64, end - first * 64, 1)) sum = d->total;
+        else if (end <= x->voxels && range_is(all, n, begin - first * 64, end - first * 64, 1))
+            sum = d->total;
         else sum = cover_box(d, i, j, k, fast);
         out[i >> 6] |= (uint64_t)(sum > d->limit) << (i & 63);
         if (value != NULL) value[i] = sum == 0 ? 0 : fraction_32(sum, d->total);
@@ -170,7 +186,8 @@ BVXI_VECTOR_INLINE void cover_piece(const bvxi_downsample *d, int32_t piece, int
     uint64_t begin, end;
     bvxi_piece((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, d->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++)
-        cover_sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count), (int32_t)(row / (uint64_t)d->axis[1].count), fast);
+        cover_sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count),
+                         (int32_t)(row / (uint64_t)d->axis[1].count), fast);
 }
 
 #if BVXI_HAVE_AVX2
@@ -183,6 +200,7 @@ BVXI_AVX2 static void cover_piece_avx2(const bvxi_downsample *d, int32_t piece)
 static void cover_piece_task(void *user, int32_t piece, int32_t worker)
 {
     const bvxi_downsample *const d = user;
+
     (void)worker;
 #if BVXI_HAVE_AVX2
     if (d->cpu == BVX_CPU_AVX2) {
@@ -195,17 +213,23 @@ static void cover_piece_task(void *user, int32_t piece, int32_t worker)
 
 bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_values)
 {
-    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count;
+    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count *
+                             (uint64_t)d->axis[2].count;
     d->total = (int64_t)d->axis[0].n * d->axis[1].n * d->axis[2].n; /* each at most 2^20 */
     d->limit = bvxi_weight_limit(d->total, d->threshold);
-    if (keep_values) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * sizeof *d->value, "the samples' coverage", &d->value));
+    if (keep_values)
+        BVXI_TRY(
+            bvxi_alloc(ctx, BVXI_SCRATCH, samples * sizeof *d->value, "the samples' coverage", &d->value));
     return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
 }
 
 static double coverage_at(const bvxi_downsample *d, int32_t i, int32_t j, int32_t k)
 {
-    if (i < 0 || j < 0 || k < 0 || i >= d->axis[0].count || j >= d->axis[1].count || k >= d->axis[2].count) return 0.0;
-    return (double)d->value[((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) * (uint64_t)d->axis[0].count + (uint64_t)i] *
+    if (i < 0 || j < 0 || k < 0 || i >= d->axis[0].count || j >= d->axis[1].count || k >= d->axis[2].count)
+        return 0.0;
+    return (double)d
+               ->value[((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) * (uint64_t)d->axis[0].count +
+                       (uint64_t)i] *
            (1.0 / 4294967296.0);
 }
 

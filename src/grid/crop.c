@@ -23,6 +23,7 @@ typedef struct content_job {
 static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
 {
     int32_t first = 0, last = words - 1;
+
     while (first < words && row[first] == 0) first++;
     if (first == words) return;
     while (row[last] == 0) last--;
@@ -40,17 +41,19 @@ static void content_piece(void *user, int32_t index, int32_t worker)
     const bvx_grid *const g = job->grid;
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++)
-        widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row, (int32_t)(r % (uint64_t)g->size[1]),
-                      (int32_t)(r / (uint64_t)g->size[1]), &box);
+        widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row,
+                      (int32_t)(r % (uint64_t)g->size[1]), (int32_t)(r / (uint64_t)g->size[1]), &box);
     job->box[index] = box;
 }
 
 static void join_content(const content_job *job, bvx_window *window)
 {
     content_box all = job->box[0];
+
     for (int32_t p = 1; p < job->pieces; p++)
         for (int32_t a = 0; a < 3; a++) {
             all.low[a] = job->box[p].low[a] < all.low[a] ? job->box[p].low[a] : all.low[a];
@@ -74,6 +77,7 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
     content_job job;
     bvx_status status;
     uint64_t bytes;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (window == NULL) return bvxi_fail_null(context, function, "window");
     memset(window, 0, sizeof *window);
@@ -109,6 +113,7 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
     bvx_grid *const to = job->result;
     uint64_t const rows = (uint64_t)to->size[1], tail = bvxi_tail_mask(to->size[0]);
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
@@ -118,15 +123,16 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
             memset(row, 0, (size_t)to->words_per_row * 8);
             continue;
         }
-        bvxi_shift_row(g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row, g->words_per_row,
-                       job->from[0], row, to->words_per_row);
+        bvxi_shift_row(g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
+                       g->words_per_row, job->from[0], row, to->words_per_row);
         row[to->words_per_row - 1] &= tail;
     }
 }
 
 /* What a grid has from its voxel `from` on, as a window of a lattice. */
-static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_lattice *lattice,
-                            const bvx_window *window, const int32_t from[3], bvx_grid *result)
+static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                            const bvx_lattice *lattice, const bvx_window *window, const int32_t from[3],
+                            bvx_grid *result)
 {
     crop_job job;
     int mine;
@@ -147,6 +153,7 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     static const char *const function = "bvx_grid_crop";
     int32_t from[3];
     bvx_window w;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
@@ -154,7 +161,8 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
 }
 
-bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window, bvx_grid *result)
+bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
+                         bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_crop(context, grid, window, result));
 }
@@ -167,17 +175,21 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     double origin[3];
     bvx_lattice lattice;
     bvx_window w;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     for (int32_t a = 0; a < 3; a++) {
         int32_t const room = BVXI_MAX_SIDE - grid->lattice.dims[a];
         if (low[a] < 0 || high[a] < 0)
-            return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: low[%d] is %d and high[%d] is %d; 0 and more are possible", function, (int64_t)a,
-                             (int64_t)low[a], (int64_t)a, (int64_t)high[a]);
+            return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                             "%s: low[%d] is %d and high[%d] is %d; 0 and more are possible", function,
+                             (int64_t)a, (int64_t)low[a], (int64_t)a, (int64_t)high[a]);
         if (low[a] > room || high[a] > room - low[a])
-            return bvxi_fail(context, BVX_ERR_RANGE, "%s: the lattice would have %d voxels along axis %d; %d are possible", function,
-                             (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a, (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail(context, BVX_ERR_RANGE,
+                             "%s: the lattice would have %d voxels along axis %d; %d are possible", function,
+                             (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
+                             (int64_t)BVXI_MAX_SIDE);
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];
@@ -188,7 +200,8 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     return move_grid(context, function, grid, &lattice, &w, from, result);
 }
 
-bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3], bvx_grid *result)
+bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3],
+                        const int32_t high[3], bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_pad(context, grid, low, high, result));
 }

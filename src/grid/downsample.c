@@ -1,8 +1,8 @@
 /* downsample.c - the samples' places and weights along each axis.
  *
- * All rational, so that no rounding moves a sample: in units of 1/(2r) of a voxel sample i stands at (2i + 1) n from the
- * grid's corner, which is (2i + 1) n - r from the first centre. Placing each sample in the middle of its own stretch makes
- * the samples' boxes tile the grid, so the model neither shifts nor shrinks. */
+ * All rational, so that no rounding moves a sample: in units of 1/(2r) of a voxel sample i stands at (2i + 1)
+ * n from the grid's corner, which is (2i + 1) n - r from the first centre. Placing each sample in the middle
+ * of its own stretch makes the samples' boxes tile the grid, so the model neither shifts nor shrinks. */
 #include "grid/downsample.h"
 
 static int32_t *take_table(int32_t **from, int32_t count)
@@ -15,6 +15,7 @@ static int32_t *take_table(int32_t **from, int32_t count)
 static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
 {
     int64_t const n = a->n, r = a->r;
+
     a->at = take_table(memory, a->count);
     a->high = take_table(memory, a->count);
     a->begin = take_table(memory, a->count);
@@ -42,6 +43,7 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     bvx_lattice lattice;
     bvx_window whole = {{0, 0, 0}, {0, 0, 0}};
     uint64_t *memory = NULL, words;
+
     for (int32_t a = 0; a < 3; a++) {
         whole.size[a] = d->axis[a].count;
         origin[a] = fine->lattice.origin[a] + (double)fine->low[a] * fine->lattice.spacing[a];
@@ -56,12 +58,14 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     return bvxi_grid_open(ctx, function, &lattice, &whole, &d->coarse);
 }
 
-bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine, const int32_t n[3],
-                                const int32_t r[3], double threshold, int32_t edge_samples, bvxi_downsample *d)
+bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
+                                const int32_t n[3], const int32_t r[3], double threshold,
+                                int32_t edge_samples, bvxi_downsample *d)
 {
     int32_t *memory;
     uint64_t entries = 0;
     bvx_status status;
+
     memset(d, 0, sizeof *d);
     d->fine = fine;
     d->threshold = (int32_t)(threshold * 65536.0 + 0.5);
@@ -72,8 +76,9 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     for (int32_t a = 0; a < 3; a++) {
         bvxi_sample_axis *const axis = &d->axis[a];
         if (n[a] > BVXI_DOWNSAMPLE_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: levels are made of grids up to %d voxels along an axis, this one has %d", function,
-                             (int64_t)BVXI_DOWNSAMPLE_SIDE, (int64_t)n[a]);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: levels are made of grids up to %d voxels along an axis, this one has %d",
+                             function, (int64_t)BVXI_DOWNSAMPLE_SIDE, (int64_t)n[a]);
         axis->n = n[a];
         axis->r = r[a];
         axis->voxels = fine->size[a];
@@ -92,7 +97,8 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
 
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
 {
-    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count;
+    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count *
+                             (uint64_t)d->axis[2].count;
     bvxi_free(ctx, d->value, samples * sizeof *d->value);
     bvxi_free(ctx, d->coarse.words, d->coarse.word_capacity * 8);
     bvxi_free(ctx, d->tables, d->table_bytes);

@@ -1,7 +1,8 @@
-/* downsample.h - a grid seen at a lower resolution: samples, their bits, and crossings between them. Not installed.
+/* downsample.h - a grid seen at a lower resolution: samples, their bits, and crossings between them. Not
+ * installed.
  *
- * Along each axis n voxels go to r samples, n >= r; sample i stands in the middle of its stretch [i n/r, (i+1) n/r) of
- * voxels. Beyond the grid everything is empty. */
+ * Along each axis n voxels go to r samples, n >= r; sample i stands in the middle of its stretch [i n/r,
+ * (i+1) n/r) of voxels. Beyond the grid everything is empty. */
 #ifndef BVXI_DOWNSAMPLE_H
 #define BVXI_DOWNSAMPLE_H
 
@@ -13,8 +14,8 @@ enum { BVXI_DOWNSAMPLE_SIDE = 1 << 20 }; /* so that products of three sides fit 
 /* One axis. Extended function: voxels at and at + 1 around the sample, high: weight of the second in 1/(2r).
  * Coverage: voxels begin .. end - 1 in the sample's stretch, weights of the first and last in 1/r. */
 typedef struct bvxi_sample_axis {
-    int32_t n, r, count;        /* ratio n/r; samples */
-    int32_t voxels;             /* of the grid along this axis */
+    int32_t n, r, count; /* ratio n/r; samples */
+    int32_t voxels;      /* of the grid along this axis */
     int32_t *at, *high;
     int32_t *begin, *end, *first, *last;
 } bvxi_sample_axis;
@@ -22,28 +23,31 @@ typedef struct bvxi_sample_axis {
 typedef struct bvxi_downsample {
     const bvx_grid *fine;
     bvxi_sample_axis axis[3];
-    int32_t *tables;            /* behind the axes' arrays */
+    int32_t *tables; /* behind the axes' arrays */
     uint64_t table_bytes;
-    int32_t threshold;          /* in 1/65536 */
-    int64_t limit;              /* a weighted sum above it is inside */
-    int64_t total;              /* weight of everything */
-    int32_t edge_samples;       /* steps along an edge; 0: the ratio rounded up */
+    int32_t threshold;    /* in 1/65536 */
+    int64_t limit;        /* a weighted sum above it is inside */
+    int64_t total;        /* weight of everything */
+    int32_t edge_samples; /* steps along an edge; 0: the ratio rounded up */
     int32_t cpu;
-    bvx_grid coarse;            /* one bit a sample */
-    uint32_t *value;            /* coverage of each sample in 2^-32, rounded down; NULL: not kept */
+    bvx_grid coarse; /* one bit a sample */
+    uint32_t *value; /* coverage of each sample in 2^-32, rounded down; NULL: not kept */
     int32_t pieces;
 } bvxi_downsample;
 
 /* Lay out the axes and a coarse grid of cleared bits. ratio: n and r of each axis. */
-bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine, const int32_t n[3],
-                                const int32_t r[3], double threshold, int32_t edge_samples, bvxi_downsample *d);
+bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
+                                const int32_t n[3], const int32_t r[3], double threshold,
+                                int32_t edge_samples, bvxi_downsample *d);
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d);
 
-/* extended.c: bits of the extended voxel function, and the ratio of its first change along an edge of samples. */
+/* extended.c: bits of the extended voxel function, and the ratio of its
+ * first change along an edge of samples. */
 bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d);
 double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int32_t j, int32_t k);
 
-/* coverage.c: bits of the covered fraction (and values, when keep_values), and the ratio by linear interpolation. */
+/* coverage.c: bits of the covered fraction (and values, when keep_values),
+ * and the ratio by linear interpolation. */
 bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_values);
 double bvxi_coverage_ratio(const void *downsample, int32_t axis, int32_t i, int32_t j, int32_t k);
 

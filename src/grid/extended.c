@@ -1,10 +1,11 @@
 /* extended.c - the extended voxel function: trilinear between voxel centres, compared with a threshold.
  *
- * Source: "LOD by voxelization and downsampling" 2.4.2 and 2.4.4 (VoxExt, EdgeRatio), with two corrections: an edge's
- * vertex sits inside the step in which the state changes, where a line between the step's ends meets the threshold (the middle of
- * the step would lie an eighth of a voxel inside at whole ratios, where steps end exactly at the threshold), and samples stand in
- * the middle of their stretches.
- * Guarantee: weights are integers, sums are exact, every comparison is; each edge is walked once, from its low end. */
+ * Source: "LOD by voxelization and downsampling" 2.4.2 and 2.4.4 (VoxExt, EdgeRatio), with two corrections:
+ * an edge's vertex sits inside the step in which the state changes, where a line between the step's ends
+ * meets the threshold (the middle of the step would lie an eighth of a voxel inside at whole ratios, where
+ * steps end exactly at the threshold), and samples stand in the middle of their stretches.
+ * Guarantee: weights are integers, sums are exact, every comparison is; each edge is walked once, from its
+ * low end. */
 #include "grid/downsample.h"
 
 static inline int64_t row_bit(const uint64_t *row, int32_t i, int32_t voxels)
@@ -18,11 +19,12 @@ typedef struct sample_rows {
     int64_t weight[4];
 } sample_rows;
 
-static void gather_rows(const bvxi_downsample *d, int32_t at_y, int64_t high_y, int64_t whole_y, int32_t at_z, int64_t high_z,
-                        int64_t whole_z, sample_rows *s)
+static void gather_rows(const bvxi_downsample *d, int32_t at_y, int64_t high_y, int64_t whole_y, int32_t at_z,
+                        int64_t high_z, int64_t whole_z, sample_rows *s)
 {
     for (int32_t i = 0; i < 4; i++) {
-        s->weight[i] = ((i & 1) != 0 ? high_y : whole_y - high_y) * ((i >> 1) != 0 ? high_z : whole_z - high_z);
+        s->weight[i] = ((i & 1) != 0 ? high_y : whole_y - high_y) *
+                       ((i >> 1) != 0 ? high_z : whole_z - high_z);
         s->row[i] = s->weight[i] != 0 ? bvxi_fine_row(d, at_y + (i & 1), at_z + (i >> 1)) : NULL;
     }
 }
@@ -35,10 +37,12 @@ static inline int64_t sum_at(const sample_rows *s, int32_t i, int32_t voxels)
     return sum;
 }
 
-/* Of the voxels of word w and their right neighbours: is any set in any row that counts, are all set in all of them? */
+/* Of the voxels of word w and their right neighbours: is any set in any row
+ * that counts, are all set in all of them? */
 static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *any_pair, uint64_t *all_pair)
 {
     uint64_t any = 0, all = ~UINT64_C(0), next_any = 0, next_all = ~UINT64_C(0);
+
     for (int32_t r = 0; r < 4; r++) {
         uint64_t const here = s->row[r] != NULL && w < words ? s->row[r][w] : 0;
         uint64_t const next = s->row[r] != NULL && w + 1 < words ? s->row[r][w + 1] : 0;
@@ -56,11 +60,13 @@ static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *
 static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
 {
     const bvxi_sample_axis *const x = &d->axis[0], *const y = &d->axis[1], *const z = &d->axis[2];
-    uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)y->count + (uint64_t)j) * (uint64_t)d->coarse.words_per_row;
+    uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)y->count + (uint64_t)j) *
+                                                (uint64_t)d->coarse.words_per_row;
     int64_t const whole = 2 * (int64_t)x->r;
     uint64_t any = 0, all = 0;
     int32_t word = -1; /* that any and all are of */
     sample_rows s;
+
     gather_rows(d, y->at[j], y->high[j], 2 * (int64_t)y->r, z->at[k], z->high[k], 2 * (int64_t)z->r, &s);
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;
     for (int32_t i = 0; i < x->count; i++) {
@@ -87,13 +93,15 @@ static void sample_piece(void *user, int32_t piece, int32_t worker)
     (void)worker;
     bvxi_piece((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, d->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++)
-        sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count), (int32_t)(row / (uint64_t)d->axis[1].count));
+        sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count),
+                   (int32_t)(row / (uint64_t)d->axis[1].count));
 }
 
 static int32_t edge_steps(const bvxi_downsample *d, int32_t axis)
 {
     int32_t const n = d->axis[axis].n, r = d->axis[axis].r;
-    int64_t const whole = ((int64_t)n + r - 1) / r; /* voxels a sample: between centres the function is a line along the edge */
+    /* voxels a sample: between centres the function is a line along the edge */
+    int64_t const whole = ((int64_t)n + r - 1) / r;
     return d->edge_samples != 0 ? d->edge_samples : whole < 65536 ? (int32_t)whole : 65536;
 }
 
@@ -101,14 +109,17 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
 {
     uint64_t total = 1, most = 1;
     int fits = 1;
+
     for (int32_t a = 0; a < 3; a++) {
         uint64_t const steps = (uint64_t)edge_steps(d, a);
         total = bvxi_mul(total, 2 * (uint64_t)d->axis[a].r, &fits);
         if (steps > most) most = steps;
     }
     if (!fits || total > INT64_MAX / 2 / most)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_build_lods: %d x %d x %d samples with %u steps an edge need more than 63 bits; take fewer steps or coverage",
-                         (int64_t)d->axis[0].r, (int64_t)d->axis[1].r, (int64_t)d->axis[2].r, most);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "bvx_build_lods: %d x %d x %d samples with %u steps an edge need more than 63 bits; take fewer steps or coverage",
+            (int64_t)d->axis[0].r, (int64_t)d->axis[1].r, (int64_t)d->axis[2].r, most);
     d->total = (int64_t)total;
     d->limit = bvxi_weight_limit(d->total, d->threshold);
     return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, sample_piece, d);
@@ -123,19 +134,22 @@ static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int6
     *high = centre - down * whole;
 }
 
-/* The four lines of voxels along an edge: the voxel of each at place i of the axis, weights bilinear in the other two. */
+/* The four lines of voxels along an edge: the voxel of each at place i of
+ * the axis, weights bilinear in the other two. */
 typedef struct edge_lines {
     const uint64_t *word[4]; /* of place 0, NULL where the line counts for nothing */
     int32_t shift[4];
     int64_t weight[4];
-    int64_t step;            /* words from place to place; 0: the places are bits along x */
+    int64_t step; /* words from place to place; 0: the places are bits along x */
     int32_t voxels;
 } edge_lines;
 
-static void gather_lines(const bvxi_downsample *d, int32_t axis, const int32_t at[3], const int64_t high[3], edge_lines *e)
+static void gather_lines(const bvxi_downsample *d, int32_t axis, const int32_t at[3], const int64_t high[3],
+                         edge_lines *e)
 {
     int32_t const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2; /* the other two axes */
     const bvx_grid *const g = d->fine;
+
     e->voxels = g->size[axis];
     e->step = axis == 0 ? 0 : axis == 1 ? g->words_per_row : (int64_t)g->words_per_row * g->size[1];
     for (int32_t n = 0; n < 4; n++) {
@@ -159,7 +173,8 @@ static inline int64_t sum_across(const edge_lines *e, int32_t i)
     if (i < 0 || i >= e->voxels) return 0;
     step = e->step != 0 ? e->step * i : i >> 6;
     for (int32_t n = 0; n < 4; n++)
-        if (e->word[n] != NULL) sum += (int64_t)(e->word[n][step] >> (e->step != 0 ? e->shift[n] : i & 63) & 1) * e->weight[n];
+        if (e->word[n] != NULL)
+            sum += (int64_t)(e->word[n][step] >> (e->step != 0 ? e->shift[n] : i & 63) & 1) * e->weight[n];
     return sum;
 }
 
@@ -174,6 +189,7 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     int32_t at[3], voxel;
     edge_lines e;
     int start;
+
     for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
     gather_lines(d, axis, at, high, &e);
     voxel = at[axis];
@@ -191,7 +207,9 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
         }
         sum = low_sum * (unit - place) + high_sum * place;
         if ((sum > limit) != start)
-            return ((double)(s - 1) + ((double)total * d->threshold / 65536.0 - (double)before) / (double)(sum - before)) / steps;
+            return ((double)(s - 1) +
+                    ((double)total * d->threshold / 65536.0 - (double)before) / (double)(sum - before)) /
+                   steps;
     }
     return 0.5; /* not reached: the ends differ */
 }

@@ -1,7 +1,8 @@
 /* fill_spaces.c - interior fill from seeds: bvx_grid_fill.
  *
- * Source: the fill of "Fast voxelization based on TIN" 3, by runs: empty voxels are joined to spaces once (spaces.c), and a
- * space that holds a seed is filled. No queue, and any number of seeds costs no more than one.
+ * Source: the fill of "Fast voxelization based on TIN" 3, by runs: empty voxels are joined to spaces once
+ * (spaces.c), and a space that holds a seed is filled. No queue, and any number of seeds costs no more than
+ * one.
  * Guarantee: exact; no order of seeds plays a part. */
 #include "grid/spaces.h"
 
@@ -37,27 +38,30 @@ static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int
         const int32_t *const s = seeds + 3 * i;
         for (int a = 0; a < 3; a++)
             if (s[a] < 0 || s[a] >= walls->size[a])
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", grid_fill_name,
-                                 i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)walls->size[0], (int64_t)walls->size[1],
-                                 (int64_t)walls->size[2]);
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
+                                 grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2],
+                                 (int64_t)walls->size[0], (int64_t)walls->size[1], (int64_t)walls->size[2]);
         if (bvx_grid_get(walls, s[0], s[1], s[2]))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel", grid_fill_name, i, (int64_t)s[0],
-                             (int64_t)s[1], (int64_t)s[2]);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
+                             grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);
     }
     return BVX_OK;
 }
 
-static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds, uint64_t count, int32_t connectivity,
-                                  bvx_grid *filled)
+static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds,
+                                  uint64_t count, int32_t connectivity, bvx_grid *filled)
 {
     fill_spaces_work work = {filled, NULL};
     bvxi_spaces spaces;
     bvx_status status;
+
     BVXI_TRY(bvxi_spaces_open(ctx, grid_fill_name, "fill", walls, 1, connectivity, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the spaces' marks", &work.wanted);
     if (status == BVX_OK) {
         memset(filled->words, 0, (size_t)bvxi_grid_words(filled) * 8);
-        for (uint64_t i = 0; i < count; i++) bvx_grid_set(filled, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2], 1);
+        for (uint64_t i = 0; i < count; i++)
+            bvx_grid_set(filled, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2], 1);
         bvxi_spaces_each(&spaces, look_for_seed, &work);
         bvxi_spaces_each(&spaces, fill_space_run, &work);
     }
@@ -72,6 +76,7 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     bvx_window window;
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, grid_fill_name, walls));
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
@@ -93,8 +98,8 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     return BVX_OK;
 }
 
-bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count, int32_t connectivity,
-                         bvx_grid *filled)
+bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,
+                         uint64_t seed_count, int32_t connectivity, bvx_grid *filled)
 {
     return BVXI_CALL(context, run_grid_fill(context, walls, seeds, seed_count, connectivity, filled));
 }

@@ -8,6 +8,7 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
     uint64_t rows = 1;
     int ok = 1, whole;
     int32_t size[3];
+
     if (lattice == NULL) return 0;
     whole = window == NULL || memcmp(window, &none, sizeof none) == 0;
     for (int32_t a = 0; a < 3; a++) {
@@ -25,18 +26,21 @@ void bvxi_grid_renew(bvx_context *ctx, const bvx_lattice *lattice, const bvx_win
     if (grid->owned == 1 && grid->word_capacity < bvx_grid_bound(lattice, window)) bvx_grid_free(ctx, grid);
 }
 
-bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
-                          bvx_grid *grid)
+bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
+                          const bvx_window *window, bvx_grid *grid)
 {
     uint64_t const words = bvx_grid_bound(lattice, window);
     bvx_grid g = *grid;
-    if (words == 0) return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the grid's size does not fit 64 bits", function);
+
+    if (words == 0)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the grid's size does not fit 64 bits", function);
     if (g.words != NULL && g.word_capacity < words)
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid needs %u words, the array given holds %u", function, words,
-                         g.word_capacity);
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid needs %u words, the array given holds %u",
+                         function, words, g.word_capacity);
     if (g.words == NULL) {
         if (words > SIZE_MAX / 8)
-            return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a grid of %u words is beyond this machine's addresses", function, words);
+            return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a grid of %u words is beyond this machine's addresses",
+                             function, words);
         BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, words * 8, "the grid", &g.words));
         g.word_capacity = words;
         g.owned = 1;
@@ -50,10 +54,12 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
     return BVX_OK;
 }
 
-bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid)
+bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
+                           bvx_grid *grid)
 {
     bvx_window w;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
     BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
@@ -75,33 +81,41 @@ void bvx_grid_free(bvx_context *context, bvx_grid *grid)
 bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid)
 {
     bvx_window window, unused;
+
     if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
     if (grid->words == NULL) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has no words", function);
     for (uint64_t i = 0; i < 4; i++)
         if (grid->reserved[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: grid.reserved[%u] must be 0", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
+                                 "%s: grid.reserved[%u] must be 0", function, i);
     BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
-    if (grid->size[0] < 1) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's size is %d along x", function, (int64_t)grid->size[0]);
+    if (grid->size[0] < 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's size is %d along x", function,
+                         (int64_t)grid->size[0]);
     BVXI_TRY(bvxi_window_take(ctx, function, &grid->lattice, &window, &unused));
     if (grid->words_per_row != bvxi_row_words(grid->size[0]))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d", function,
-                         (int64_t)grid->words_per_row, (int64_t)grid->size[0], (int64_t)bvxi_row_words(grid->size[0]));
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d",
+                         function, (int64_t)grid->words_per_row, (int64_t)grid->size[0],
+                         (int64_t)bvxi_row_words(grid->size[0]));
     if (grid->word_capacity < bvx_grid_bound(&grid->lattice, &window))
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid's array holds %u words, its size needs %u", function,
-                         grid->word_capacity, bvx_grid_bound(&grid->lattice, &window));
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid's array holds %u words, its size needs %u",
+                         function, grid->word_capacity, bvx_grid_bound(&grid->lattice, &window));
     return BVX_OK;
 }
 
 bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid)
 {
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's words have bits set past the %d voxels of a row", function, (int64_t)grid->size[0]);
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's words have bits set past the %d voxels of a row",
+                     function, (int64_t)grid->size[0]);
 }
 
 bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bvx_grid *grid)
 {
-    uint64_t const past = bvxi_grid_past(grid), words = bvxi_grid_words(grid), step = (uint64_t)grid->words_per_row;
+    uint64_t const past = bvxi_grid_past(grid);
+    uint64_t const words = bvxi_grid_words(grid);
+    uint64_t const step = (uint64_t)grid->words_per_row;
     uint64_t set = 0;
     if (past == 0) return BVX_OK;
     for (uint64_t i = step - 1; i < words; i += step) set |= grid->words[i];
@@ -111,6 +125,7 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
 static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count)
 {
     uint64_t n = 0, words;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
@@ -128,6 +143,7 @@ bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *
 static bvx_status run_grid_hash(bvx_context *context, const bvx_grid *grid, uint64_t *hash)
 {
     bvxi_hash h;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (hash == NULL) return bvxi_fail_null(context, "bvx_grid_hash", "hash");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_hash", grid));

@@ -11,20 +11,25 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
 bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 BVXI_COLD bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 /* Refuse words of a result that overlap those of a checked grid of the same size without being the same. */
-bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result);
-/* Before bvxi_grid_open of a result or of a copy of it: words of the library's that do not suffice go, so that open makes others. */
+bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                 const bvx_grid *result);
+/* Before bvxi_grid_open of a result or of a copy of it: words of the
+ * library's that do not suffice go, so that open makes others. */
 void bvxi_grid_renew(bvx_context *ctx, const bvx_lattice *lattice, const bvx_window *window, bvx_grid *grid);
-/* Set up a grid's struct over new or the caller's words, contents unspecified; *grid is changed only on success. */
-bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice, const bvx_window *window,
-                          bvx_grid *grid);
+/* Set up a grid's struct over new or the caller's words, contents
+ * unspecified; *grid is changed only on success. */
+bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
+                          const bvx_window *window, bvx_grid *grid);
 
 /* Refuse two checked grids of different lattices or windows, naming the first field that differs. */
 bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b);
 /* Refuse a grid that is none, and a result that is NULL or has words of the grid that it is made from. */
-bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_grid *result);
-/* Run the tasks that fill a grid after bvxi_grid_open; mine: its words are the library's, so a cancelled one goes back to them. */
-bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task, void *user, int mine,
-                             bvx_grid *result);
+bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                           const bvx_grid *result);
+/* Run the tasks that fill a grid after bvxi_grid_open; mine: its words are
+ * the library's, so a cancelled one goes back to them. */
+bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task,
+                             void *user, int mine, bvx_grid *result);
 
 static inline uint64_t bvxi_grid_rows(const bvx_grid *grid)
 {

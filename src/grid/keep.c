@@ -1,8 +1,8 @@
 /* keep.c - some of a grid's parts kept, its cavities filled: bvx_grid_keep, bvx_grid_fill_cavities.
  *
- * Set (or empty) voxels are joined to spaces (spaces.c), each is measured and judged, and those that go are changed in the
- * result. The n largest are found without sorting: the greatest size that n of them reach, by halving; of those that have
- * just this size the first are taken.
+ * Set (or empty) voxels are joined to spaces (spaces.c), each is measured and judged, and those that go are
+ * changed in the result. The n largest are found without sorting: the greatest size that n of them reach, by
+ * halving; of those that have just this size the first are taken.
  * Guarantee: exact. */
 #include "grid/spaces.h"
 
@@ -16,7 +16,8 @@ void bvx_keep_options_init(bvx_keep_options *options, size_t size)
 }
 
 /* The result, in *made: a copy of the grid, unless it is the grid. */
-static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid, bvx_grid *result, bvx_grid *made)
+static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                   bvx_grid *result, bvx_grid *made)
 {
     bvx_window window;
     memcpy(window.low, grid->low, sizeof window.low);
@@ -43,16 +44,20 @@ static void close_keep_work(keep_work *w)
     bvxi_spaces_free(&w->spaces);
 }
 
-static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty, int32_t connectivity,
-                                 keep_work *w)
+static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty,
+                                 int32_t connectivity, keep_work *w)
 {
     bvx_status status;
+
     memset(w, 0, sizeof *w);
     w->ctx = ctx;
-    BVXI_TRY(bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
+    BVXI_TRY(
+        bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels);
-    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks);
-    if (status == BVX_OK && empty) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks);
+    if (status == BVX_OK && empty)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side);
     if (status == BVX_OK) bvxi_spaces_measure(&w->spaces, w->voxels, w->at_side);
     else close_keep_work(w);
     return status;
@@ -73,7 +78,8 @@ typedef struct keep_seeds {
 static void keep_seeded_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     const keep_seeds *const s = user;
-    const uint64_t *const row = s->seeds->words + ((size_t)z * (size_t)s->seeds->size[1] + (size_t)y) * (size_t)s->seeds->words_per_row;
+    const uint64_t *const row = s->seeds->words + ((size_t)z * (size_t)s->seeds->size[1] + (size_t)y) *
+                                                      (size_t)s->seeds->words_per_row;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++)
         if ((row[k] & bvxi_run_mask(begin, end, k)) != 0) s->marks[space] = 0;
 }
@@ -84,7 +90,8 @@ static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const b
     keep_seeds s = {seeds, w->marks};
     bvx_grid marked = *seeds;
     memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
-    for (uint64_t i = 0; i < o->seed_count; i++) bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
+    for (uint64_t i = 0; i < o->seed_count; i++)
+        bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
     memset(w->marks, 1, (size_t)w->spaces.count);
     bvxi_spaces_each(&w->spaces, keep_seeded_run, &s);
 }
@@ -99,6 +106,7 @@ static uint64_t count_parts_of(const keep_work *w, uint64_t at_least)
 static void drop_all_but_largest(keep_work *w, uint64_t largest)
 {
     uint64_t low = 0, high = 0, equal;
+
     if (count_parts_of(w, 0) <= largest) return;
     for (uint64_t i = 0; i < w->spaces.count; i++) high = w->voxels[i] > high ? w->voxels[i] : high;
     while (low < high) { /* at least `largest` parts reach low; fewer reach high + 1 */
@@ -138,19 +146,22 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, con
         const int32_t *const s = o->seeds + 3 * i;
         for (int32_t a = 0; a < 3; a++)
             if (s[a] < 0 || s[a] >= grid->size[a])
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
-                                 (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)grid->size[0], (int64_t)grid->size[1],
-                                 (int64_t)grid->size[2]);
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
+                                 keep_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2],
+                                 (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     }
     return BVX_OK;
 }
 
-static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o, bvx_grid *made)
+static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o,
+                             bvx_grid *made)
 {
     uint64_t const bytes = bvxi_grid_words(grid) * 8;
     bvx_grid seeds = *grid;
     keep_work w;
     bvx_status status;
+
     seeds.words = NULL;
     BVXI_TRY(open_keep_work(ctx, keep_name, grid, 0, o->connectivity, &w));
     if (o->seed_count != 0) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words);
@@ -174,6 +185,7 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     bvx_keep_options o = keep_defaults;
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
@@ -186,16 +198,19 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     return status;
 }
 
-bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options, bvx_grid *result)
+bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
+                         bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_keep(context, grid, options, result));
 }
 
-bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t connectivity, uint64_t at_most,
-                             uint64_t *words, uint64_t *voxels, uint64_t *pockets)
+bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                             int32_t connectivity, uint64_t at_most, uint64_t *words, uint64_t *voxels,
+                             uint64_t *pockets)
 {
     uint64_t set = 0, count = 0;
     keep_work w;
+
     BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
     for (uint64_t i = 0; i < w.spaces.count; i++) {
         w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
@@ -215,6 +230,7 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
 {
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
@@ -226,8 +242,8 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     return status;
 }
 
-bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint64_t at_most, bvx_grid *result,
-                                  uint64_t *filled)
+bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                  uint64_t at_most, bvx_grid *result, uint64_t *filled)
 {
     return BVXI_CALL(context, run_grid_fill_cavities(context, grid, connectivity, at_most, result, filled));
 }

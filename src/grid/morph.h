@@ -7,14 +7,15 @@
 
 enum { BVXI_DILATE = 0, BVXI_ERODE = 1 };
 
-/* How a set is changed: steps times by the first operation, then, unless they are one, as often by the second. */
+/* How a set is changed: steps times by the first operation, then, unless
+ * they are one, as often by the second. */
 typedef struct bvxi_morph {
     const char *stage;     /* for progress */
     int32_t operation[2];  /* BVXI_... */
     int32_t operations;    /* 1 or 2 */
     int32_t neighbourhood; /* 6, 18, 26; 0: ball */
     int32_t steps;
-    int32_t beyond;        /* what lies around the box: 0 empty, 1 set */
+    int32_t beyond;          /* what lies around the box: 0 empty, 1 set */
     double weight[3], limit; /* ball: of bvxi_transform, and the largest square in it */
 } bvxi_morph;
 
@@ -36,27 +37,28 @@ static inline uint64_t bvxi_box_words(const bvxi_bit_box *box)
 
 /* Sweeps that this takes; each reads one box and writes another one. */
 int32_t bvxi_step_sweeps(const bvxi_morph *morph, const bvxi_bit_box *box);
-/* source -> first -> second -> first ... until all sweeps are done. The boxes are of one size; second is looked at from two
- * sweeps on and may be source. Memory (scratch): a few slices for each worker. */
-bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source, const bvxi_bit_box *first,
-                            const bvxi_bit_box *second);
+/* source -> first -> second -> first ... until all sweeps are done. The boxes are of one size; second is
+ * looked at from two sweeps on and may be source. Memory (scratch): a few slices for each worker. */
+bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
+                            const bvxi_bit_box *first, const bvxi_bit_box *second);
 
 /* ---- morph_ball.c: balls, large ones by distances ---- */
 
 /* What the ball of a radius is in squares of the transform (weight and limit of morph). */
-bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double radius, bvxi_morph *morph);
+bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double radius,
+                         bvxi_morph *morph);
 /* Voxels that the ball reaches along an axis, at most one more. */
 int32_t bvxi_ball_reach(const bvxi_morph *morph, int axis);
 /* One operation from box to box. */
-bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from, double to, const bvxi_bit_box *source,
-                           const bvxi_bit_box *target);
+bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
+                           double to, const bvxi_bit_box *source, const bvxi_bit_box *target);
 
 /* ---- morph_runs.c: small balls, a word at a time ---- */
 
 int bvxi_ball_is_small(const bvxi_morph *morph);
 /* As bvxi_morph_ball, for those alone. */
-bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from, double to, const bvxi_bit_box *source,
-                           const bvxi_bit_box *target);
+bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
+                           double to, const bvxi_bit_box *source, const bvxi_bit_box *target);
 
 /* ---- morphology.c ---- */
 

@@ -1,15 +1,18 @@
-/* morph_steps.c - dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep.
+/* morph_steps.c - dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one
+ * sweep.
  *
  * Source: Serra. Image Analysis and Mathematical Morphology. 1982.
  *
- * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z are whole words of
- * other rows. Rows lie one behind the other, so a slice is one long loop; masks keep bits from one row out of the next. Erosion is
- * dilation of the complement, so words are kept complemented where the next step erodes. What lies beyond the box is carried in
- * bits past a row's end, comes in where the masks hold, and stands in slices of its own.
+ * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
+ * are whole words of other rows. Rows lie one behind the other, so a slice is one long loop; masks keep bits
+ * from one row out of the next. Erosion is dilation of the complement, so words are kept complemented where
+ * the next step erodes. What lies beyond the box is carried in bits past a row's end, comes in where the
+ * masks hold, and stands in slices of its own.
  *
- * A sweep does up to SWEEP_STEPS steps while the slices are near: step s of slice z needs step s - 1 of slices z - 1 .. z + 1, so
- * three slices a step are kept in a ring, and one slice that is read lets each step go one slice on. A piece of slices begins as many
- * slices earlier as there are steps, and so needs nothing of its neighbours. Any order of pieces gives the same bits. */
+ * A sweep does up to SWEEP_STEPS steps while the slices are near: step s of slice z needs step s - 1 of
+ * slices z - 1 .. z + 1, so three slices a step are kept in a ring, and one slice that is read lets each step
+ * go one slice on. A piece of slices begins as many slices earlier as there are steps, and so needs nothing
+ * of its neighbours. Any order of pieces gives the same bits. */
 #include "grid/morph.h"
 #include "grid/morph_words.h"
 
@@ -19,12 +22,12 @@ typedef struct sweep_job {
     bvxi_bit_box from, to;
     bvxi_row_ends ends;
     unsigned char *scratch;
-    uint64_t *outside;              /* a slice of zeros, and one of ones */
-    uint64_t scratch_size;          /* of a worker [Units: bytes] */
+    uint64_t *outside;     /* a slice of zeros, and one of ones */
+    uint64_t scratch_size; /* of a worker [Units: bytes] */
     uint64_t tail;
-    uint64_t flip[SWEEP_STEPS + 1]; /* what step s is xored with when it is kept (0: when it is read) */
+    uint64_t flip[SWEEP_STEPS + 1];   /* what step s is xored with when it is kept (0: when it is read) */
     uint64_t around[SWEEP_STEPS + 1]; /* what lies beyond the box, as step s is kept */
-    size_t slice;                   /* words */
+    size_t slice;                     /* words */
     int32_t steps, neighbourhood, pieces, cpu;
 } sweep_job;
 
@@ -37,17 +40,32 @@ typedef struct step_rows {
     uint64_t around, flip;
 } step_rows;
 
-BVXI_VECTOR_INLINE void step_cross(const step_rows *r, const bvxi_row_ends *ends, uint64_t *BVXI_RESTRICT out, size_t words)
+BVXI_VECTOR_INLINE void step_cross(const step_rows *r, const bvxi_row_ends *ends, uint64_t *BVXI_RESTRICT out,
+                                   size_t words)
 {
-    const uint64_t *const c = r->row[1][1], *const a = r->row[1][0], *const b = r->row[1][2], *const d = r->row[0][1], *const e = r->row[2][1];
+    const uint64_t *const c = r->row[1][1];
+    const uint64_t *const a = r->row[1][0];
+    const uint64_t *const b = r->row[1][2];
+    const uint64_t *const d = r->row[0][1];
+    const uint64_t *const e = r->row[2][1];
     uint64_t const around = r->around, flip = r->flip;
-    for (size_t k = 0; k < words; k++) out[k] = (bvxi_with_sides(c + k, ends, k, around) | a[k] | b[k] | d[k] | e[k]) ^ flip;
+    for (size_t k = 0; k < words; k++)
+        out[k] = (bvxi_with_sides(c + k, ends, k, around) | a[k] | b[k] | d[k] | e[k]) ^ flip;
 }
 
-BVXI_VECTOR_INLINE void step_wide(const step_rows *r, const bvxi_row_ends *ends, int corners, uint64_t *BVXI_RESTRICT out, size_t words)
+BVXI_VECTOR_INLINE void step_wide(const step_rows *r, const bvxi_row_ends *ends, int corners,
+                                  uint64_t *BVXI_RESTRICT out, size_t words)
 {
-    const uint64_t *const c = r->row[1][1], *const a = r->row[1][0], *const b = r->row[1][2], *const d = r->row[0][1], *const e = r->row[2][1];
-    const uint64_t *const f = r->row[0][0], *const g = r->row[0][2], *const h = r->row[2][0], *const i = r->row[2][2];
+    const uint64_t *const c = r->row[1][1];
+    const uint64_t *const a = r->row[1][0];
+    const uint64_t *const b = r->row[1][2];
+    const uint64_t *const d = r->row[0][1];
+    const uint64_t *const e = r->row[2][1];
+    const uint64_t *const f = r->row[0][0];
+    const uint64_t *const g = r->row[0][2];
+    const uint64_t *const h = r->row[2][0];
+    const uint64_t *const i = r->row[2][2];
+
     uint64_t *BVXI_RESTRICT const joined = r->joined;
     uint64_t const around = r->around, flip = r->flip;
     for (size_t k = 0; k < words; k++) {
@@ -85,13 +103,16 @@ static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, s
     step_stretch(job, r, out, words);
 }
 
-/* Rows y .. y + count - 1 of a slice. A first or last row has its middle copied, as words beside it are looked at. */
-static void step_rows_from(const sweep_job *job, const uint64_t *const slice[3], const uint64_t *outside, uint64_t *room, int32_t y,
-                           int32_t count, uint64_t around, uint64_t flip, uint64_t *out)
+/* Rows y .. y + count - 1 of a slice. A first or last row has its middle
+ * copied, as words beside it are looked at. */
+static void step_rows_from(const sweep_job *job, const uint64_t *const slice[3], const uint64_t *outside,
+                           uint64_t *room, int32_t y, int32_t count, uint64_t around, uint64_t flip,
+                           uint64_t *out)
 {
     size_t const words = (size_t)job->from.row_words;
     int32_t const ny = job->from.size[1];
     step_rows r;
+
     r.joined = room + 1;
     r.around = around;
     r.flip = flip;
@@ -155,6 +176,7 @@ static void make_slice(const sweep_job *job, uint64_t *ring, int32_t step, int32
     int const last = step == job->steps;
     uint64_t *const out = last ? job->to.words + (size_t)z * job->slice : kept_slice(job, ring, step, z);
     const uint64_t *slice[3];
+
     for (int32_t i = 0; i < 3; i++) slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
     step_rows_from(job, slice, outside, room, 0, 1, around, flip, out);
     if (ny > 2) step_rows_from(job, slice, outside, room, 1, ny - 2, around, flip, out);
@@ -168,12 +190,14 @@ static void sweep_piece(void *user, int32_t index, int32_t worker)
     uint64_t *const ring = (uint64_t *)(void *)(job->scratch + (size_t)worker * (size_t)job->scratch_size);
     int32_t const nz = job->from.size[2], steps = job->steps;
     uint64_t begin, end;
+
     bvxi_piece((uint64_t)nz, job->pieces, index, &begin, &end);
     for (int32_t t = (int32_t)begin - steps; t < (int32_t)end + steps; t++) {
         if (t >= 0 && t < nz) read_slice(job, ring, t);
         for (int32_t s = 1; s <= steps; s++) {
             int32_t const z = t - s, more = steps - s;
-            if (z >= 0 && z < nz && z >= (int32_t)begin - more && z < (int32_t)end + more) make_slice(job, ring, s, z);
+            if (z >= 0 && z < nz && z >= (int32_t)begin - more && z < (int32_t)end + more)
+                make_slice(job, ring, s, z);
         }
     }
 }
@@ -187,7 +211,8 @@ static int32_t all_steps(const bvxi_morph *morph)
 
 static int32_t sweep_steps(const bvxi_morph *morph, const bvxi_bit_box *box)
 {
-    uint64_t const slice = (uint64_t)box->row_words * (uint64_t)box->size[1] * 8, fit = SWEEP_RING_BYTES / (3 * slice);
+    uint64_t const slice = (uint64_t)box->row_words * (uint64_t)box->size[1] * 8;
+    uint64_t const fit = SWEEP_RING_BYTES / (3 * slice);
     int32_t const steps = fit < 1 ? 1 : fit > SWEEP_STEPS ? SWEEP_STEPS : (int32_t)fit;
     return steps < all_steps(morph) ? steps : all_steps(morph);
 }
@@ -207,9 +232,11 @@ static int erodes_at(const bvxi_morph *morph, int32_t i)
 static void plan_sweep(const bvxi_morph *morph, int32_t first, int32_t steps, sweep_job *job)
 {
     uint64_t const beyond = morph->beyond ? ~UINT64_C(0) : 0;
+
     job->steps = steps;
     for (int32_t s = 0; s <= steps; s++) {
-        int const was = s > 0 && erodes_at(morph, first + s - 1), next = s < steps && erodes_at(morph, first + s);
+        int const was = s > 0 && erodes_at(morph, first + s - 1);
+        int const next = s < steps && erodes_at(morph, first + s);
         job->flip[s] = was != next ? ~UINT64_C(0) : 0;
         job->around[s] = next ? ~beyond : beyond;
     }
@@ -222,10 +249,11 @@ static void count_pieces(const bvxi_bit_box *box, sweep_job *job)
     if (job->pieces > most) job->pieces = most < 1 ? 1 : most;
 }
 
-static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source, const bvxi_bit_box *first,
-                             const bvxi_bit_box *second, sweep_job *job)
+static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
+                             const bvxi_bit_box *first, const bvxi_bit_box *second, sweep_job *job)
 {
     int32_t const each = sweep_steps(morph, source), total = all_steps(morph);
+
     job->from = *source;
     job->neighbourhood = morph->neighbourhood;
     job->cpu = bvxi_cpu(ctx);
@@ -236,28 +264,34 @@ static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bv
         job->to = sweep % 2 == 0 ? *first : *second;
         plan_sweep(morph, done, each < total - done ? each : total - done, job);
         count_pieces(source, job);
-        BVXI_TRY(bvxi_parallel(ctx, morph->stage, (double)done / total, (double)(done + job->steps) / total, job->pieces, sweep_piece, job));
+        BVXI_TRY(bvxi_parallel(ctx, morph->stage, (double)done / total, (double)(done + job->steps) / total,
+                               job->pieces, sweep_piece, job));
         job->from = job->to;
     }
     return BVX_OK;
 }
 
-bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source, const bvxi_bit_box *first,
-                            const bvxi_bit_box *second)
+bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
+                            const bvxi_bit_box *first, const bvxi_bit_box *second)
 {
     sweep_job job = {0};
     uint64_t bytes, outside_bytes;
     bvx_status status;
     int ok = 1;
+
     job.slice = (size_t)source->row_words * (size_t)source->size[1];
-    job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) + 16 + 63) / 64 * 64;
+    job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) +
+                        16 + 63) /
+                       64 * 64;
     bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
     outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
     if (!ok || bytes > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: slices for the steps are beyond this machine's addresses", morph->stage);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: slices for the steps are beyond this machine's addresses",
+                         morph->stage);
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside);
-    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch);
     if (status == BVX_OK) status = run_sweeps(ctx, morph, source, first, second, &job);
     bvxi_free(ctx, job.scratch, bytes);
     bvxi_free(ctx, job.outside, outside_bytes);

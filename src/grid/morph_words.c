@@ -4,6 +4,7 @@
 bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends)
 {
     size_t const words = (size_t)box->row_words, slice = words * (size_t)box->size[1];
+
     ends->bytes = (uint64_t)slice * 16; /* no more than two slices of a grid that is there */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ends->bytes, "masks of a slice", &ends->before));
     ends->behind = ends->before + slice;

@@ -2,10 +2,11 @@
  *
  * Source: Serra. Image Analysis and Mathematical Morphology. 1982.
  *
- * One operation never needs more than the window: from a voxel inside to one inside the steps can stay inside, and what is beyond
- * counts the same before and after. Of two the first may leave something beyond the window that the second sees: where closing
- * grows into emptiness, or opening shrinks out of what is set. Then both are done in a box that is wider by the reach on each side, along x by
- * whole words, so that rows are copied and not shifted. */
+ * One operation never needs more than the window: from a voxel inside to one inside the steps can stay
+ * inside, and what is beyond counts the same before and after. Of two the first may leave something beyond
+ * the window that the second sees: where closing grows into emptiness, or opening shrinks out of what is set.
+ * Then both are done in a box that is wider by the reach on each side, along x by whole words, so that rows
+ * are copied and not shifted. */
 #include "grid/morph.h"
 
 enum { MORPH_MOST_STEPS = 65536, MORPH_MOST_SIDE = 1 << 26 };
@@ -20,10 +21,13 @@ static int32_t reach_of(const bvxi_morph *morph, int axis)
 static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *box)
 {
     int ok = 1;
-    uint64_t const bytes = bvxi_mul(bvxi_mul(bvxi_mul((uint64_t)box->row_words, (uint64_t)box->size[1], &ok), (uint64_t)box->size[2], &ok), 8, &ok);
+    uint64_t const bytes = bvxi_mul(bvxi_mul(bvxi_mul((uint64_t)box->row_words, (uint64_t)box->size[1], &ok),
+                                             (uint64_t)box->size[2], &ok),
+                                    8, &ok);
     box->words = NULL;
     if (!ok || bytes > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", stage,
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", stage,
                          (int64_t)box->size[0], (int64_t)box->size[1], (int64_t)box->size[2]);
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "a grid between two steps", &box->words);
 }
@@ -35,12 +39,15 @@ static void free_box(bvx_context *ctx, bvxi_bit_box *box)
 }
 
 /* A box around the grid's with room for the reach; *words are those along x. */
-static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, int32_t room[3], bvxi_bit_box *wide)
+static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, int32_t room[3],
+                            bvxi_bit_box *wide)
 {
     for (int a = 0; a < 3; a++) {
         int64_t const reach = reach_of(morph, a), side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
         if (side > MORPH_MOST_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a reach of %d voxels around the window is more than can be held", morph->stage, reach);
+            return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                             "%s: a reach of %d voxels around the window is more than can be held",
+                             morph->stage, reach);
         room[a] = (int32_t)reach;
         wide->size[a] = grid->size[a] + 2 * (int32_t)reach;
     }
@@ -50,10 +57,12 @@ static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx
     return alloc_box(ctx, morph->stage, wide);
 }
 
-static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t beyond, const bvxi_bit_box *wide)
+static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t beyond,
+                           const bvxi_bit_box *wide)
 {
     size_t const words = (size_t)grid->words_per_row;
     uint64_t const outside = beyond ? ~bvxi_tail_mask(grid->size[0]) : 0;
+
     memset(wide->words, beyond ? 0xff : 0, (size_t)bvxi_box_words(wide) * 8);
     for (size_t z = 0; z < (size_t)grid->size[2]; z++)
         for (size_t y = 0; y < (size_t)grid->size[1]; y++) {
@@ -68,6 +77,7 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
 {
     size_t const words = (size_t)result->words_per_row;
     uint64_t const tail = bvxi_tail_mask(result->size[0]);
+
     for (size_t z = 0; z < (size_t)result->size[2]; z++)
         for (size_t y = 0; y < (size_t)result->size[1]; y++) {
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
@@ -80,8 +90,9 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
 /* ---- runs ---- */
 
 /* source -> first -> second, as many times as it takes; *last becomes the box that holds the result. */
-static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source, const bvxi_bit_box *first,
-                              const bvxi_bit_box *second, const bvxi_bit_box **last)
+static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
+                              const bvxi_bit_box *first, const bvxi_bit_box *second,
+                              const bvxi_bit_box **last)
 {
     if (morph->neighbourhood != 0) {
         *last = bvxi_step_sweeps(morph, source) % 2 == 1 ? first : second;
@@ -89,16 +100,19 @@ static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const b
     }
     *last = morph->operations == 2 ? second : first;
     BVXI_TRY(bvxi_morph_ball(ctx, morph, morph->operation[0], 0.0, 1.0 / morph->operations, source, first));
-    return morph->operations == 2 ? bvxi_morph_ball(ctx, morph, morph->operation[1], 0.5, 1.0, first, second) : BVX_OK;
+    return morph->operations == 2 ? bvxi_morph_ball(ctx, morph, morph->operation[1], 0.5, 1.0, first, second)
+                                  : BVX_OK;
 }
 
-static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)
+static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
+                                bvx_grid *result)
 {
     bvxi_bit_box const source = bvxi_box_of_grid(grid), target = bvxi_box_of_grid(result);
     int32_t const runs = morph->neighbourhood != 0 ? bvxi_step_sweeps(morph, &source) : morph->operations;
     const bvxi_bit_box *last;
     bvxi_bit_box between = source;
     bvx_status status;
+
     if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
     BVXI_TRY(alloc_box(ctx, morph->stage, &between));
     if (runs % 2 == 1) status = run_between(ctx, morph, &source, &target, &between, &last);
@@ -107,12 +121,14 @@ static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const
     return status;
 }
 
-static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)
+static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
+                                  bvx_grid *result)
 {
     int32_t room[3];
     const bvxi_bit_box *last = NULL;
     bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
     bvx_status status;
+
     BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
     other = wide;
     status = alloc_box(ctx, morph->stage, &other);
@@ -128,8 +144,10 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
 
 bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)
 {
-    int const leaves_window = morph->operations == 2 && morph->operation[0] == (morph->beyond ? BVXI_ERODE : BVXI_DILATE);
-    return leaves_window ? run_in_wide_box(ctx, morph, grid, result) : run_in_window(ctx, morph, grid, result);
+    int const leaves_window = morph->operations == 2 &&
+                              morph->operation[0] == (morph->beyond ? BVXI_ERODE : BVXI_DILATE);
+    return leaves_window ? run_in_wide_box(ctx, morph, grid, result)
+                         : run_in_window(ctx, morph, grid, result);
 }
 
 /* ---- what is asked for ---- */
@@ -149,27 +167,32 @@ static const bvxi_option morph_rows[] = {
     BVXI_RESERVED(bvx_morph_options, reserved),
 };
 
-static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_morph_options *options, bvxi_morph *morph)
+static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                     const bvx_morph_options *options, bvxi_morph *morph)
 {
     bvx_morph_options o = morph_defaults;
+
     BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
     if (o.neighbourhood == 0 && o.steps != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; a ball takes 1", function,
+                         (int64_t)o.steps);
     if (o.neighbourhood != 0 && o.radius != 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be 0 unless neighbourhood is 0", function, o.radius);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be 0 unless neighbourhood is 0",
+                         function, o.radius);
     morph->neighbourhood = o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;
     return o.neighbourhood == 0 ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph) : BVX_OK;
 }
 
-static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_morph_options *options, bvxi_morph *morph,
-                              bvx_grid *result)
+static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                              const bvx_morph_options *options, bvxi_morph *morph, bvx_grid *result)
 {
     bvx_window window;
     bvx_grid made;
     bvx_status status;
+
     if (ctx == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
@@ -184,25 +207,29 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     return status;
 }
 
-bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
+bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                           bvx_grid *result)
 {
     bvxi_morph morph = {"dilate", {BVXI_DILATE, BVXI_DILATE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     return BVXI_CALL(context, change_grid(context, "bvx_grid_dilate", grid, options, &morph, result));
 }
 
-bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
+bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                          bvx_grid *result)
 {
     bvxi_morph morph = {"erode", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     return BVXI_CALL(context, change_grid(context, "bvx_grid_erode", grid, options, &morph, result));
 }
 
-bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
+bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                         bvx_grid *result)
 {
     bvxi_morph morph = {"open", {BVXI_ERODE, BVXI_DILATE}, 2, 0, 0, 0, {0, 0, 0}, 0};
     return BVXI_CALL(context, change_grid(context, "bvx_grid_open", grid, options, &morph, result));
 }
 
-bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result)
+bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                          bvx_grid *result)
 {
     bvxi_morph morph = {"close", {BVXI_DILATE, BVXI_ERODE}, 2, 0, 0, 0, {0, 0, 0}, 0};
     return BVXI_CALL(context, change_grid(context, "bvx_grid_close", grid, options, &morph, result));

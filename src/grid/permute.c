@@ -1,7 +1,8 @@
 /* permute.c - axes of a grid changed and mirrored.
  *
- * Where x stays x, rows are copied, or turned over a word at a time. Where x goes elsewhere, 64 rows and one word are a square of
- * 64 x 64 bits that is turned over its diagonal (bits/transpose.h); each word of the result is written by one square. */
+ * Where x stays x, rows are copied, or turned over a word at a time. Where x goes elsewhere, 64 rows and one
+ * word are a square of 64 x 64 bits that is turned over its diagonal (bits/transpose.h); each word of the
+ * result is written by one square. */
 #include "bits/transpose.h"
 #include "grid/grid.h"
 
@@ -11,10 +12,10 @@ typedef struct permute_job {
     const bvx_grid *grid;
     bvx_grid *result;
     int32_t axes[3], flips[3];
-    int32_t x_to;        /* the result's axis that x becomes */
+    int32_t x_to; /* the result's axis that x becomes */
     int32_t slices, pieces;
-    size_t step[3];      /* words of grid from voxel to voxel along the result's axes; 0 where that is x */
-    size_t to_step[3];   /* words of result */
+    size_t step[3];    /* words of grid from voxel to voxel along the result's axes; 0 where that is x */
+    size_t to_step[3]; /* words of result */
 } permute_job;
 
 /* Place of voxel i of the result's axis along the grid's. */
@@ -41,7 +42,8 @@ static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
     int32_t const words = bvxi_row_words(size), spare = words * BVXI_WORD_BITS - size;
     for (int32_t k = 0; k < words; k++) {
         to[k] = reverse_word(row[words - 1 - k]) >> spare;
-        if (spare != 0 && k + 1 < words) to[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
+        if (spare != 0 && k + 1 < words)
+            to[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
     }
 }
 
@@ -51,11 +53,13 @@ static void permute_rows(void *user, int32_t index, int32_t worker)
     bvx_grid *const to = job->result;
     size_t const words = (size_t)to->words_per_row;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const b = (int32_t)(r % (uint64_t)to->size[1]), c = (int32_t)(r / (uint64_t)to->size[1]);
-        const uint64_t *const row = job->grid->words + (size_t)flipped(job, 1, b) * job->step[1] + (size_t)flipped(job, 2, c) * job->step[2];
+        const uint64_t *const row = job->grid->words + (size_t)flipped(job, 1, b) * job->step[1] +
+                                    (size_t)flipped(job, 2, c) * job->step[2];
         if (job->flips[0]) reverse_row(row, to->size[0], to->words + (size_t)r * words);
         else memcpy(to->words + (size_t)r * words, row, words * 8);
     }
@@ -63,7 +67,8 @@ static void permute_rows(void *user, int32_t index, int32_t worker)
 
 /* ---- x goes elsewhere ---- */
 
-/* Rows of the result's voxels 64 k .. along x, the grid's word at `from`: then bit i of word n is what bit n of row i was. */
+/* Rows of the result's voxels 64 k .. along x, the grid's word at `from`:
+ * then bit i of word n is what bit n of row i was. */
 static void load_permute_square(const permute_job *job, const uint64_t *from, int32_t k, uint64_t square[64])
 {
     int32_t const first = k * BVXI_WORD_BITS, left = job->result->size[0] - first;
@@ -80,8 +85,11 @@ static void permute_square(const permute_job *job, int32_t third, int32_t slice,
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
     uint64_t *const to = job->result->words + (size_t)slice * job->to_step[third] + (size_t)k;
     uint64_t square[64];
-    load_permute_square(job, job->grid->words + (size_t)flipped(job, third, slice) * job->step[third] + (size_t)word, k, square);
-    for (int32_t i = 0; i < n; i++) to[(size_t)flipped(job, x_to, first + i) * job->to_step[x_to]] = square[i];
+    load_permute_square(
+        job, job->grid->words + (size_t)flipped(job, third, slice) * job->step[third] + (size_t)word, k,
+        square);
+    for (int32_t i = 0; i < n; i++)
+        to[(size_t)flipped(job, x_to, first + i) * job->to_step[x_to]] = square[i];
 }
 
 static void permute_squares(void *user, int32_t index, int32_t worker)
@@ -89,25 +97,32 @@ static void permute_squares(void *user, int32_t index, int32_t worker)
     const permute_job *const job = user;
     int32_t const third = 3 - job->x_to; /* 1 and 2 change places */
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece((uint64_t)job->slices, job->pieces, index, &begin, &end);
     for (uint64_t s = begin; s < end; s++)
         for (int32_t k = 0; k < job->result->words_per_row; k++)
-            for (int32_t word = 0; word < job->grid->words_per_row; word++) permute_square(job, third, (int32_t)s, word, k);
+            for (int32_t word = 0; word < job->grid->words_per_row; word++)
+                permute_square(job, third, (int32_t)s, word, k);
 }
 
 /* ---- public ---- */
 
-static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_t axes[3], const int32_t flips[3], permute_job *job)
+static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_t axes[3],
+                            const int32_t flips[3], permute_job *job)
 {
     int32_t seen = 0;
+
     if (axes == NULL) return bvxi_fail_null(ctx, function, "axes");
     for (int32_t a = 0; a < 3; a++) {
         int32_t const flip = flips != NULL ? flips[a] : 0;
         if (axes[a] < 0 || axes[a] > 2 || (seen >> axes[a] & 1) != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: axes are %d, %d, %d; they must be 0, 1, 2 in any order", function, (int64_t)axes[0],
-                             (int64_t)axes[1], (int64_t)axes[2]);
-        if ((flip & ~1) != 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: flips[%d] is %d, not 0 or 1", function, (int64_t)a, (int64_t)flip);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: axes are %d, %d, %d; they must be 0, 1, 2 in any order", function,
+                             (int64_t)axes[0], (int64_t)axes[1], (int64_t)axes[2]);
+        if ((flip & ~1) != 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: flips[%d] is %d, not 0 or 1", function, (int64_t)a,
+                             (int64_t)flip);
         seen |= 1 << axes[a];
         job->axes[a] = axes[a];
         job->flips[a] = flip;
@@ -120,6 +135,7 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
 static void permute_place(const permute_job *job, bvx_lattice *lattice, bvx_window *window)
 {
     const bvx_grid *const g = job->grid;
+
     lattice->fraction_bits = g->lattice.fraction_bits;
     for (int32_t a = 0; a < 3; a++) {
         int32_t const from = job->axes[a];
@@ -135,7 +151,9 @@ static void lay_permute_steps(permute_job *job)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
     size_t const row = (size_t)g->words_per_row, to_row = (size_t)to->words_per_row;
-    size_t const step[3] = {0, row, row * (size_t)g->size[1]}, to_step[3] = {0, to_row, to_row * (size_t)to->size[1]};
+    size_t const step[3] = {0, row, row * (size_t)g->size[1]};
+    size_t const to_step[3] = {0, to_row, to_row * (size_t)to->size[1]};
+
     for (int32_t a = 0; a < 3; a++) {
         job->step[a] = step[job->axes[a]];
         job->to_step[a] = to_step[a];
@@ -151,6 +169,7 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     bvx_window window;
     uint64_t words;
     int mine;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
@@ -174,7 +193,8 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     return bvxi_grid_fill_by(context, "permute", job.pieces, permute_squares, &job, mine, result);
 }
 
-bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3], const int32_t flips[3], bvx_grid *result)
+bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
+                            const int32_t flips[3], bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_permute(context, grid, axes, flips, result));
 }

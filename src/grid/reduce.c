@@ -1,8 +1,8 @@
 /* reduce.c - blocks of voxels become voxels, or counts: bvx_grid_downsample, bvx_grid_coverage.
  *
- * Rows of blocks come as bit planes (block_rows.c). ALL is what has no empty voxel; MAJORITY compares 64 counts at a time with half of
- * the block's voxels, and looks at the first and the last block of a row apart, as the window may cut them; counts are the planes
- * turned over (bits/transpose.h). */
+ * Rows of blocks come as bit planes (block_rows.c). ALL is what has no empty voxel; MAJORITY compares 64
+ * counts at a time with half of the block's voxels, and looks at the first and the last block of a row apart,
+ * as the window may cut them; counts are the planes turned over (bits/transpose.h). */
 #include "grid/blocks.h"
 #include "bits/transpose.h"
 
@@ -10,10 +10,12 @@ enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 
 /* ---- Layout ---- */
 
-/* Warren, Hacker's Delight, 7-4: which bits move by 1, 2, 4, ... places when those of the mask come together. */
+/* Warren, Hacker's Delight, 7-4: which bits move by 1, 2, 4, ... places when those of the mask come
+ * together. */
 static void lay_moves(bvxi_block_starts *s)
 {
     uint64_t m = s->mask, behind = ~s->mask << 1;
+
     for (int32_t i = 0; i < 6; i++) {
         uint64_t parity = behind;
         parity = bvxi_prefix_parity(parity);
@@ -26,7 +28,8 @@ static void lay_moves(bvxi_block_starts *s)
 
 static bvx_status lay_starts(bvx_context *ctx, bvxi_blocks *b)
 {
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts, "the blocks' first voxels", &b->starts));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts,
+                             "the blocks' first voxels", &b->starts));
     for (int32_t n = 0; n < b->window.size[0]; n++) {
         int64_t const x = (int64_t)n * b->factor[0];
         b->starts[x >> 6].mask |= UINT64_C(1) << (x & 63);
@@ -39,8 +42,10 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
 {
     uint64_t const voxels = (uint64_t)b->factor[0] * (uint64_t)b->factor[1];
     uint64_t bytes;
+
     if (voxels > UINT32_MAX || voxels * (uint64_t)b->factor[2] > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: blocks of %d x %d x %d voxels; fewer than 2^32 are possible", function,
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: blocks of %d x %d x %d voxels; fewer than 2^32 are possible", function,
                          (int64_t)b->factor[0], (int64_t)b->factor[1], (int64_t)b->factor[2]);
     b->plane_count = 1;
     if (b->what == BVXI_BLOCKS_COUNT)
@@ -51,11 +56,12 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the blocks' planes", &b->planes);
 }
 
-bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid, const int32_t factor[3], int32_t what,
-                            bvxi_blocks *b)
+bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                            const int32_t factor[3], int32_t what, bvxi_blocks *b)
 {
     double spacing[3];
     int32_t dims[3];
+
     memset(b, 0, sizeof *b);
     if (factor == NULL) return bvxi_fail_null(ctx, function, "factor");
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
@@ -66,8 +72,8 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
         int32_t const n = grid->lattice.dims[a];
         int64_t first, last;
         if (factor[a] < 1 || factor[a] > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: factor[%d] is %d; 1 to %d are possible", function, (int64_t)a, (int64_t)factor[a],
-                             (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: factor[%d] is %d; 1 to %d are possible", function,
+                             (int64_t)a, (int64_t)factor[a], (int64_t)BVXI_MAX_SIDE);
         spacing[a] = grid->lattice.spacing[a] * (double)factor[a];
         b->factor[a] = factor[a] < n ? factor[a] : n;
         first = grid->low[a] / b->factor[a];
@@ -110,9 +116,11 @@ typedef struct reduce_job {
 } reduce_job;
 
 /* Bits of word k whose counts are above a limit, digit by digit from the highest. */
-static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, int32_t k, uint64_t limit)
+static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, int32_t k,
+                             uint64_t limit)
 {
     uint64_t above = 0, equal = ~UINT64_C(0);
+
     if (digits < BVXI_BLOCK_PLANES && limit >> digits != 0) return 0;
     for (int32_t p = digits - 1; p >= 0; p--) {
         uint64_t const plane = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
@@ -126,16 +134,20 @@ static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32
     return above;
 }
 
-static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint64_t across, uint64_t *row)
+static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint64_t across,
+                         uint64_t *row)
 {
     int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
-    for (int32_t k = 0; k < b->count_words; k++) row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
+
+    for (int32_t k = 0; k < b->count_words; k++)
+        row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
     for (int32_t e = 0; e < 2; e++) {
         uint64_t const bit = UINT64_C(1) << (ends[e] & 63);
         int32_t begin, end;
         bvxi_block_range(b, 0, ends[e], &begin, &end);
         row[ends[e] >> 6] &= ~bit;
-        row[ends[e] >> 6] |= bit & counts_above(b, planes, digits, ends[e] >> 6, across * (uint64_t)(end - begin) / 2);
+        row[ends[e] >> 6] |= bit & counts_above(b, planes, digits, ends[e] >> 6,
+                                                across * (uint64_t)(end - begin) / 2);
     }
 }
 
@@ -145,6 +157,7 @@ static void reduce_row(const reduce_job *job, int32_t worker, int32_t j, int32_t
     size_t const words = (size_t)b->count_words;
     int32_t digits, y[2], z[2];
     const uint64_t *const planes = bvxi_blocks_row(b, worker, j, k, &digits);
+
     if (digits == 0) {
         memset(row, job->rule == BVX_REDUCE_ALL ? 0xff : 0, words * 8);
     } else if (job->rule == BVX_REDUCE_MAJORITY) {
@@ -165,7 +178,8 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     bvxi_piece(block_rows(b), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++)
-        reduce_row(job, worker, (int32_t)(r % rows), (int32_t)(r / rows), job->result->words + (size_t)r * (size_t)b->count_words);
+        reduce_row(job, worker, (int32_t)(r % rows), (int32_t)(r / rows),
+                   job->result->words + (size_t)r * (size_t)b->count_words);
 }
 
 static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job *job, bvx_grid *result)
@@ -187,10 +201,12 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
     reduce_job job;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     if (rule < BVX_REDUCE_ANY || rule > BVX_REDUCE_MAJORITY)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function, (int64_t)rule);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function,
+                             (int64_t)rule);
     job.rule = rule;
     status = bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks);
     if (status == BVX_OK) status = reduce_grid(context, function, &job, result);
@@ -198,7 +214,8 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     return status;
 }
 
-bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], int32_t rule, bvx_grid *result)
+bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
+                               int32_t rule, bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_downsample(context, grid, factor, rule, result));
 }
@@ -215,7 +232,8 @@ typedef struct coverage_job {
 static void put_counts(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint32_t *to)
 {
     for (int32_t k = 0; k < b->count_words; k++) {
-        int32_t const left = b->window.size[0] - k * BVXI_WORD_BITS, n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
+        int32_t const left = b->window.size[0] - k * BVXI_WORD_BITS;
+        int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
         uint64_t square[64], seen = 0;
         for (int32_t p = 0; p < digits; p++) {
             square[p] = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
@@ -239,10 +257,12 @@ static void coverage_piece(void *user, int32_t index, int32_t worker)
     uint64_t const rows = (uint64_t)b->window.size[1];
     size_t const row = (size_t)b->window.size[0];
     uint64_t begin, end;
+
     bvxi_piece(block_rows(b), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t digits;
-        const uint64_t *const planes = bvxi_blocks_row(b, worker, (int32_t)(r % rows), (int32_t)(r / rows), &digits);
+        const uint64_t *const planes = bvxi_blocks_row(b, worker, (int32_t)(r % rows), (int32_t)(r / rows),
+                                                       &digits);
         if (digits == 0) memset(job->counts + (size_t)r * row, 0, row * sizeof *job->counts);
         else put_counts(b, planes, digits, job->counts + (size_t)r * row);
     }
@@ -254,6 +274,7 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_coverage";
     coverage_job job;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     *count = 0;
@@ -263,7 +284,8 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
         job.counts = counts;
         job.pieces = block_pieces(&job.blocks);
         if (counts != NULL && capacity < *count)
-            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u", function, *count, capacity);
+            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u",
+                               function, *count, capacity);
         else if (counts != NULL)
             status = bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, coverage_piece, &job);
     }
@@ -271,8 +293,8 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     return status;
 }
 
-bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3], uint32_t *counts, uint64_t capacity,
-                             uint64_t *count)
+bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
+                             uint32_t *counts, uint64_t capacity, uint64_t *count)
 {
     return BVXI_CALL(context, run_grid_coverage(context, grid, factor, counts, capacity, count));
 }

@@ -1,7 +1,8 @@
 /* resample.c - a grid seen at the centres of another lattice.
  *
- * The old voxel of a new one is a table along each axis, and the tables do not fall. So a run of set voxels along x becomes a run,
- * whose ends a second table has: rows are written by runs, and rows that come from one row are copies of each other. */
+ * The old voxel of a new one is a table along each axis, and the tables do not fall. So a run of set voxels
+ * along x becomes a run, whose ends a second table has: rows are written by runs, and rows that come from one
+ * row are copies of each other. */
 #include "bits/row_runs.h"
 #include "grid/grid.h"
 
@@ -12,9 +13,11 @@ enum { RESAMPLE_GRAIN = 2048 /* least words a piece */ };
 typedef struct resample_job {
     const bvx_grid *grid;
     bvx_grid *result;
-    int32_t *source[2];  /* the grid's voxel under each of the result's along y and z; -1 outside [Size: result's size] */
-    int32_t *first;      /* the result's first voxel along x at or behind each of the grid's [Size: grid's size + 1] */
-    uint64_t bytes;      /* of all three, in one block */
+    /* the grid's voxel under each of the result's along y and z; -1 outside [Size: result's size] */
+    int32_t *source[2];
+    /* the result's first voxel along x at or behind each of the grid's [Size: grid's size + 1] */
+    int32_t *first;
+    uint64_t bytes; /* of all three, in one block */
     int32_t pieces;
 } resample_job;
 
@@ -22,8 +25,10 @@ typedef struct resample_job {
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
-    double const centre = to->lattice.origin[axis] + ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
-    double const v = floor((centre - g->lattice.origin[axis]) / g->lattice.spacing[axis]) - (double)g->low[axis];
+    double const centre = to->lattice.origin[axis] +
+                          ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
+    double const v = floor((centre - g->lattice.origin[axis]) / g->lattice.spacing[axis]) -
+                     (double)g->low[axis];
     return v < 0.0 ? -1 : v >= (double)g->size[axis] ? g->size[axis] : (int32_t)v;
 }
 
@@ -31,6 +36,7 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
     int32_t next = 0;
+
     job->bytes = ((uint64_t)to->size[1] + (uint64_t)to->size[2] + (uint64_t)g->size[0] + 1) * sizeof(int32_t);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bytes, "the tables of voxels", &job->source[0]));
     job->source[1] = job->source[0] + to->size[1];
@@ -52,7 +58,9 @@ static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t
     int32_t begin, end;
     bvxi_row_runs runs;
     memset(row, 0, (size_t)job->result->words_per_row * 8);
-    bvxi_row_runs_start(&runs, g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row, g->size[0], 0);
+    bvxi_row_runs_start(&runs,
+                        g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
+                        g->size[0], 0);
     while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
 }
 
@@ -64,6 +72,7 @@ static void resample_piece(void *user, int32_t index, int32_t worker)
     uint64_t const rows = (uint64_t)to->size[1];
     int32_t last_y = -1, last_z = -1;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
@@ -85,6 +94,7 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     bvx_window w;
     bvx_status status;
     int mine;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
@@ -104,8 +114,8 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     return status;
 }
 
-bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice, const bvx_window *window,
-                             bvx_grid *result)
+bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
+                             const bvx_window *window, bvx_grid *result)
 {
     return BVXI_CALL(context, run_grid_resample(context, grid, lattice, window, result));
 }

@@ -1,10 +1,11 @@
 /* sample.c - trilinear samples of a grid and their gradients.
  *
- * A point has x = (point - origin) / spacing - 1/2 along each axis, in which voxel i of the lattice has its centre at i. With
- * i = floor(x) and f = x - i the eight voxels round it are blended a + f (b - a), first along x, then y, then z, in doubles.
- * So the value lies in [0, 1] and is the voxel's own where f is 0 along all axes. The gradient is that of the same blend
- * within its eight voxels; on the planes through centres, where it jumps, it is the one of the upper side.
- * Positions count from the lattice's origin, so a window changes nothing but what lies beyond it, which is 0. */
+ * A point has x = (point - origin) / spacing - 1/2 along each axis, in which voxel i of the lattice has its
+ * centre at i. With i = floor(x) and f = x - i the eight voxels round it are blended a + f (b - a), first
+ * along x, then y, then z, in doubles. So the value lies in [0, 1] and is the voxel's own where f is 0 along
+ * all axes. The gradient is that of the same blend within its eight voxels; on the planes through centres,
+ * where it jumps, it is the one of the upper side. Positions count from the lattice's origin, so a window
+ * changes nothing but what lies beyond it, which is 0. */
 #include "grid/grid.h"
 
 #include <math.h>
@@ -19,7 +20,8 @@ typedef struct sample_work {
     int32_t pieces;
 } sample_work;
 
-/* The voxel below along an axis, from -1 to size - 1, and the fraction behind it; 0 when the sample is 0 whatever is set. */
+/* The voxel below along an axis, from -1 to size - 1, and the fraction
+ * behind it; 0 when the sample is 0 whatever is set. */
 static int sample_cell(const bvx_grid *g, int32_t axis, double point, int32_t *cell, double *fraction)
 {
     double const x = (point - g->lattice.origin[axis]) / g->lattice.spacing[axis] - 0.5;
@@ -43,6 +45,7 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
 {
     int32_t c[3];
     double f[3], row[2][2], slope[2][2], slice[2], slope_x[2], slope_y[2];
+
     gradient[0] = gradient[1] = gradient[2] = 0.0;
     for (int32_t a = 0; a < 3; a++)
         if (!sample_cell(g, a, point[a], &c[a], &f[a])) return 0.0;
@@ -71,17 +74,20 @@ static void sample_points_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(w->count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
-        w->values[i] = sample_point(w->grid, w->points + 3 * i, w->gradients != NULL ? w->gradients + 3 * i : unused);
+        w->values[i] = sample_point(w->grid, w->points + 3 * i,
+                                    w->gradients != NULL ? w->gradients + 3 * i : unused);
 }
 
-static bvx_status check_sample_points(bvx_context *ctx, const char *function, const double *points, uint64_t count)
+static bvx_status check_sample_points(bvx_context *ctx, const char *function, const double *points,
+                                      uint64_t count)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     for (uint64_t i = 0; i < count; i++)
         for (int a = 0; a < 3; a++)
             if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i has %s = %g, which is not finite", function, i, axis_name[a],
-                                 points[3 * i + (uint64_t)a]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: point %i has %s = %g, which is not finite", function, i,
+                                     axis_name[a], points[3 * i + (uint64_t)a]);
     return BVX_OK;
 }
 
@@ -90,18 +96,20 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
 {
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients, count, bvxi_piece_count(count, SAMPLE_GRAIN)};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
     if (count > SIZE_MAX / 24)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses", function, count);
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses",
+                         function, count);
     BVXI_TRY(check_sample_points(context, function, points, count));
     return bvxi_parallel(context, "sample", 0.0, 1.0, w.pieces, sample_points_piece, &w);
 }
 
-bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count, double *values,
-                           double *gradients)
+bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
+                           double *values, double *gradients)
 {
     return BVXI_CALL(context, run_grid_sample(context, grid, points, count, values, gradients));
 }

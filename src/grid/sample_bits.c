@@ -1,14 +1,15 @@
 /* sample_bits.c - arrays of numbers to rows of bits by any rule.
  *
- * Where x runs fastest, a row of samples is a row of bits. Where another axis does (NumPy's C order), tiles of TILE_X by
- * TILE_F voxels are packed along that axis, so that the array is read in runs, turned by transposing 64 by 64 bits (Warren.
- * Hacker's Delight. 2003, section 7-3), and written in rows. Guarantee: a task writes rows or tiles of its own; which
- * thread runs it shows nowhere. */
+ * Where x runs fastest, a row of samples is a row of bits. Where another axis does (NumPy's C order), tiles
+ * of TILE_X by TILE_F voxels are packed along that axis, so that the array is read in runs, turned by
+ * transposing 64 by 64 bits (Warren. Hacker's Delight. 2003, section 7-3), and written in rows. Guarantee: a
+ * task writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "grid/sample_bits.h"
 
 enum {
-    TILE_X_WORDS = 8, TILE_F_WORDS = 4, /* 512 by 256 voxels: 16 KiB of turned rows, 2 KiB of runs */
-    PACK_GRAIN = 1 << 16                /* samples of the smallest task */
+    TILE_X_WORDS = 8,
+    TILE_F_WORDS = 4,    /* 512 by 256 voxels: 16 KiB of turned rows, 2 KiB of runs */
+    PACK_GRAIN = 1 << 16 /* samples of the smallest task */
 };
 
 static uint64_t stride_size(int64_t stride)
@@ -26,6 +27,7 @@ void bvxi_sample_walk_plan(bvxi_sample_walk *w)
 {
     const int32_t *const n = w->grid->size;
     uint64_t run, runs;
+
     w->axis = 0;
     for (int32_t a = 1; a < 3; a++)
         if (n[a] > 1 && stride_size(w->stride[a]) < stride_size(w->stride[w->axis])) w->axis = a;
@@ -53,10 +55,12 @@ static void walk_rows(void *user, int32_t piece, int32_t worker)
     bvx_grid *const g = w->grid;
     void *const tally = piece_tally(w, piece);
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), w->pieces, piece, &row, &end);
     for (; row < end; row++)
-        w->run(w->rule, tally, sample_at(w, 0, (int64_t)(row % (uint64_t)g->size[1]), (int64_t)(row / (uint64_t)g->size[1])),
+        w->run(w->rule, tally,
+               sample_at(w, 0, (int64_t)(row % (uint64_t)g->size[1]), (int64_t)(row / (uint64_t)g->size[1])),
                w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
 }
 
@@ -66,6 +70,7 @@ static void walk_rows(void *user, int32_t piece, int32_t worker)
 static void turn_square(uint64_t a[64])
 {
     uint64_t mask = UINT64_C(0x00000000ffffffff);
+
     for (int32_t j = 32; j != 0; j >>= 1, mask ^= mask << j)
         for (int32_t block = 0; block < 64; block += 2 * j)
             for (int32_t k = block; k < block + j; k++) {
@@ -84,11 +89,13 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, int32_t x0, int32_
     int32_t const nf = g->size[f] - f0 < 64 * TILE_F_WORDS ? g->size[f] - f0 : 64 * TILE_F_WORDS;
     int32_t const nx = g->size[0] - x0 < 64 * TILE_X_WORDS ? g->size[0] - x0 : 64 * TILE_X_WORDS;
     int32_t const words_x = bvxi_row_words(nx), words_f = bvxi_row_words(nf);
+
     for (int32_t kx = 0; kx < words_x; kx++) {
         int32_t const n = nx - 64 * kx < 64 ? nx - 64 * kx : 64;
         for (int32_t i = 0; i < n; i++) {
             int64_t const x = (int64_t)x0 + 64 * kx + i;
-            w->run(w->rule, tally, f == 2 ? sample_at(w, x, third, f0) : sample_at(w, x, f0, third), w->stride[f], nf, run[i]);
+            w->run(w->rule, tally, f == 2 ? sample_at(w, x, third, f0) : sample_at(w, x, f0, third),
+                   w->stride[f], nf, run[i]);
         }
         for (int32_t kf = 0; kf < words_f; kf++) {
             for (int32_t i = 0; i < 64; i++) square[i] = i < n ? run[i][kf] : 0;
@@ -98,7 +105,8 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, int32_t x0, int32_
     }
     for (int32_t i = 0; i < nf; i++) {
         uint64_t const y = (uint64_t)(f == 2 ? third : f0 + i), z = (uint64_t)(f == 2 ? f0 + i : third);
-        memcpy(g->words + (z * (uint64_t)g->size[1] + y) * (uint64_t)g->words_per_row + (x0 >> 6), turned[i], (size_t)words_x * 8);
+        memcpy(g->words + (z * (uint64_t)g->size[1] + y) * (uint64_t)g->words_per_row + (x0 >> 6), turned[i],
+               (size_t)words_x * 8);
     }
 }
 
@@ -109,6 +117,7 @@ static void walk_tiles(void *user, int32_t piece, int32_t worker)
     void *const tally = piece_tally(w, piece);
     uint64_t const tiles = (uint64_t)tiles_along(w);
     uint64_t tile, end;
+
     (void)worker;
     bvxi_piece(tiles * (uint64_t)g->size[3 - w->axis], w->pieces, piece, &tile, &end);
     for (; tile < end; tile++)
@@ -116,7 +125,8 @@ static void walk_tiles(void *user, int32_t piece, int32_t worker)
             walk_tile(w, tally, x, (int32_t)(tile % tiles) * 64 * TILE_F_WORDS, (int32_t)(tile / tiles));
 }
 
-bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from, double to, bvxi_sample_walk *walk)
+bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from, double to,
+                                bvxi_sample_walk *walk)
 {
     return bvxi_parallel(ctx, stage, from, to, walk->pieces, walk->axis == 0 ? walk_rows : walk_tiles, walk);
 }

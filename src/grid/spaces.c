@@ -1,10 +1,12 @@
-/* spaces.c - runs of empty or set voxels joined to spaces (components.c), and handed out again with their numbers. */
+/* spaces.c - runs of empty or set voxels joined to spaces (components.c),
+ * and handed out again with their numbers. */
 #include "grid/spaces.h"
 
 static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
 {
     uint64_t const rows = bvxi_grid_rows(grid);
     uint64_t n = 0;
+
     for (uint64_t r = 0; r < rows; r++) {
         const uint64_t *const row = grid->words + (size_t)r * (size_t)grid->words_per_row;
         uint64_t last = 0;
@@ -23,6 +25,7 @@ static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
     int32_t const step = (g->size[2] + 7) / 8, words = g->words_per_row;
     uint64_t const flip = s->empty ? ~UINT64_C(0) : 0, tail = bvxi_tail_mask(g->size[0]);
     const uint64_t *from = g->words;
+
     for (int32_t z = 0; z < g->size[2]; z++) {
         if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, s->stage, (double)z / (double)g->size[2]));
         for (int32_t y = 0; y < g->size[1]; y++, from += words) {
@@ -37,12 +40,14 @@ static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
     return BVX_OK;
 }
 
-bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid, int32_t empty,
-                            int32_t connectivity, bvxi_spaces *spaces)
+bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
+                            int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
     bvx_status status;
+
     memset(spaces, 0, sizeof *spaces);
-    BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, count_space_runs(grid, empty), &spaces->parts));
+    BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, count_space_runs(grid, empty),
+                                  &spaces->parts));
     spaces->grid = grid;
     spaces->stage = stage;
     spaces->empty = empty;
@@ -55,6 +60,7 @@ void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *use
 {
     const bvx_grid *const g = spaces->grid;
     const uint32_t *label = spaces->parts.label;
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y;
@@ -101,7 +107,8 @@ typedef struct spaces_flip {
 static void flip_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     const spaces_flip *const f = user;
-    uint64_t *const row = f->words + ((size_t)z * (size_t)f->grid->size[1] + (size_t)y) * (size_t)f->grid->words_per_row;
+    uint64_t *const row = f->words +
+                          ((size_t)z * (size_t)f->grid->size[1] + (size_t)y) * (size_t)f->grid->words_per_row;
     if (!f->marked[space]) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }
@@ -114,6 +121,8 @@ void bvxi_spaces_flip(const bvxi_spaces *spaces, const uint8_t *marked, uint64_t
 
 bvx_status bvxi_check_connectivity(bvx_context *ctx, const char *function, int32_t connectivity)
 {
-    if (connectivity == BVXI_CONNECT_6 || connectivity == BVXI_CONNECT_18 || connectivity == BVXI_CONNECT_26) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6, 18 or 26", function, (int64_t)connectivity);
+    if (connectivity == BVXI_CONNECT_6 || connectivity == BVXI_CONNECT_18 || connectivity == BVXI_CONNECT_26)
+        return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6, 18 or 26", function,
+                     (int64_t)connectivity);
 }

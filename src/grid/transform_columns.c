@@ -1,14 +1,17 @@
-/* transform_columns.c - distances along a column in whole numbers: the lower envelope of parabolas, or where all is near a search.
+/* transform_columns.c - distances along a column in whole numbers: the lower envelope of parabolas, or where
+ * all is near a search.
  *
- * Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear Time. 2000; Felzenszwalb,
- * Huttenlocher. Distance Transforms of Sampled Functions. 2012.
+ * Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear
+ * Time. 2000; Felzenszwalb, Huttenlocher. Distance Transforms of Sampled Functions. 2012.
  *
- * Parabola u is g[u] + (y - u)^2. For i < u parabola i is at least as good up to y = floor(((g[u] + u^2) - (g[i] + i^2)) / (2 (u - i))).
- * That quotient is taken by a product with 1 / (2 (u - i)): the numerator is a whole number below 2^51, half of one is added, so
- * the true value is at least 1 / (4 (u - i)) from any whole number, and two roundings of 2^-53 do not cross it. Exact.
+ * Parabola u is g[u] + (y - u)^2. For i < u parabola i is at least as good up to y = floor(((g[u] + u^2) -
+ * (g[i] + i^2)) / (2 (u - i))). That quotient is taken by a product with 1 / (2 (u - i)): the numerator is a
+ * whole number below 2^51, half of one is added, so the true value is at least 1 / (4 (u - i)) from any whole
+ * number, and two roundings of 2^-53 do not cross it. Exact.
  *
- * Where every square of the columns is small, the least is searched for outwards, 16 columns at once: in y +- k for k below its
- * root. A search that would go beyond SEARCH_STEPS is dropped for the envelope; both give the same numbers. */
+ * Where every square of the columns is small, the least is searched for outwards, 16 columns at once: in y +-
+ * k for k below its root. A search that would go beyond SEARCH_STEPS is dropped for the envelope; both give
+ * the same numbers. */
 #include "grid/transform.h"
 
 enum { SEARCH_STEPS = 8 };
@@ -22,7 +25,8 @@ BVXI_VECTOR_INLINE uint32_t most_of_lanes(const uint32_t *BVXI_RESTRICT lanes)
     return most;
 }
 
-BVXI_VECTOR_INLINE void take_lesser(uint32_t *BVXI_RESTRICT best, const uint32_t *BVXI_RESTRICT other, uint32_t step)
+BVXI_VECTOR_INLINE void take_lesser(uint32_t *BVXI_RESTRICT best, const uint32_t *BVXI_RESTRICT other,
+                                    uint32_t step)
 {
     for (int32_t i = 0; i < BVXI_LANES; i++) {
         uint32_t const v = other[i] + step;
@@ -35,6 +39,7 @@ BVXI_VECTOR_INLINE int search_columns(const bvxi_columns *c)
 {
     const uint32_t *const in = c->in;
     uint32_t *const out = c->out;
+
     for (int32_t y = 0; y < c->n; y++) {
         uint32_t best[BVXI_LANES], most;
         memcpy(best, in + (size_t)y * BVXI_LANES, sizeof best);
@@ -68,13 +73,15 @@ static int try_search(const bvxi_columns *c)
 
 /* ---- the envelope ---- */
 
-/* The parabolas of one column that are least somewhere: site[i] from start[i] on. Returns the last one's number. */
+/* The parabolas of one column that are least somewhere: site[i] from
+ * start[i] on. Returns the last one's number. */
 static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 {
     double *const height = c->height, *const start = c->start;
     int32_t *const site = c->site;
     double const end = (double)(c->n - 1);
     int32_t top = -1;
+
     for (int32_t j = 0; j < c->place_count; j++) {
         int32_t const u = c->places[j];
         double const h = (double)in[(size_t)u * BVXI_LANES] + (double)u * (double)u;
@@ -96,7 +103,8 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
     return top;
 }
 
-static inline void read_envelope(const bvxi_columns *c, const uint32_t *in, int32_t top, uint32_t *out, int32_t *from)
+static inline void read_envelope(const bvxi_columns *c, const uint32_t *in, int32_t top, uint32_t *out,
+                                 int32_t *from)
 {
     for (int32_t i = 0; i <= top; i++) {
         int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
@@ -116,6 +124,7 @@ void bvxi_whole_columns(const bvxi_columns *columns)
     if (try_search(columns)) return;
     for (int32_t lane = 0; lane < BVXI_LANES; lane++) {
         int32_t const top = build_envelope(columns, in + lane);
-        read_envelope(columns, in + lane, top, out + lane, columns->from != NULL ? columns->from + lane : NULL);
+        read_envelope(columns, in + lane, top, out + lane,
+                      columns->from != NULL ? columns->from + lane : NULL);
     }
 }

@@ -1,8 +1,8 @@
 /* transform_rows.c - distances along a row of bits to the nearest target, 16 voxels at a time.
  *
- * A table says for each byte how far its bits are from its own set bits; what lies beyond the byte comes in through the nearest
- * target on either side. These are carried from 16 columns to the next, so that each word of a row is looked at a few times,
- * however far targets lie apart. Exact. */
+ * A table says for each byte how far its bits are from its own set bits; what lies beyond the byte comes in
+ * through the nearest target on either side. These are carried from 16 columns to the next, so that each word
+ * of a row is looked at a few times, however far targets lie apart. Exact. */
 #include "grid/transform.h"
 #include "grid/components.h"
 
@@ -14,7 +14,8 @@ void bvxi_row_distances_start(bvxi_row_distances *table)
         for (int32_t i = 0; i < 8; i++) {
             table->near[b][i] = BYTE_NONE;
             for (int32_t d = 7; d >= 0; d--)
-                if ((i >= d && (b >> (i - d) & 1)) || (i + d < 8 && (b >> (i + d) & 1))) table->near[b][i] = (uint8_t)d;
+                if ((i >= d && (b >> (i - d) & 1)) || (i + d < 8 && (b >> (i + d) & 1)))
+                    table->near[b][i] = (uint8_t)d;
         }
 }
 
@@ -29,6 +30,7 @@ static int32_t first_target(const uint64_t *row, int32_t size, uint64_t flip, in
 {
     int32_t const words = bvxi_row_words(size);
     int32_t k = x >> 6;
+
     if (k >= words) return -1;
     uint64_t w = target_word(row, size, flip, k) & ~UINT64_C(0) << (x & 63);
     while (w == 0) {
@@ -53,11 +55,13 @@ void bvxi_row_carry_next(bvxi_row_carry *carry, const uint64_t *row, int32_t siz
 {
     uint32_t const before = sixteen_targets(row, size, flip, x - BVXI_LANES);
     if (before != 0) carry->left = x - BVXI_LANES + bvxi_highest(before);
-    if (carry->right >= 0 && carry->right < x + BVXI_LANES) carry->right = first_target(row, size, flip, x + BVXI_LANES);
+    if (carry->right >= 0 && carry->right < x + BVXI_LANES)
+        carry->right = first_target(row, size, flip, x + BVXI_LANES);
 }
 
 /* Eight voxels from x on: left and right are the nearest targets beyond them. */
-BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t left, int32_t right, int32_t *BVXI_RESTRICT steps)
+BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t left, int32_t right,
+                                   int32_t *BVXI_RESTRICT steps)
 {
     for (int32_t i = 0; i < 8; i++) {
         int32_t const a = left + i, b = right - i, c = near[i] == BYTE_NONE ? ROW_NONE : near[i];
@@ -70,6 +74,7 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
 static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32_t x, int32_t *places)
 {
     int32_t last = carry->left, next = carry->right;
+
     for (int32_t i = 0; i < BVXI_LANES; i++) {
         if (bits >> i & 1) last = x + i;
         places[i] = last;
@@ -80,12 +85,15 @@ static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32
     }
 }
 
-int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const uint64_t *row, int32_t size, uint64_t flip,
-                   int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places)
+int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const uint64_t *row,
+                   int32_t size, uint64_t flip, int32_t x, int32_t reach, int32_t steps[BVXI_LANES],
+                   int32_t *places)
 {
     uint32_t const bits = sixteen_targets(row, size, flip, x);
     uint32_t const low = bits & 255u, high = bits >> 8;
-    int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left, right = carry->right < 0 ? ROW_NONE : carry->right - x;
+    int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left;
+    int32_t const right = carry->right < 0 ? ROW_NONE : carry->right - x;
+
     if (bits == 0 && left > reach && right - (BVXI_LANES - 1) > reach) return 0;
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
     byte_steps(table->near[high], low != 0 ? 8 - bvxi_highest(low) : left + 8, right - 8, steps + 8);

@@ -1,7 +1,8 @@
 /* turn.c - rows along y or z brought back to rows along x, in blocks of 64 x 64 bits (bits/transpose.h).
  *
- * Both turned orders keep x as the row of their slices, so a block of 64 turned rows and one word holds a square of x and the
- * turned axis. One task is a stretch of slices; each word of the grid is written by one block. */
+ * Both turned orders keep x as the row of their slices, so a block of 64 turned rows and one word holds a
+ * square of x and the turned axis. One task is a stretch of slices; each word of the grid is written by one
+ * block. */
 #include "grid/turn.h"
 #include "bits/transpose.h"
 
@@ -12,7 +13,8 @@ typedef struct turn_job {
     bvx_grid *grid;
     uint64_t *second;
     int32_t use, pieces;
-    size_t step, across; /* words of grid from voxel to voxel along the turned axis, and from slice to slice */
+    /* words of grid from voxel to voxel along the turned axis, and from slice to slice */
+    size_t step, across;
 } turn_job;
 
 /* Rows x .. x + 63 of slice s, word column k: bit i of word n becomes bit n of word i. */
@@ -26,9 +28,11 @@ static void load_turned_block(const bvx_grid *t, int32_t s, int32_t x, int32_t k
     bvxi_transpose_64(block);
 }
 
-static void put_turned_block(const turn_job *job, size_t at, int32_t count, uint64_t tail, const uint64_t block[64])
+static void put_turned_block(const turn_job *job, size_t at, int32_t count, uint64_t tail,
+                             const uint64_t block[64])
 {
     uint64_t *const grid = job->grid->words;
+
     for (int32_t i = 0; i < count; i++, at += job->step) {
         uint64_t const w = block[i];
         if (job->use == BVXI_TURN_SET) {
@@ -47,6 +51,7 @@ static void turn_piece_back(void *user, int32_t index, int32_t worker)
     int32_t const row_words = job->grid->words_per_row;
     uint64_t const tail = bvxi_tail_mask(job->grid->size[0]);
     uint64_t begin, end, block[64];
+
     (void)worker;
     bvxi_piece((uint64_t)t->size[2], job->pieces, index, &begin, &end);
     for (int32_t k = 0; k < t->words_per_row; k++) {
@@ -61,11 +66,12 @@ static void turn_piece_back(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, int32_t use, double progress, bvx_grid *grid,
-                          uint64_t *second)
+bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, int32_t use,
+                          double progress, bvx_grid *grid, uint64_t *second)
 {
     size_t const row = (size_t)grid->words_per_row, slice = row * (size_t)grid->size[1];
     turn_job job;
+
     job.turned = turned;
     job.grid = grid;
     job.second = second;

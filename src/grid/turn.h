@@ -1,7 +1,7 @@
 /* turn.h - grids whose bits run along y or z, and their way back to rows along x. Not installed.
  *
- * A turned grid has its window's sides in another order: (y, x, z) for axis 1, (z, x, y) for axis 2. Its lattice stays as it
- * is and tells fraction bits alone. For axis 0 nothing changes. */
+ * A turned grid has its window's sides in another order: (y, x, z) for axis 1, (z, x, y) for axis 2. Its
+ * lattice stays as it is and tells fraction bits alone. For axis 0 nothing changes. */
 #ifndef BVXI_TURN_H
 #define BVXI_TURN_H
 
@@ -19,6 +19,7 @@ static inline void bvxi_turn_axes(int32_t axis, int32_t order[3])
 static inline void bvxi_turn_shape(const bvx_grid *grid, int32_t axis, bvx_grid *turned)
 {
     int32_t order[3];
+
     bvxi_turn_axes(axis, order);
     memset(turned, 0, sizeof *turned);
     turned->lattice = grid->lattice;
@@ -35,9 +36,9 @@ enum {
     BVXI_TURN_AGREE = 1 /* second = where grid, second and w agree; grid stays */
 };
 
-/* Turn the bits of a turned grid (axis 1 or 2) and put them to the words of grid; second: words of its shape, or NULL.
- * A stage of progress that says nothing of its own: work is called at `progress`. */
-bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, int32_t use, double progress, bvx_grid *grid,
-                          uint64_t *second);
+/* Turn the bits of a turned grid (axis 1 or 2) and put them to the words of grid; second: words of its shape,
+ * or NULL. A stage of progress that says nothing of its own: work is called at `progress`. */
+bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis, int32_t use,
+                          double progress, bvx_grid *grid, uint64_t *second);
 
 #endif

@@ -12,16 +12,17 @@ static inline uint32_t bvxi_type_size(int32_t type)
 }
 
 /* Refuse a view that is none, naming the field; stride becomes its strides, packed ones written out. */
-bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_volume_view *volume, int64_t stride[3]);
+bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
+                             int64_t stride[3]);
 
 /* A sample as a double; 64-bit whole numbers are rounded. */
 static inline double bvxi_sample_value(const uint8_t *p, int32_t type)
 {
-#define BVXI_VALUE_CASE(name, c_type)  \
-    case name: {                       \
-        c_type v;                      \
-        memcpy(&v, p, sizeof v);       \
-        return (double)v;              \
+#define BVXI_VALUE_CASE(name, c_type) \
+    case name: {                      \
+        c_type v;                     \
+        memcpy(&v, p, sizeof v);      \
+        return (double)v;             \
     }
     switch (type) {
         BVXI_VALUE_CASE(BVX_SAMPLE_F32, float)

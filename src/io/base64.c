@@ -1,7 +1,7 @@
 /* base64.c - bytes written in base 64.
  *
- * Source: RFC 4648, section 4. White space is passed over. Padding ends a group, not the text: what writers encode piece
- * by piece (a length, then the data) reads as one. */
+ * Source: RFC 4648, section 4. White space is passed over. Padding ends a group, not the text: what writers
+ * encode piece by piece (a length, then the data) reads as one. */
 #include "io/base64.h"
 
 enum { BASE64_NONE = 64, BASE64_PADDING = 65, BASE64_SPACE = 66 };
@@ -9,6 +9,7 @@ enum { BASE64_NONE = 64, BASE64_PADDING = 65, BASE64_SPACE = 66 };
 void bvxi_base64_start(bvxi_base64 *b, const char *p, const char *end)
 {
     static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
     memset(b, 0, sizeof *b);
     memset(b->digit, BASE64_NONE, sizeof b->digit);
     for (uint8_t i = 0; i < 64; i++) b->digit[(unsigned char)alphabet[i]] = i;
@@ -23,6 +24,7 @@ static int base64_group(bvxi_base64 *b)
 {
     uint32_t bits = 0;
     int32_t digits = 0, padding = 0;
+
     for (; digits + padding < 4; b->p++) {
         if (b->p == b->end) return 0;
         uint8_t const d = b->digit[(unsigned char)*b->p];
@@ -46,6 +48,7 @@ static uint64_t base64_plain(bvxi_base64 *b, uint8_t *BVXI_RESTRICT bytes, uint6
     const char *p = b->p;
     uint64_t const there = (uint64_t)(b->end - p) / 4, most = groups < there ? groups : there;
     uint64_t n = 0;
+
     for (; n < most; n++, p += 4, bytes += 3) {
         uint32_t const d0 = digit[(unsigned char)p[0]], d1 = digit[(unsigned char)p[1]];
         uint32_t const d2 = digit[(unsigned char)p[2]], d3 = digit[(unsigned char)p[3]];

@@ -1,9 +1,12 @@
-/* bvx_file.h - the .bvx file: a bit grid with its lattice, slice by slice, each with a checksum. Not installed.
+/* bvx_file.h - the .bvx file: a bit grid with its lattice, slice by slice, each with a checksum. Not
+ * installed.
  *
- * All numbers are little-endian; f64 is an IEEE double. hash(bytes, seed) is bvx_hash, whose recipe stands in bitvox.h.
+ * All numbers are little-endian; f64 is an IEEE double. hash(bytes, seed) is bvx_hash, whose recipe stands in
+ * bitvox.h.
  *
  *   Head, 128 bytes
- *     0   u8[8]   89 42 56 58 0d 0a 1a 0a: like PNG's, a high byte and line ends show a transfer that took it for text
+ *     0   u8[8]   89 42 56 58 0d 0a 1a 0a: like PNG's, a high byte and line ends show a transfer that took it
+ *     for text
  *     8   u32     version of the format: 1
  *    12   u32     bytes of the head: 128
  *    16   f64[3]  lattice.origin
@@ -17,7 +20,8 @@
  *   104   u64[2]  reserved: 0
  *   120   u64     hash(bytes 0 to 119, 0)
  *   Then window.size z slices, z rising by one, each
- *     0   u64     hash(bytes 8 to the slice's end, frame), frame being hash(bytes 16 to 95 of the head, 0): a slice of another
+ *     0   u64     hash(bytes 8 to the slice's end, frame), frame being hash(bytes 16 to 95 of the head, 0): a
+ *     slice of another
  *                 lattice or another window in x and y does not pass for one of this file
  *     8   u32     lattice index z
  *    12   u32     encoding: 0 or 1
@@ -25,32 +29,51 @@
  *    24   u8[n]   the slice
  *   Nothing follows the last slice.
  *
- *   Encoding 0: the slice's rows, y rising; a row is (size x + 63) / 64 words of u64, voxel x is bit x & 63 of word x >> 6,
+ *   Encoding 0: the slice's rows, y rising; a row is (size x + 63) / 64 words of u64, voxel x is bit x & 63
+ *   of word x >> 6,
  *   bits past the row are 0.
- *   Encoding 1: lengths of runs along the slice's size x * size y voxels, x fastest, by turns of empty and set voxels, the
- *   empty ones first. The first length may be 0, no other is; together they are all voxels of the slice. A length is written
- *   seven bits a byte, the lowest first, all bytes but its last with 128 added, in as few bytes as it takes: at most 8, as a
+ *   Encoding 1: lengths of runs along the slice's size x * size y voxels, x fastest, by turns of empty and
+ *   set voxels, the
+ *   empty ones first. The first length may be 0, no other is; together they are all voxels of the slice. A
+ *   length is written
+ *   seven bits a byte, the lowest first, all bytes but its last with 128 added, in as few bytes as it takes:
+ *   at most 8, as a
  *   slice has at most 2^50 voxels.
  *
- * Our writer takes encoding 1 where it is the shorter one; a reader takes either. The same grid always gives the same bytes,
- * however it was cut into parts for bvx_write_slices.
+ * Our writer takes encoding 1 where it is the shorter one; a reader takes either. The same grid always gives
+ * the same bytes, however it was cut into parts for bvx_write_slices.
  *
- * What runs allow: 25 bytes a slice are the least that a file can have, and they can stand for 2^50 voxels. So a reader
- * checks every slice that it wants before it allocates a grid, makes the grid only of the window that is wanted, and leaves
- * its size to the context's memory limit. The checksum is over the packed bytes, not over the words, so that checking a
- * file and taking a small window out of it cost no more than its bytes, whatever they stand for. */
+ * What runs allow: 25 bytes a slice are the least that a file can have, and they can stand for 2^50 voxels.
+ * So a reader checks every slice that it wants before it allocates a grid, makes the grid only of the window
+ * that is wanted, and leaves its size to the context's memory limit. The checksum is over the packed bytes,
+ * not over the words, so that checking a file and taking a small window out of it cost no more than its
+ * bytes, whatever they stand for. */
 #ifndef BVXI_BVX_FILE_H
 #define BVXI_BVX_FILE_H
 
 #include "io/bytes.h"
 
-enum { BVXI_BVX_VERSION = 1, BVXI_BVX_HEAD = 128, BVXI_BVX_SLICE_HEAD = 24, BVXI_BVX_RAW = 0, BVXI_BVX_RUNS = 1 };
+enum {
+    BVXI_BVX_VERSION = 1,
+    BVXI_BVX_HEAD = 128,
+    BVXI_BVX_SLICE_HEAD = 24,
+    BVXI_BVX_RAW = 0,
+    BVXI_BVX_RUNS = 1
+};
 
 /* Places in the head. */
 enum {
-    BVXI_BVX_AT_VERSION = 8, BVXI_BVX_AT_HEAD_SIZE = 12, BVXI_BVX_AT_ORIGIN = 16, BVXI_BVX_AT_SPACING = 40,
-    BVXI_BVX_AT_DIMS = 64, BVXI_BVX_AT_FRACTION = 76, BVXI_BVX_AT_LOW = 80, BVXI_BVX_AT_SIZE = 88, BVXI_BVX_AT_Z = 96,
-    BVXI_BVX_AT_RESERVED = 104, BVXI_BVX_AT_CHECK = 120
+    BVXI_BVX_AT_VERSION = 8,
+    BVXI_BVX_AT_HEAD_SIZE = 12,
+    BVXI_BVX_AT_ORIGIN = 16,
+    BVXI_BVX_AT_SPACING = 40,
+    BVXI_BVX_AT_DIMS = 64,
+    BVXI_BVX_AT_FRACTION = 76,
+    BVXI_BVX_AT_LOW = 80,
+    BVXI_BVX_AT_SIZE = 88,
+    BVXI_BVX_AT_Z = 96,
+    BVXI_BVX_AT_RESERVED = 104,
+    BVXI_BVX_AT_CHECK = 120
 };
 
 static inline void bvxi_bvx_store(uint8_t *p, uint64_t v)

@@ -1,7 +1,8 @@
-/* bytes.h - numbers in files: either byte order on any machine at any address, and output that is counted first.
+/* bytes.h - numbers in files: either byte order on any machine at any address, and output that is counted
+ * first.
  *
- * Compilers make single instructions of the shifts. Stores all write the order that our own files have: little-endian,
- * but for PNG's big-endian words. */
+ * Compilers make single instructions of the shifts. Stores all write the order that our own files have:
+ * little-endian, but for PNG's big-endian words. */
 #ifndef BVXI_BYTES_H
 #define BVXI_BYTES_H
 

@@ -16,16 +16,20 @@ bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_sta
     return bvxi_fail(f->ctx, status, "%s: line %u: %s", f->format, contour_line(f, at), what);
 }
 
-bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what, uint64_t number, const char *rest)
+bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what,
+                                    uint64_t number, const char *rest)
 {
-    return bvxi_fail(f->ctx, BVX_ERR_FORMAT, "%s: line %u: %s%u%s", f->format, contour_line(f, at), what, number, rest);
+    return bvxi_fail(f->ctx, BVX_ERR_FORMAT, "%s: line %u: %s%u%s", f->format, contour_line(f, at), what,
+                     number, rest);
 }
 
-static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room, uint64_t item, const char *what)
+static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room,
+                               uint64_t item, const char *what)
 {
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
     if (count < *room) return BVX_OK;
-    if (larger > INT32_MAX) return bvxi_fail(f->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", f->format, what);
+    if (larger > INT32_MAX)
+        return bvxi_fail(f->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", f->format, what);
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, block, *room * item, larger * item, what));
     *room = larger;
     return BVX_OK;
@@ -43,6 +47,7 @@ bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t
 {
     bvx_sections *const s = &f->sections;
     bvx_section_loop *l;
+
     BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
     l = &s->loops[s->loop_count++];
     memset(l, 0, sizeof *l);
@@ -64,12 +69,16 @@ bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3])
 bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
 {
     bvx_sections *const s = &f->sections;
+
     if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8, "the sections"));
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8,
+                         "the sections"));
     s->section_capacity = s->section_count;
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops, s->loop_count * sizeof *s->loops, "the loops"));
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
+                         s->loop_count * sizeof *s->loops, "the loops"));
     s->loop_capacity = s->loop_count;
-    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
+                         "the points"));
     s->point_capacity = s->point_count;
     bvx_sections_free(f->ctx, sections);
     *sections = *s;
@@ -96,6 +105,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     bvx_read_sections_options o;
     bvxi_contour_file f;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
@@ -103,8 +113,11 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(read_sections_rows)));
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
-        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format, BVX_SECTIONS_READ);
-    if (size > SIZE_MAX / 2) return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses", function, size);
+        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format,
+                                BVX_SECTIONS_READ);
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses",
+                         function, size);
     memset(&f, 0, sizeof f);
     f.ctx = context;
     f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";
@@ -117,8 +130,8 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     return status;
 }
 
-bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format, const bvx_read_sections_options *options,
-                             bvx_sections *sections)
+bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                             const bvx_read_sections_options *options, bvx_sections *sections)
 {
     return BVXI_CALL(context, run_read_sections(context, bytes, size, format, options, sections));
 }

@@ -1,4 +1,5 @@
-/* contour_text.h - contour files: words and lines of text, and the stack that grows from them. Not installed. */
+/* contour_text.h - contour files: words and lines of text, and the stack that grows from them. Not
+ * installed. */
 #ifndef BVXI_CONTOUR_TEXT_H
 #define BVXI_CONTOUR_TEXT_H
 
@@ -6,14 +7,16 @@
 
 typedef struct bvxi_contour_file {
     bvx_context *ctx;
-    const char *format;             /* "CSL" */
+    const char *format; /* "CSL" */
     const char *begin, *p, *end;
-    bvx_sections sections;          /* owned; freed by the caller after a failure */
+    bvx_sections sections; /* owned; freed by the caller after a failure */
 } bvxi_contour_file;
 
 /* "FORMAT: line N: what". */
-BVXI_COLD bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_status status, const char *what);
-BVXI_COLD bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what, uint64_t number, const char *rest);
+BVXI_COLD bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_status status,
+                                       const char *what);
+BVXI_COLD bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what,
+                                              uint64_t number, const char *rest);
 
 bvx_status bvxi_contour_add_section(bvxi_contour_file *f, double position);
 bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label);

@@ -1,8 +1,8 @@
 /* file_parts.c - the writing of long files by several workers.
  *
- * The things of all parts, counted through, are cut into pieces. Each piece is written where it would begin if everything
- * before it had its greatest length; afterwards the pieces are pushed together. So text is made once, by all workers,
- * into one block, and files whose things have fixed lengths move nothing.
+ * The things of all parts, counted through, are cut into pieces. Each piece is written where it would begin
+ * if everything before it had its greatest length; afterwards the pieces are pushed together. So text is made
+ * once, by all workers, into one block, and files whose things have fixed lengths move nothing.
  * Guarantee: the bytes do not depend on workers or pieces. */
 #include "io/file_parts.h"
 #include "io/formats.h"
@@ -34,6 +34,7 @@ static void make_file_piece(void *user, int32_t index, int32_t worker)
     file_job *const job = user;
     uint64_t begin, end, first = 0;
     uint8_t *start, *at;
+
     (void)worker;
     bvxi_piece(job->things, job->pieces, index, &begin, &end);
     start = at = job->bytes + file_place(job, begin);
@@ -50,6 +51,7 @@ static void make_file_piece(void *user, int32_t index, int32_t worker)
 static uint64_t close_file_gaps(const file_job *job)
 {
     uint64_t size = 0, begin, end;
+
     for (int32_t i = 0; i < job->pieces; i++) {
         bvxi_piece(job->things, job->pieces, i, &begin, &end);
         begin = file_place(job, begin);
@@ -59,12 +61,13 @@ static uint64_t close_file_gaps(const file_job *job)
     return size;
 }
 
-bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head, const bvxi_file_part *part,
-                          int32_t parts, bvx_buffer *file)
+bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head,
+                          const bvxi_file_part *part, int32_t parts, bvx_buffer *file)
 {
     file_job job = {0};
     bvx_status status;
     uint64_t most;
+
     job.part = part;
     job.parts = parts;
     for (int32_t i = 0; i < parts; i++) job.things += part[i].count;

@@ -12,15 +12,16 @@ typedef struct bvxi_file_part {
     const void *user;
 } bvxi_file_part;
 
-/* Make a file of head bytes, which the caller fills when this has succeeded, and of parts one behind the other. The file's
- * capacity is what it would take at most. Its share of the progress is from .. 1.
+/* Make a file of head bytes, which the caller fills when this has succeeded, and of parts one behind the
+ * other. The file's capacity is what it would take at most. Its share of the progress is from .. 1.
  * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED: nothing is left then. */
-bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head, const bvxi_file_part *part,
-                          int32_t parts, bvx_buffer *file);
+bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head,
+                          const bvxi_file_part *part, int32_t parts, bvx_buffer *file);
 
 /* ---- text ---- */
 
-enum { BVXI_FLOAT_MOST = 22, BVXI_DOUBLE_MOST = 25 }; /* -100000000000000000000 and -0.0000012345678901234567 */
+/* -100000000000000000000 and -0.0000012345678901234567 */
+enum { BVXI_FLOAT_MOST = 22, BVXI_DOUBLE_MOST = 25 };
 
 static inline uint64_t bvxi_digits(uint64_t v)
 {

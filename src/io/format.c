@@ -30,7 +30,8 @@ int32_t bvx_format_of_name(const char *name)
     return BVX_FORMAT_UNKNOWN;
 }
 
-bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function, const char *what, int32_t format, int32_t set)
+bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function, const char *what,
+                            int32_t format, int32_t set)
 {
 #define BVXI_FORMAT_TEXT(name, value, text) {" ." text, name},
     static const struct {
@@ -48,5 +49,6 @@ bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *fun
         memcpy(endings + n, known[i].text, k + 1);
         n += k;
     }
-    return bvxi_fail_for(ctx, status, BVX_REASON_CHOICE, "%s: format %d holds no %s; take%s", function, (int64_t)format, what, endings);
+    return bvxi_fail_for(ctx, status, BVX_REASON_CHOICE, "%s: format %d holds no %s; take%s", function,
+                         (int64_t)format, what, endings);
 }

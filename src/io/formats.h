@@ -1,4 +1,5 @@
-/* formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share. Not installed. */
+/* formats.h - the readers and writers behind bvx_read_mesh and
+ * bvx_write_mesh, and what they share. Not installed. */
 #ifndef BVXI_FORMATS_H
 #define BVXI_FORMATS_H
 
@@ -10,12 +11,12 @@
 /* The bytes of a file, and where reading asks for progress next. */
 typedef struct bvxi_source {
     bvx_context *ctx;
-    const char *format;     /* "STL", for messages */
+    const char *format; /* "STL", for messages */
     const char *begin, *end;
-    const char *ask;        /* progress is asked when reading comes here */
-    double from, to;        /* share of this pass over the bytes */
-    double reached;         /* the greatest fraction reported: it never falls when bytes are read again */
-    int32_t takes_any;      /* 1: coordinates that are not finite are taken, to be dropped later */
+    const char *ask;   /* progress is asked when reading comes here */
+    double from, to;   /* share of this pass over the bytes */
+    double reached;    /* the greatest fraction reported: it never falls when bytes are read again */
+    int32_t takes_any; /* 1: coordinates that are not finite are taken, to be dropped later */
 } bvxi_source;
 
 bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
@@ -35,14 +36,16 @@ static inline bvx_status bvxi_source_at(bvxi_source *source, const char *at)
     return BVXI_LIKELY(at < source->ask) ? BVX_OK : bvxi_source_ask(source, at);
 }
 
-/* Pieces of a file may be read at the same time. Each has a source of its own without context: there a failure is a status
- * alone, and the piece that failed first is read again with the context, for its message. */
+/* Pieces of a file may be read at the same time. Each has a source of its own without context: there a
+ * failure is a status alone, and the piece that failed first is read again with the context, for its
+ * message. */
 #define BVXI_SOURCE_FAIL(source, status, ...) \
     ((source)->ctx == NULL ? (status) : bvxi_fail((source)->ctx, (status), __VA_ARGS__))
 
 /* Run count tasks, each for about BVXI_PIECE_BYTES of the file, as the part [from, to] of the work. */
 enum { BVXI_PIECE_BYTES = 1 << 19 };
-bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task, void *user);
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task,
+                              void *user);
 
 /* "STL: line 7: expected ..., found '...'": what stands at a place of a text file. */
 BVXI_COLD bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const char *expected);
@@ -58,7 +61,8 @@ int bvxi_mesh_is_empty(const bvx_mesh *m);
 /* The arrays of a mesh that is read, in exact sizes. */
 bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count);
 bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
-/* Behind positions and triangles: colours of the vertices, texture coordinates, and numbers of these for the triangles. */
+/* Behind positions and triangles: colours of the vertices, texture
+ * coordinates, and numbers of these for the triangles. */
 bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh);
 bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
 bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh);
@@ -104,6 +108,7 @@ static inline int bvxi_take_integer(const char **p, const char *end, int64_t *va
     int const negative = t < end && *t == '-';
     int64_t v = 0;
     unsigned d;
+
     t += negative || (t < end && *t == '+');
     const char *const digits = t, *const safe = end - t > 18 ? t + 18 : end; /* 18 digits always fit */
     for (; t < safe && (d = (unsigned)(unsigned char)*t - '0') <= 9; t++) v = v * 10 + (int64_t)d;
@@ -158,7 +163,8 @@ bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, b
 /* 1 when positions are written as floats: those that the mesh has, with no frame to add. */
 static inline int bvxi_writes_f32(const bvx_mesh *mesh)
 {
-    return mesh->position_type == BVX_F32 && mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0;
+    return mesh->position_type == BVX_F32 && mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 &&
+           mesh->frame[2] == 0.0;
 }
 
 /* Texture coordinates that a mesh really has: uv_count follows the capacity where they go with vertices. */
@@ -183,7 +189,9 @@ static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, do
     }
 }
 
-/* format.c: refuse a format that is not one of a set of the header's (BVX_MESHES_READ ...), with the endings of those. */
-BVXI_COLD bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function, const char *what, int32_t format, int32_t set);
+/* format.c: refuse a format that is not one of a set of the header's
+ * (BVX_MESHES_READ ...), with the endings of those. */
+BVXI_COLD bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *function,
+                                      const char *what, int32_t format, int32_t set);
 
 #endif

@@ -6,13 +6,14 @@
 
 /* Vertices repeated, so that each has one texture coordinate. */
 typedef struct bvxi_seams {
-    uint32_t *triangles;     /* vertices as written [Size: triangle_count * 3] */
-    uint32_t *vertex, *uv;   /* of the mesh, for each as written [Size: count] */
+    uint32_t *triangles;   /* vertices as written [Size: triangle_count * 3] */
+    uint32_t *vertex, *uv; /* of the mesh, for each as written [Size: count] */
     uint64_t count;
 } bvxi_seams;
 
-/* Vertices as written are the pairs of vertex and texture coordinate that corners have, in the order of their first use.
- * The mesh has uv_triangles and fewer than 2^32 corners. On failure nothing is held. Scratch: 28 bytes a corner. */
+/* Vertices as written are the pairs of vertex and texture coordinate that corners
+ * have, in the order of their first use. The mesh has uv_triangles and fewer than
+ * 2^32 corners. On failure nothing is held. Scratch: 28 bytes a corner. */
 bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams);
 void bvxi_free_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams);
 
@@ -21,9 +22,10 @@ enum { BVXI_GLB_POSITION, BVXI_GLB_NORMAL, BVXI_GLB_COLOUR, BVXI_GLB_UV, BVXI_GL
 /* One mesh of a file and where its arrays lie. */
 typedef struct bvxi_glb {
     const bvx_mesh *mesh;
-    double *normal;                  /* sums of bvxi_add_normals */
-    bvxi_seams seams;                /* zero: vertices are those of the mesh */
-    double centre[3];                /* of the bounds of all levels in the world: positions are relative to it */
+    double *normal;   /* sums of bvxi_add_normals */
+    bvxi_seams seams; /* zero: vertices are those of the mesh */
+    /* of the bounds of all levels in the world: positions are relative to it */
+    double centre[3];
     float low[3], high[3];           /* of the positions */
     uint64_t vertices;               /* as written */
     uint64_t count[BVXI_GLB_ARRAYS]; /* elements of each array, 0 where the mesh has none */

@@ -1,11 +1,12 @@
-/* glb_json.c - the description of a GLB file: where its arrays lie, what they are, how meshes stand in the world.
+/* glb_json.c - the description of a GLB file: where its arrays lie, what they are, how meshes stand in the
+ * world.
  *
- * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Microsoft. MSFT_lod, a vendor extension of it.
- * A node turns z up into glTF's y up, (x, y, z) to (x, z, -y), as a matrix of zeros and ones: a quaternion would have
- * rounded roots in it. For one mesh a second node below it carries the centre, in the world's own axes. Levels of
- * detail have one node each, which holds the mesh itself, and all have the same matrix: some readers of the extension
- * swap nodes, others only their meshes. Bounds are given as the doubles that the floats are, so that they hold whether
- * a reader rounds them or not. */
+ * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Microsoft. MSFT_lod, a vendor extension of
+ * it. A node turns z up into glTF's y up, (x, y, z) to (x, z, -y), as a matrix of zeros and ones: a
+ * quaternion would have rounded roots in it. For one mesh a second node below it carries the centre, in the
+ * world's own axes. Levels of detail have one node each, which holds the mesh itself, and all have the same
+ * matrix: some readers of the extension swap nodes, others only their meshes. Bounds are given as the doubles
+ * that the floats are, so that they hold whether a reader rounds them or not. */
 #include "io/glb.h"
 
 typedef struct glb_kind {
@@ -14,10 +15,16 @@ typedef struct glb_kind {
     int32_t component, normalized;
 } glb_kind;
 
-enum { GLB_FLOAT = 5126, GLB_U16 = 5123, GLB_U32 = 5125, GLB_VERTEX_TARGET = 34962, GLB_INDEX_TARGET = 34963 };
+enum {
+    GLB_FLOAT = 5126,
+    GLB_U16 = 5123,
+    GLB_U32 = 5125,
+    GLB_VERTEX_TARGET = 34962,
+    GLB_INDEX_TARGET = 34963
+};
 
 static const glb_kind glb_kinds[BVXI_GLB_ARRAYS] = {
-    {"POSITION", "VEC3", GLB_FLOAT, 0}, {"NORMAL", "VEC3", GLB_FLOAT, 0}, {"COLOR_0", "VEC4", GLB_U16, 1},
+    {"POSITION", "VEC3", GLB_FLOAT, 0},   {"NORMAL", "VEC3", GLB_FLOAT, 0}, {"COLOR_0", "VEC4", GLB_U16, 1},
     {"TEXCOORD_0", "VEC2", GLB_FLOAT, 0}, {NULL, "SCALAR", 0, 0},
 };
 
@@ -25,12 +32,14 @@ void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin)
 {
     static const uint64_t size[BVXI_GLB_ARRAYS] = {12, 12, 8, 8, 0};
     uint64_t at = begin;
+
     memcpy(glb->size, size, sizeof glb->size);
     glb->size[BVXI_GLB_INDEX] = glb->vertices <= UINT16_MAX ? 2 : 4; /* 65535 itself is no index in glTF */
     glb->count[BVXI_GLB_POSITION] = glb->count[BVXI_GLB_NORMAL] = glb->vertices;
     glb->count[BVXI_GLB_COLOUR] = glb->mesh->colours != NULL ? glb->vertices : 0;
     glb->count[BVXI_GLB_UV] = glb->mesh->uvs != NULL ? glb->vertices : 0;
-    glb->count[BVXI_GLB_INDEX] = glb->mesh->triangle_count * 3; /* last: all before it are multiples of 4 bytes */
+    /* last: all before it are multiples of 4 bytes */
+    glb->count[BVXI_GLB_INDEX] = glb->mesh->triangle_count * 3;
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
         glb->at[i] = at;
         at += glb->count[i] * glb->size[i];
@@ -93,8 +102,8 @@ static void glb_put_nodes(const bvxi_glb *glb, bvxi_output *out)
     bvxi_output_text(out, "}],");
 }
 
-/* Hints for the part of the screen below which each level gives way to the next: there the next one has as many
- * triangles on a pixel as the first has when it fills the screen. The last level is never removed. */
+/* Hints for the part of the screen below which each level gives way to the next: there the next one has as
+ * many triangles on a pixel as the first has when it fills the screen. The last level is never removed. */
 static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
 {
     double const finest = (double)file->level[0].mesh->triangle_count;
@@ -180,6 +189,7 @@ static void glb_put_views(const bvxi_glb *glb, bvxi_output *out)
 static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
 {
     double low[3], high[3];
+
     for (int a = 0; a < 3; a++) {
         low[a] = (double)glb->low[a];
         high[a] = (double)glb->high[a];

@@ -1,4 +1,5 @@
-/* grid_formats.h - the readers and writers behind bvx_read_grid and bvx_write_grid, and what they share. Not installed. */
+/* grid_formats.h - the readers and writers behind bvx_read_grid and
+ * bvx_write_grid, and what they share. Not installed. */
 #ifndef BVXI_GRID_FORMATS_H
 #define BVXI_GRID_FORMATS_H
 
@@ -11,7 +12,7 @@
 typedef struct bvxi_grid_source {
     bvx_context *ctx;
     const uint8_t *begin, *end;
-    const bvx_window *window; /* voxels of the file that are wanted; NULL: all */
+    const bvx_window *window;              /* voxels of the file that are wanted; NULL: all */
     const bvx_read_volume_options *volume; /* the samples themselves are wanted; NULL: a grid */
 } bvxi_grid_source;
 
@@ -19,16 +20,19 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid);
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid);
 
-/* The box that a file says it holds: refused (with the format's name in the message) when it is no lattice. */
-bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3], const double spacing[3],
-                         const uint64_t dims[3], bvx_lattice *box);
-/* Make the grid for the wanted part of the file's window: all bits zero. *part becomes what is wanted, counted from the
- * file's first voxel. Refuses a window outside the file. Call it only when the file's size agrees with its head, so that a
- * small file cannot ask for much memory (packed formats: at most what their bytes can stand for). */
+/* The box that a file says it holds: refused (with the format's name in the message) when it is no
+ * lattice. */
+bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
+                         const double spacing[3], const uint64_t dims[3], bvx_lattice *box);
+/* Make the grid for the wanted part of the file's window: all bits zero. *part becomes what is wanted,
+ * counted from the file's first voxel. Refuses a window outside the file. Call it only when the file's size
+ * agrees with its head, so that a small file cannot ask for much memory (packed formats: at most what their
+ * bytes can stand for). */
 bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
                                const bvx_window *file_window, bvx_window *part, bvx_grid *grid);
 
-/* A run of set voxels of the file, [x, end) in row (y, z) of the file's box; what lies outside part is left out. */
+/* A run of set voxels of the file, [x, end) in row (y, z) of the file's
+ * box; what lies outside part is left out. */
 void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_t end, int64_t y, int64_t z);
 
 /* ---- dense samples: npy, nrrd, vti ---- */
@@ -43,7 +47,8 @@ static inline uint32_t bvxi_sample_size(int32_t kind)
     return kind >= 1 && kind <= 11 ? size[kind] : 0;
 }
 
-/* Samples in a file: the one of voxel (x,y,z) stands at first + x * stride[0] + y * stride[1] + z * stride[2]. */
+/* Samples in a file: the one of voxel (x,y,z) stands at first + x *
+ * stride[0] + y * stride[1] + z * stride[2]. */
 typedef struct bvxi_samples {
     const uint8_t *first;
     int64_t stride[3]; /* [Units: bytes] */
@@ -62,37 +67,44 @@ static inline void bvxi_pack_strides(bvxi_samples *samples, const bvx_lattice *b
 /* How a file holds samples. */
 enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP };
 
-/* What a file of samples says of itself, checked: sizes agree with the bytes that are there as far as they can be told. */
+/* What a file of samples says of itself, checked: sizes agree with the
+ * bytes that are there as far as they can be told. */
 typedef struct bvxi_dense {
-    const char *format;        /* "NRRD", for messages */
+    const char *format; /* "NRRD", for messages */
     bvx_lattice box;
-    int32_t placed;            /* 0: the file tells no lattice */
-    int32_t encoding;          /* BVXI_DENSE_... */
-    bvxi_samples samples;      /* RAW: where they stand; others: packed, x fastest, from the first byte of what is unpacked */
-    uint64_t size;             /* of all samples, but for TEXT [Units: bytes] */
-    bvxi_source source;        /* TEXT, BASE64: the file that lines are counted in; its end is the text's */
-    const char *begin, *end;   /* TEXT, GZIP: what is to be unpacked */
-    const char *behind;        /* TEXT, BASE64: "the end of the array": what must stand there; NULL: anything may */
-    const char *array;         /* BASE64: its tag, for messages */
-    bvxi_base64 base64;        /* BASE64: where samples begin */
+    int32_t placed;   /* 0: the file tells no lattice */
+    int32_t encoding; /* BVXI_DENSE_... */
+    /* RAW: where they stand; others: packed, x fastest, from the first byte of what is unpacked */
+    bvxi_samples samples;
+    uint64_t size;           /* of all samples, but for TEXT [Units: bytes] */
+    bvxi_source source;      /* TEXT, BASE64: the file that lines are counted in; its end is the text's */
+    const char *begin, *end; /* TEXT, GZIP: what is to be unpacked */
+    /* TEXT, BASE64: "the end of the array": what must stand there; NULL: anything may */
+    const char *behind;
+    const char *array;  /* BASE64: its tag, for messages */
+    bvxi_base64 base64; /* BASE64: where samples begin */
 } bvxi_dense;
 
 bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense);
 bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense);
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense);
 /* "VTI: line 3: the array's 64 bytes are not all there (byte 70)". */
-BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at);
+BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size,
+                                           const char *at);
 
 /* read_dense.c: the voxels whose sample is not 0. */
 bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense *dense, bvx_grid *grid);
 /* Packed samples of encodings other than RAW and TEXT, dense->size bytes in the file's byte order. */
 bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *dense, uint8_t *bytes);
-/* The next number of a text, with white space or the end behind it; done is how many there were. *p moves behind it. */
-bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p, double *value);
+/* The next number of a text, with white space or the end behind it; done is
+ * how many there were. *p moves behind it. */
+bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
+                            double *value);
 
-/* Set the grid's voxels where samples are not 0 (-0 is 0, NaN is not); the grid is of the part of the file that is wanted.
- * Rows of bytes in x order are packed eight at a time; runs in parallel over slices. */
-bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part, bvx_grid *grid);
+/* Set the grid's voxels where samples are not 0 (-0 is 0, NaN is not); the grid is of the part of the file
+ * that is wanted. Rows of bytes in x order are packed eight at a time; runs in parallel over slices. */
+bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part,
+                             bvx_grid *grid);
 /* One row of voxels as bytes 0 and 1. */
 void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes);
 /* All rows of the grid, one behind the other; runs in parallel. */
@@ -102,12 +114,14 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
 
 /* The file of a head that is written and a tail, with the grid's voxels as bytes 0 and 1 between them. */
 typedef struct bvxi_dense_file {
-    const char *what;                                       /* "the NPY file", for messages */
+    const char *what;                                         /* "the NPY file", for messages */
     void (*put_head)(const bvx_grid *grid, bvxi_output *out); /* called twice: to count and to write */
     const char *tail;
 } bvxi_dense_file;
-bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind, bvx_buffer *file);
-/* Refuse a grid whose first voxel has a corner or centre that is not finite: text of a format could not tell it. */
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
+                            bvx_buffer *file);
+/* Refuse a grid whose first voxel has a corner or centre that is not
+ * finite: text of a format could not tell it. */
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
 
 bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);

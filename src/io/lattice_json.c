@@ -1,8 +1,9 @@
 /* lattice_json.c - where a grid lies, as JSON beside a file whose format cannot say it.
  *
- * Source: RFC 8259. Numbers are printed to read back as they were. The reader takes keys in any order, passes over those
- * it does not know (values nested up to JSON_DEPTH deep, by a stack of bits), and refuses what is missing, twice there or
- * contradicts itself: center0 follows from origin, spacing and window.low, and who changes one must change the other. */
+ * Source: RFC 8259. Numbers are printed to read back as they were. The reader takes keys in any order, passes
+ * over those it does not know (values nested up to JSON_DEPTH deep, by a stack of bits), and refuses what is
+ * missing, twice there or contradicts itself: center0 follows from origin, spacing and window.low, and who
+ * changes one must change the other. */
 #include "io/formats.h"
 #include "io/grid_formats.h"
 
@@ -40,6 +41,7 @@ static void json_center0(const bvx_lattice *lattice, const int32_t low[3], doubl
 static void json_put_lattice(const bvx_grid *grid, bvxi_output *out)
 {
     double center[3];
+
     json_center0(&grid->lattice, grid->low, center);
     bvxi_output_text(out, "{\n  \"format\": \"bitvox lattice\",\n  \"version\": 1,\n");
     json_put_doubles(out, "  \"origin\": ", grid->lattice.origin);
@@ -58,6 +60,7 @@ static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_write_lattice";
     bvxi_output out = {0};
     bvx_buffer made = {0};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -124,6 +127,7 @@ static const char *json_digits(const char *p, const char *end)
 static const char *json_number_end(const char *p, const char *end)
 {
     const char *const start = p, *q;
+
     if (p < end && *p == '-') p++;
     q = json_digits(p, end);
     if (q == p || (*p == '0' && q - p > 1)) return start;
@@ -157,6 +161,7 @@ static bvx_status json_take_double(json_text *t, double *value)
 static bvx_status json_take_count(json_text *t, int32_t *value)
 {
     double v = 0.0;
+
     json_skip_space(t);
     const char *const start = t->p;
     BVXI_TRY(json_take_double(t, &v));
@@ -182,6 +187,7 @@ static bvx_status json_take_exact(json_text *t, const char *wanted, const char *
 {
     const char *text;
     size_t n;
+
     json_skip_space(t);
     const char *const start = t->p;
     BVXI_TRY(json_take_string(t, &text, &n));
@@ -199,6 +205,7 @@ static bvx_status json_skip_plain(json_text *t)
     const char *text;
     size_t n;
     double v;
+
     if (t->p < t->end && *t->p == '"') return json_take_string(t, &text, &n);
     for (int i = 0; i < 3; i++) {
         n = bvxi_text_length(words[i]);
@@ -221,6 +228,7 @@ static bvx_status json_skip_value(json_text *t)
 {
     uint64_t objects = 0; /* bit d: what is open at depth d is an object, not an array */
     int depth = 0;
+
     do {
         json_skip_space(t);
         int const is_object = t->p < t->end && *t->p == '{';
@@ -238,7 +246,8 @@ static bvx_status json_skip_value(json_text *t)
         }
         while (depth > 0 && !json_take(t, ',')) { /* a value has ended, and what it closes */
             int const in_object = (int)(objects >> (depth - 1) & 1);
-            if (!json_take(t, in_object ? '}' : ']')) return json_expected(t, in_object ? "',' or '}'" : "',' or ']'");
+            if (!json_take(t, in_object ? '}' : ']'))
+                return json_expected(t, in_object ? "',' or '}'" : "',' or ']'");
             depth--;
         }
         if (depth > 0 && (objects >> (depth - 1) & 1) != 0) BVXI_TRY(json_skip_key(t));
@@ -255,11 +264,19 @@ typedef struct json_lattice {
 } json_lattice;
 
 enum json_key {
-    JSON_FORMAT = 0, JSON_VERSION, JSON_ORIGIN, JSON_SPACING, JSON_DIMS, JSON_FRACTION, JSON_WINDOW, JSON_CENTER, JSON_AXES
+    JSON_FORMAT = 0,
+    JSON_VERSION,
+    JSON_ORIGIN,
+    JSON_SPACING,
+    JSON_DIMS,
+    JSON_FRACTION,
+    JSON_WINDOW,
+    JSON_CENTER,
+    JSON_AXES
 };
 
-static const char *const json_key_names[JSON_KEYS] = {"format", "version", "origin", "spacing", "dims", "fraction_bits",
-                                                      "window", "center0", "axes"};
+static const char *const json_key_names[JSON_KEYS] = {
+    "format", "version", "origin", "spacing", "dims", "fraction_bits", "window", "center0", "axes"};
 static const char *const json_window_names[JSON_WINDOW_KEYS] = {"low", "size"};
 
 /* The next key of an object: its number among names, or count when it is another. A key comes once. */
@@ -267,6 +284,7 @@ static bvx_status json_take_key(json_text *t, const char *const *names, int coun
 {
     const char *text;
     size_t n;
+
     json_skip_space(t);
     const char *const start = t->p;
     BVXI_TRY(json_take_string(t, &text, &n));
@@ -290,13 +308,15 @@ static bvx_status json_take_next(json_text *t, int *more)
 static bvx_status json_check_keys(const json_text *t, const char *const *names, int count, int seen)
 {
     for (int i = 0; i < count; i++)
-        if ((seen >> i & 1) == 0) return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: the key \"%s\" is missing", names[i]);
+        if ((seen >> i & 1) == 0)
+            return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: the key \"%s\" is missing", names[i]);
     return BVX_OK;
 }
 
 static bvx_status json_take_window(json_text *t, bvx_window *window)
 {
     int seen = 0, key, more;
+
     if (!json_take(t, '{')) return json_expected(t, "an object of low and size");
     for (more = !json_take(t, '}'); more;) {
         BVXI_TRY(json_take_key(t, json_window_names, JSON_WINDOW_KEYS, &seen, &key));
@@ -312,7 +332,8 @@ static bvx_status json_take_version(json_text *t)
     int32_t version = 0;
     BVXI_TRY(json_take_count(t, &version));
     if (version == 1) return BVX_OK;
-    return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: version %d; version 1 is read", (int64_t)version);
+    return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: version %d; version 1 is read",
+                     (int64_t)version);
 }
 
 static bvx_status json_take_value(json_text *t, int key, json_lattice *l)
@@ -334,6 +355,7 @@ static bvx_status json_take_value(json_text *t, int key, json_lattice *l)
 static bvx_status json_take_lattice(json_text *t, json_lattice *l)
 {
     int seen = 0, key, more;
+
     if (!json_take(t, '{')) return json_expected(t, "'{'");
     for (more = !json_take(t, '}'); more;) {
         BVXI_TRY(json_take_key(t, json_key_names, JSON_KEYS, &seen, &key));
@@ -350,12 +372,14 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double center[3];
+
     json_center0(&l->lattice, l->window.low, center);
     for (int a = 0; a < 3; a++) {
         double const off = center[a] - l->center[a], size = center[a] < 0 ? -center[a] : center[a];
         double const most = 1e-3 * l->lattice.spacing[a] + 1e-15 * size;
         if (!(off <= most && -off <= most))
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "lattice: center0 is %g along %s, but origin, spacing and window give %g",
+            return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                             "lattice: center0 is %g along %s, but origin, spacing and window give %g",
                              l->center[a], axis_name[a], center[a]);
     }
     return BVX_OK;
@@ -367,10 +391,12 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     static const char axis_name[3][2] = {"x", "y", "z"};
     json_lattice l;
     json_text t;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
+                         size);
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     memset(&l, 0, sizeof l);
     memset(&t, 0, sizeof t);
@@ -383,7 +409,8 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     if (bvxi_lattice_check(context, "lattice", &l.lattice) != BVX_OK) return BVX_ERR_FORMAT;
     for (int a = 0; a < 3; a++)
         if (l.window.size[a] != grid->size[a])
-            return bvxi_fail(context, BVX_ERR_LATTICE, "lattice: the window is %d voxels along %s, the grid %d",
+            return bvxi_fail(context, BVX_ERR_LATTICE,
+                             "lattice: the window is %d voxels along %s, the grid %d",
                              (int64_t)l.window.size[a], axis_name[a], (int64_t)grid->size[a]);
     if (bvx_grid_bound(&l.lattice, &l.window) == 0)
         return bvxi_fail(context, BVX_ERR_FORMAT, "lattice: the window is not inside the lattice");

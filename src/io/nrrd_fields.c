@@ -1,8 +1,9 @@
 /* nrrd_fields.c - the fields of an NRRD head and what stands behind their colons.
  *
- * Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to NRRD0005. Names and
- * words in either case of letters, as the reference library takes them. Guarantee: fields that are not the format's, and
- * fields that come twice, are refused, since one misspelt would move the grid; what a grid cannot be is refused by name. */
+ * Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to
+ * NRRD0005. Names and words in either case of letters, as the reference library takes them. Guarantee: fields
+ * that are not the format's, and fields that come twice, are refused, since one misspelt would move the grid;
+ * what a grid cannot be is refused by name. */
 #include "io/nrrd_head.h"
 
 typedef bvx_status nrrd_field_fn(nrrd_head *h, nrrd_value *v);
@@ -34,7 +35,8 @@ static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *
 
 bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why)
 {
-    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s", bvxi_source_line(&h->source, at), why);
+    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s",
+                         bvxi_source_line(&h->source, at), why);
 }
 
 static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
@@ -61,6 +63,7 @@ static bvx_status nrrd_take_double(const nrrd_head *h, nrrd_value *v, double *va
 static bvx_status nrrd_take_whole(const nrrd_head *h, nrrd_value *v, int64_t *value)
 {
     int64_t n = 0;
+
     bvxi_nrrd_skip_blank(v);
     const char *const start = v->p;
     int const negative = v->p < v->end && *v->p == '-';
@@ -87,7 +90,8 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
 {
     for (int a = 0; a < 3; a++) {
         bvxi_nrrd_skip_blank(v);
-        if (v->p == v->end || *v->p != (a == 0 ? '(' : ',')) return nrrd_expected(h, v, "a vector of three: (x,y,z)");
+        if (v->p == v->end || *v->p != (a == 0 ? '(' : ','))
+            return nrrd_expected(h, v, "a vector of three: (x,y,z)");
         v->p++;
         BVXI_TRY(nrrd_take_double(h, v, &vector[a]));
     }
@@ -130,21 +134,46 @@ static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
     static const struct {
         const char *name;
         int32_t kind;
-    } known[] = {
-        {"signed char", BVX_SAMPLE_I8}, {"int8", BVX_SAMPLE_I8}, {"int8_t", BVX_SAMPLE_I8},
-        {"uchar", BVX_SAMPLE_U8}, {"unsigned char", BVX_SAMPLE_U8}, {"uint8", BVX_SAMPLE_U8}, {"uint8_t", BVX_SAMPLE_U8},
-        {"short", BVX_SAMPLE_I16}, {"short int", BVX_SAMPLE_I16}, {"signed short", BVX_SAMPLE_I16},
-        {"signed short int", BVX_SAMPLE_I16}, {"int16", BVX_SAMPLE_I16}, {"int16_t", BVX_SAMPLE_I16},
-        {"ushort", BVX_SAMPLE_U16}, {"unsigned short", BVX_SAMPLE_U16}, {"unsigned short int", BVX_SAMPLE_U16},
-        {"uint16", BVX_SAMPLE_U16}, {"uint16_t", BVX_SAMPLE_U16},
-        {"int", BVX_SAMPLE_I32}, {"signed int", BVX_SAMPLE_I32}, {"int32", BVX_SAMPLE_I32}, {"int32_t", BVX_SAMPLE_I32},
-        {"uint", BVX_SAMPLE_U32}, {"unsigned int", BVX_SAMPLE_U32}, {"uint32", BVX_SAMPLE_U32}, {"uint32_t", BVX_SAMPLE_U32},
-        {"longlong", BVX_SAMPLE_I64}, {"long long", BVX_SAMPLE_I64}, {"long long int", BVX_SAMPLE_I64},
-        {"signed long long", BVX_SAMPLE_I64}, {"signed long long int", BVX_SAMPLE_I64}, {"int64", BVX_SAMPLE_I64},
-        {"int64_t", BVX_SAMPLE_I64},
-        {"ulonglong", BVX_SAMPLE_U64}, {"unsigned long long", BVX_SAMPLE_U64}, {"unsigned long long int", BVX_SAMPLE_U64},
-        {"uint64", BVX_SAMPLE_U64}, {"uint64_t", BVX_SAMPLE_U64},
-        {"float", BVX_SAMPLE_F32}, {"double", BVX_SAMPLE_F64}};
+    } known[] = {{"signed char", BVX_SAMPLE_I8},
+                 {"int8", BVX_SAMPLE_I8},
+                 {"int8_t", BVX_SAMPLE_I8},
+                 {"uchar", BVX_SAMPLE_U8},
+                 {"unsigned char", BVX_SAMPLE_U8},
+                 {"uint8", BVX_SAMPLE_U8},
+                 {"uint8_t", BVX_SAMPLE_U8},
+                 {"short", BVX_SAMPLE_I16},
+                 {"short int", BVX_SAMPLE_I16},
+                 {"signed short", BVX_SAMPLE_I16},
+                 {"signed short int", BVX_SAMPLE_I16},
+                 {"int16", BVX_SAMPLE_I16},
+                 {"int16_t", BVX_SAMPLE_I16},
+                 {"ushort", BVX_SAMPLE_U16},
+                 {"unsigned short", BVX_SAMPLE_U16},
+                 {"unsigned short int", BVX_SAMPLE_U16},
+                 {"uint16", BVX_SAMPLE_U16},
+                 {"uint16_t", BVX_SAMPLE_U16},
+                 {"int", BVX_SAMPLE_I32},
+                 {"signed int", BVX_SAMPLE_I32},
+                 {"int32", BVX_SAMPLE_I32},
+                 {"int32_t", BVX_SAMPLE_I32},
+                 {"uint", BVX_SAMPLE_U32},
+                 {"unsigned int", BVX_SAMPLE_U32},
+                 {"uint32", BVX_SAMPLE_U32},
+                 {"uint32_t", BVX_SAMPLE_U32},
+                 {"longlong", BVX_SAMPLE_I64},
+                 {"long long", BVX_SAMPLE_I64},
+                 {"long long int", BVX_SAMPLE_I64},
+                 {"signed long long", BVX_SAMPLE_I64},
+                 {"signed long long int", BVX_SAMPLE_I64},
+                 {"int64", BVX_SAMPLE_I64},
+                 {"int64_t", BVX_SAMPLE_I64},
+                 {"ulonglong", BVX_SAMPLE_U64},
+                 {"unsigned long long", BVX_SAMPLE_U64},
+                 {"unsigned long long int", BVX_SAMPLE_U64},
+                 {"uint64", BVX_SAMPLE_U64},
+                 {"uint64_t", BVX_SAMPLE_U64},
+                 {"float", BVX_SAMPLE_F32},
+                 {"double", BVX_SAMPLE_F64}};
     size_t const n = (size_t)(v->end - v->p);
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (bvxi_nrrd_is(v->p, n, known[i].name)) h->kind = known[i].kind;
@@ -155,13 +184,19 @@ static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
 static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
 {
     size_t const n = (size_t)(v->end - v->p);
+
     h->encoding = bvxi_nrrd_is(v->p, n, "raw") ? NRRD_RAW
-                  : bvxi_nrrd_is(v->p, n, "txt") || bvxi_nrrd_is(v->p, n, "text") || bvxi_nrrd_is(v->p, n, "ascii") ? NRRD_TEXT
-                  : bvxi_nrrd_is(v->p, n, "gzip") || bvxi_nrrd_is(v->p, n, "gz") ? NRRD_GZIP : NRRD_NONE;
+                  : bvxi_nrrd_is(v->p, n, "txt") || bvxi_nrrd_is(v->p, n, "text") ||
+                          bvxi_nrrd_is(v->p, n, "ascii")
+                      ? NRRD_TEXT
+                  : bvxi_nrrd_is(v->p, n, "gzip") || bvxi_nrrd_is(v->p, n, "gz") ? NRRD_GZIP
+                                                                                 : NRRD_NONE;
     h->encoding_at = v->p;
     if (h->encoding != NRRD_NONE) return BVX_OK;
-    if (bvxi_nrrd_is(v->p, n, "bzip2") || bvxi_nrrd_is(v->p, n, "bz2") || bvxi_nrrd_is(v->p, n, "zrl") || bvxi_nrrd_is(v->p, n, "hex"))
-        return nrrd_unsupported(h, v, "compressed or hex samples; save them with encoding raw (unu save -f nrrd -e raw)");
+    if (bvxi_nrrd_is(v->p, n, "bzip2") || bvxi_nrrd_is(v->p, n, "bz2") || bvxi_nrrd_is(v->p, n, "zrl") ||
+        bvxi_nrrd_is(v->p, n, "hex"))
+        return nrrd_unsupported(
+            h, v, "compressed or hex samples; save them with encoding raw (unu save -f nrrd -e raw)");
     return nrrd_expected(h, v, "an encoding (raw, ascii)");
 }
 
@@ -212,7 +247,8 @@ static bvx_status nrrd_field_origin(nrrd_head *h, nrrd_value *v)
     return nrrd_take_end(h, v);
 }
 
-/* Axis-aligned up to 1e-9 of a voxel a voxel (what turning there and back leaves): 1/30 over the longest possible row. */
+/* Axis-aligned up to 1e-9 of a voxel a voxel (what turning there and back
+ * leaves): 1/30 over the longest possible row. */
 static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
 {
     h->has |= NRRD_HAS_DIRECTION;
@@ -221,13 +257,16 @@ static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
         bvxi_nrrd_skip_blank(v);
         nrrd_value const start = *v;
         if (v->p < v->end && nrrd_lower(*v->p) == 'n')
-            return nrrd_unsupported(h, &start, "an axis has no space direction; a grid's three axes lie in space");
+            return nrrd_unsupported(h, &start,
+                                    "an axis has no space direction; a grid's three axes lie in space");
         BVXI_TRY(nrrd_take_vector(h, v, d));
         h->direction[a] = d[a];
         for (int b = 0; b < 3; b++)
             if (b != a && !(d[b] <= 1e-9 * d[a] && -d[b] <= 1e-9 * d[a]))
-                return nrrd_unsupported(h, &start, "space directions that are turned or mirrored; a grid's axes are x, y and z "
-                                                   "upwards (resample, or flip and permute the axes)");
+                return nrrd_unsupported(
+                    h, &start,
+                    "space directions that are turned or mirrored; a grid's axes are x, y and z "
+                    "upwards (resample, or flip and permute the axes)");
     }
     return nrrd_take_end(h, v);
 }
@@ -248,7 +287,9 @@ static bvx_status nrrd_field_centers(nrrd_head *h, nrrd_value *v)
         size_t n;
         const char *const word = nrrd_take_word(v, &n);
         h->node[a] = (int8_t)bvxi_nrrd_is(word, n, "node");
-        if (h->node[a] || bvxi_nrrd_is(word, n, "cell") || bvxi_nrrd_is(word, n, "none") || bvxi_nrrd_is(word, n, "???")) continue;
+        if (h->node[a] || bvxi_nrrd_is(word, n, "cell") || bvxi_nrrd_is(word, n, "none") ||
+            bvxi_nrrd_is(word, n, "???"))
+            continue;
         v->p = word;
         return nrrd_expected(h, v, "cell, node, none or ???");
     }
@@ -259,6 +300,7 @@ static bvx_status nrrd_field_centers(nrrd_head *h, nrrd_value *v)
 static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
 {
     static const char *const places[5] = {"domain", "space", "none", "???", "time"};
+
     for (int a = 0; a < 3; a++) {
         size_t n;
         int known = 0;
@@ -267,8 +309,10 @@ static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
         if (known) continue;
         v->p = word;
         if (n == 0) return nrrd_expected(h, v, "a kind for each axis");
-        return nrrd_unsupported(h, v, "an axis of a kind that is no place in space; a grid has three axes [x,y,z] of single "
-                                      "numbers");
+        return nrrd_unsupported(
+            h, v,
+            "an axis of a kind that is no place in space; a grid has three axes [x,y,z] of single "
+            "numbers");
     }
     return nrrd_take_end(h, v);
 }
@@ -300,20 +344,46 @@ static bvx_status nrrd_field_data_file(nrrd_head *h, nrrd_value *v)
 static const struct {
     const char *name;
     nrrd_field_fn *take;
-} nrrd_fields[] = {
-    {"dimension", nrrd_field_dimension}, {"type", nrrd_field_type}, {"encoding", nrrd_field_encoding},
-    {"endian", nrrd_field_endian}, {"sizes", nrrd_field_sizes}, {"spacings", nrrd_field_spacings},
-    {"axis mins", nrrd_field_mins}, {"axismins", nrrd_field_mins}, {"axis maxs", nrrd_field_maxs}, {"axismaxs", nrrd_field_maxs},
-    {"space origin", nrrd_field_origin}, {"space directions", nrrd_field_directions},
-    {"space dimension", nrrd_field_space_dimension}, {"centers", nrrd_field_centers}, {"centerings", nrrd_field_centers},
-    {"line skip", nrrd_field_line_skip}, {"lineskip", nrrd_field_line_skip}, {"byte skip", nrrd_field_byte_skip},
-    {"byteskip", nrrd_field_byte_skip}, {"data file", nrrd_field_data_file}, {"datafile", nrrd_field_data_file},
-    {"space", nrrd_field_ignored}, {"kinds", nrrd_field_kinds}, {"labels", nrrd_field_ignored}, {"units", nrrd_field_ignored},
-    {"space units", nrrd_field_ignored}, {"thicknesses", nrrd_field_ignored}, {"content", nrrd_field_ignored},
-    {"min", nrrd_field_ignored}, {"max", nrrd_field_ignored}, {"old min", nrrd_field_ignored}, {"oldmin", nrrd_field_ignored},
-    {"old max", nrrd_field_ignored}, {"oldmax", nrrd_field_ignored}, {"number", nrrd_field_ignored},
-    {"block size", nrrd_field_ignored}, {"blocksize", nrrd_field_ignored}, {"sample units", nrrd_field_ignored},
-    {"sampleunits", nrrd_field_ignored}, {"measurement frame", nrrd_field_ignored}};
+} nrrd_fields[] = {{"dimension", nrrd_field_dimension},
+                   {"type", nrrd_field_type},
+                   {"encoding", nrrd_field_encoding},
+                   {"endian", nrrd_field_endian},
+                   {"sizes", nrrd_field_sizes},
+                   {"spacings", nrrd_field_spacings},
+                   {"axis mins", nrrd_field_mins},
+                   {"axismins", nrrd_field_mins},
+                   {"axis maxs", nrrd_field_maxs},
+                   {"axismaxs", nrrd_field_maxs},
+                   {"space origin", nrrd_field_origin},
+                   {"space directions", nrrd_field_directions},
+                   {"space dimension", nrrd_field_space_dimension},
+                   {"centers", nrrd_field_centers},
+                   {"centerings", nrrd_field_centers},
+                   {"line skip", nrrd_field_line_skip},
+                   {"lineskip", nrrd_field_line_skip},
+                   {"byte skip", nrrd_field_byte_skip},
+                   {"byteskip", nrrd_field_byte_skip},
+                   {"data file", nrrd_field_data_file},
+                   {"datafile", nrrd_field_data_file},
+                   {"space", nrrd_field_ignored},
+                   {"kinds", nrrd_field_kinds},
+                   {"labels", nrrd_field_ignored},
+                   {"units", nrrd_field_ignored},
+                   {"space units", nrrd_field_ignored},
+                   {"thicknesses", nrrd_field_ignored},
+                   {"content", nrrd_field_ignored},
+                   {"min", nrrd_field_ignored},
+                   {"max", nrrd_field_ignored},
+                   {"old min", nrrd_field_ignored},
+                   {"oldmin", nrrd_field_ignored},
+                   {"old max", nrrd_field_ignored},
+                   {"oldmax", nrrd_field_ignored},
+                   {"number", nrrd_field_ignored},
+                   {"block size", nrrd_field_ignored},
+                   {"blocksize", nrrd_field_ignored},
+                   {"sample units", nrrd_field_ignored},
+                   {"sampleunits", nrrd_field_ignored},
+                   {"measurement frame", nrrd_field_ignored}};
 
 bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value)
 {

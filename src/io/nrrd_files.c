@@ -1,8 +1,10 @@
 /* nrrd_files.c - the data files that a detached NRRD head names.
  *
- * Source: Kindlmann. Definition of NRRD File Format, "data file": one name; a pattern with one number (%d, %03d), the least, the
- * greatest and the step of it, for files that each hold a slice; or LIST with a name a line.
- * Each name is asked for by its number, which reads the head once more: heads for which that is too much are refused. */
+ * Source: Kindlmann. Definition of NRRD File Format, "data file": one name; a pattern with one number (%d,
+ * %03d), the least, the greatest and the step of it, for files that each hold a slice; or LIST with a name a
+ * line.
+ * Each name is asked for by its number, which reads the head once more: heads for which that is too much are
+ * refused. */
 #include "io/nrrd_head.h"
 
 enum { NRRD_MOST_DIGITS = 20 };
@@ -20,11 +22,13 @@ static int take_file_number(const char **p, const char *end, int64_t *value)
     return 1;
 }
 
-/* "name.%03d.raw 1 93 1" with an optional fourth number, the axes of a file. 1 when the field is such a pattern. */
+/* "name.%03d.raw 1 93 1" with an optional fourth number, the axes of a
+ * file. 1 when the field is such a pattern. */
 static int take_pattern(const nrrd_head *h, nrrd_file_name *f, int64_t range[3], int64_t *axes)
 {
     const char *const begin = h->files, *const end = h->files_end;
     const char *p = begin, *word = begin;
+
     while (word < end && !bvxi_is_blank(*word)) word++;
     while (p < word && *p != '%') p++;
     if (p == word) return 0;
@@ -46,18 +50,22 @@ static int take_pattern(const nrrd_head *h, nrrd_file_name *f, int64_t range[3],
     return p == end;
 }
 
-static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], int64_t axes, uint64_t index, nrrd_file_name *f,
-                                  uint64_t *count)
+static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], int64_t axes, uint64_t index,
+                                  nrrd_file_name *f, uint64_t *count)
 {
     int64_t const step = range[2];
+
     for (int i = 0; i < 3; i++)
         if (range[i] > INT32_MAX || range[i] < -INT32_MAX)
-            return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "the numbers of the data files are beyond 2^31");
+            return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+                                         "the numbers of the data files are beyond 2^31");
     if (step == 0 || (step > 0 ? range[1] < range[0] : range[1] > range[0]))
-        return bvxi_fail_expected(&h->source, h->files, "a pattern whose numbers go from the first to the last");
+        return bvxi_fail_expected(&h->source, h->files,
+                                  "a pattern whose numbers go from the first to the last");
     *count = (uint64_t)((range[1] - range[0]) / step) + 1;
     if (axes != 0 && axes != 2)
-        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "data files that hold anything but slices of z");
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+                                     "data files that hold anything but slices of z");
     f->number = range[0] + (int64_t)(index < *count ? index : 0) * step;
     return BVX_OK;
 }
@@ -66,6 +74,7 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
 {
     const char *next = h->list, *end;
     uint64_t n = 0;
+
     while (next != NULL && next < h->list_end) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, h->list_end, &end);
@@ -88,9 +97,11 @@ static uint64_t nrrd_head_size(const nrrd_head *h)
 bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_name *file, uint64_t *count)
 {
     int64_t range[3], axes;
+
     memset(file, 0, sizeof *file);
     if (h->list != NULL) BVXI_TRY(find_in_list(h, index, file, count));
-    else if (take_pattern(h, file, range, &axes)) BVXI_TRY(find_in_pattern(h, range, axes, index, file, count));
+    else if (take_pattern(h, file, range, &axes))
+        BVXI_TRY(find_in_pattern(h, range, axes, index, file, count));
     else {
         memset(file, 0, sizeof *file);
         file->name = h->files;
@@ -98,8 +109,11 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
         *count = 1;
     }
     if (*count > 1 && (h->encoding == NRRD_GZIP || h->line_skip != 0 || h->byte_skip != 0))
-        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "several data files that are packed, or whose beginning is to be skipped");
+        return bvxi_nrrd_unsupported(
+            h, BVX_REASON_UNSPECIFIED, h->files,
+            "several data files that are packed, or whose beginning is to be skipped");
     if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
-        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files, "data files times bytes of the head are more than 2^31");
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+                                     "data files times bytes of the head are more than 2^31");
     return BVX_OK;
 }

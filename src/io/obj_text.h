@@ -1,4 +1,5 @@
-/* obj_text.h - the words, lines and statements of an OBJ file, and the pieces that it is read in. Not installed. */
+/* obj_text.h - the words, lines and statements of an OBJ file, and the
+ * pieces that it is read in. Not installed. */
 #ifndef BVXI_OBJ_TEXT_H
 #define BVXI_OBJ_TEXT_H
 
@@ -10,7 +11,8 @@ enum { OBJ_OTHER = 0, OBJ_VERTEX = 'v', OBJ_TEXTURE = 't', OBJ_FACE = 'f' };
 /* Whole statements of the file. */
 typedef struct obj_piece {
     const char *begin, *end;
-    const char *vertex, *face;                   /* behind the keyword of the first one; NULL when there is none */
+    /* behind the keyword of the first one; NULL when there is none */
+    const char *vertex, *face;
     uint64_t vertices, uvs, triangles, polygons; /* in this piece, then in all before it */
     bvx_status status;
     int32_t pale;    /* 1: a vertex has no colour */
@@ -26,7 +28,7 @@ typedef struct obj_file {
     int32_t piece_count;
     uint64_t vertices, uvs, triangles, polygons;
     bvx_mesh *mesh;
-    float *colours;   /* red, green, blue as they stand in the file; NULL when they are not wanted */
+    float *colours; /* red, green, blue as they stand in the file; NULL when they are not wanted */
     bvxi_polygon_fan *fans;
 } obj_file;
 
@@ -114,6 +116,7 @@ static inline int obj_take_keyword(const obj_file *f, const char **p)
 {
     const char *t = *p;
     int keyword;
+
     if (f->end - t < 2 || (*t != 'v' && *t != 'f')) return OBJ_OTHER;
     keyword = *t++;
     if (keyword == OBJ_VERTEX && *t == 't' && f->end - t >= 2) {
@@ -125,8 +128,8 @@ static inline int obj_take_keyword(const obj_file *f, const char **p)
     return keyword;
 }
 
-/* obj_count.c: cut the file into pieces and count what they hold; totals come to stand in the file, for each piece the
- * counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
+/* obj_count.c: cut the file into pieces and count what they hold; totals come to stand in the file, for each
+ * piece the counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
 bvx_status bvxi_obj_count(obj_file *file);
 
 #endif

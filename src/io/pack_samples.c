@@ -1,7 +1,8 @@
 /* pack_samples.c - numbers of a file to bits of a grid, and bits to bytes.
  *
- * A number is 0 when no bit of it is set but the sign of a float; that asks for a mask of bytes in the file's own order,
- * so neither byte order needs turning. Eight bytes become eight bits by a multiplication, and back. */
+ * A number is 0 when no bit of it is set but the sign of a float; that asks for a mask of bytes in the file's
+ * own order, so neither byte order needs turning. Eight bytes become eight bits by a multiplication, and
+ * back. */
 #include "grid/sample_bits.h"
 #include "io/formats.h"
 #include "io/grid_formats.h"
@@ -36,18 +37,19 @@ BVXI_VECTOR_INLINE uint64_t pack_64_bytes(const uint8_t *p)
     return w;
 }
 
-/* 64 numbers one behind the other: 1 for each that is not 0, into bytes by a loop that compilers make vectors of. */
-#define PACK_64(name, type)                                                     \
-    BVXI_VECTOR_INLINE uint64_t name(const uint8_t *p, uint64_t mask_bytes)     \
-    {                                                                           \
-        type mask, v;                                                           \
-        uint8_t flag[64];                                                       \
-        memcpy(&mask, &mask_bytes, sizeof mask);                                \
-        for (size_t i = 0; i < 64; i++) {                                       \
-            memcpy(&v, p + i * sizeof v, sizeof v);                             \
-            flag[i] = (v & mask) != 0;                                          \
-        }                                                                       \
-        return bvxi_flags_to_word(flag);                                        \
+/* 64 numbers one behind the other: 1 for each that is not 0, into bytes by
+ * a loop that compilers make vectors of. */
+#define PACK_64(name, type)                                                 \
+    BVXI_VECTOR_INLINE uint64_t name(const uint8_t *p, uint64_t mask_bytes) \
+    {                                                                       \
+        type mask, v;                                                       \
+        uint8_t flag[64];                                                   \
+        memcpy(&mask, &mask_bytes, sizeof mask);                            \
+        for (size_t i = 0; i < 64; i++) {                                   \
+            memcpy(&v, p + i * sizeof v, sizeof v);                         \
+            flag[i] = (v & mask) != 0;                                      \
+        }                                                                   \
+        return bvxi_flags_to_word(flag);                                    \
     }
 PACK_64(pack_64_u16, uint16_t)
 PACK_64(pack_64_u32, uint32_t)
@@ -65,31 +67,39 @@ static uint64_t pack_few(const uint8_t *p, int64_t stride, uint32_t size, uint64
     return w;
 }
 
-BVXI_VECTOR_INLINE void pack_run_of(const pack_rule *rule, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words)
+BVXI_VECTOR_INLINE void pack_run_of(const pack_rule *rule, const uint8_t *p, int64_t stride, int32_t n,
+                                    uint64_t *words)
 {
     uint32_t const size = rule->size;
     int32_t const whole = stride == (int64_t)size ? n >> 6 : 0;
+
     for (int32_t k = 0; k < whole; k++) {
         const uint8_t *const q = p + (size_t)k * 64 * size;
-        words[k] = size == 1 ? pack_64_bytes(q) : size == 2 ? pack_64_u16(q, rule->mask)
-                   : size == 4 ? pack_64_u32(q, rule->mask) : pack_64_u64(q, rule->mask);
+        words[k] = size == 1   ? pack_64_bytes(q)
+                   : size == 2 ? pack_64_u16(q, rule->mask)
+                   : size == 4 ? pack_64_u32(q, rule->mask)
+                               : pack_64_u64(q, rule->mask);
     }
     for (int32_t i = 64 * whole; i < n; i += 64)
-        words[i >> 6] = pack_few(p + (ptrdiff_t)(i * stride), stride, size, rule->mask, n - i < 64 ? n - i : 64);
+        words[i >> 6] = pack_few(p + (ptrdiff_t)(i * stride), stride, size, rule->mask,
+                                 n - i < 64 ? n - i : 64);
 }
 
-static void pack_run_portable(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words)
+static void pack_run_portable(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
+                              uint64_t *words)
 {
     (void)tally;
     pack_run_of(rule, p, stride, n, words);
 }
 
 #if BVXI_HAVE_AVX2
-BVXI_AVX2 static void pack_run_avx2(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n, uint64_t *words)
+BVXI_AVX2 static void pack_run_avx2(const void *rule, void *tally, const uint8_t *p, int64_t stride,
+                                    int32_t n, uint64_t *words)
 {
     const pack_rule *const r = rule;
     int32_t const whole = r->size == 1 && stride == 1 ? n >> 6 : 0;
     __m256i const zero = _mm256_setzero_si256();
+
     (void)tally;
     for (int32_t k = 0; k < whole; k++) {
         const uint8_t *const q = p + (size_t)k * 64;
@@ -116,7 +126,8 @@ static bvxi_bits_fn *pack_run_for(const bvx_context *ctx)
 /* The bytes of a number that count, in the order of the file: all but the sign of a float. */
 static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
 {
-    int const is_float = samples->kind == BVXI_SAMPLE_F16 || samples->kind == BVX_SAMPLE_F32 || samples->kind == BVX_SAMPLE_F64;
+    int const is_float = samples->kind == BVXI_SAMPLE_F16 || samples->kind == BVX_SAMPLE_F32 ||
+                         samples->kind == BVX_SAMPLE_F64;
     uint8_t byte[8];
     uint64_t mask;
     memset(byte, 0xff, sizeof byte);
@@ -125,10 +136,12 @@ static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
     return mask;
 }
 
-bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part, bvx_grid *grid)
+bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part,
+                             bvx_grid *grid)
 {
     pack_rule rule;
     bvxi_sample_walk walk = {0};
+
     rule.size = bvxi_sample_size(samples->kind);
     rule.mask = pack_mask(samples, rule.size);
     walk.first = samples->first;
@@ -145,7 +158,8 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
 /* ---- numbers in a text ---- */
 
-/* A number at p with white space or the end behind it; returns its bytes, 0 for none. Most samples are single digits. */
+/* A number at p with white space or the end behind it; returns its bytes, 0
+ * for none. Most samples are single digits. */
 static size_t pack_text_number(const char *p, const char *end, double *value)
 {
     size_t used;
@@ -157,14 +171,18 @@ static size_t pack_text_number(const char *p, const char *end, double *value)
     return p + used < end && !bvxi_is_space(p[used]) ? 0 : used;
 }
 
-bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p, double *value)
+bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
+                            double *value)
 {
     size_t used;
+
     *p = bvxi_skip_space(*p, source->end);
     used = pack_text_number(*p, source->end, value);
     if (*p == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the samples end behind %u of %u x %u x %u", source->format,
-                         bvxi_source_line(source, *p), done, (uint64_t)dims[0], (uint64_t)dims[1], (uint64_t)dims[2]);
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                         "%s: line %u: the samples end behind %u of %u x %u x %u", source->format,
+                         bvxi_source_line(source, *p), done, (uint64_t)dims[0], (uint64_t)dims[1],
+                         (uint64_t)dims[2]);
     if (used == 0) return bvxi_fail_expected(source, *p, "a number");
     *p += used;
     return BVX_OK;
@@ -172,7 +190,8 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
 
 /* ---- bits to bytes ---- */
 
-/* Eight voxels, the lowest bit first: the multiplication copies them into every byte, of which each keeps another one. */
+/* Eight voxels, the lowest bit first: the multiplication copies them into
+ * every byte, of which each keeps another one. */
 static inline void unpack_eight(uint8_t *p, uint64_t bits)
 {
     uint64_t const one_each = (bits & 0xff) * UINT64_C(0x0101010101010101) & UINT64_C(0x8040201008040201);
@@ -202,7 +221,8 @@ static void unpack_piece(void *user, int32_t piece, int32_t worker)
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++)
-        bvxi_unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0], job->bytes + row * (uint64_t)g->size[0]);
+        bvxi_unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0],
+                        job->bytes + row * (uint64_t)g->size[0]);
 }
 
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes)

@@ -1,11 +1,12 @@
 /* ply_binary.c - the rows of a binary PLY file, in either byte order.
  *
- * ply_take_row goes property by property and is the specification. Rows of the commonest shapes have loops of their own:
- * vertices of one size with floats x y z and bytes red green blue side by side, and faces that are one list of three
- * 32-bit corners. */
+ * ply_take_row goes property by property and is the specification. Rows of the commonest shapes have loops of
+ * their own: vertices of one size with floats x y z and bytes red green blue side by side, and faces that are
+ * one list of three 32-bit corners. */
 #include "io/ply_file.h"
 
-enum { PLY_BLOCK = 2048 }; /* rows of vertices that stay near while their properties are taken one after the other */
+/* rows of vertices that stay near while their properties are taken one after the other */
+enum { PLY_BLOCK = 2048 };
 
 static int64_t ply_integer(const uint8_t *p, int32_t type, int big)
 {
@@ -14,7 +15,8 @@ static int64_t ply_integer(const uint8_t *p, int32_t type, int big)
     case PLY_U8: return p[0];
     case PLY_I16: return (int64_t)bvxi_load_u16(p, big) - (bvxi_load_u16(p, big) > INT16_MAX ? 65536 : 0);
     case PLY_U16: return bvxi_load_u16(p, big);
-    case PLY_I32: return (int64_t)bvxi_load_u32(p, big) - (bvxi_load_u32(p, big) > INT32_MAX ? INT64_C(4294967296) : 0);
+    case PLY_I32:
+        return (int64_t)bvxi_load_u32(p, big) - (bvxi_load_u32(p, big) > INT32_MAX ? INT64_C(4294967296) : 0);
     default: return bvxi_load_u32(p, big);
     }
 }
@@ -36,6 +38,7 @@ static bvx_status ply_take_items(ply_file *f, const ply_property *property, uint
     size_t const size = ply_type_size(property->type);
     int const is_corners = property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP;
     const char *at = f->p;
+
     for (int64_t i = 0; i < count; i++, at += size) {
         const uint8_t *const p = (const uint8_t *)at;
         if (is_corners)
@@ -79,7 +82,8 @@ static bvx_status ply_take_rows(ply_file *f, const ply_element *e)
 /* ---- vertices without lists: rows of one size ---- */
 
 /* Properties from the given one on that have these roles and this type, one after the other. */
-static int ply_is_run(const ply_header *h, const ply_element *e, uint32_t first, int32_t role, uint32_t count, int32_t type)
+static int ply_is_run(const ply_header *h, const ply_element *e, uint32_t first, int32_t role, uint32_t count,
+                      int32_t type)
 {
     for (uint32_t i = 0; i < count; i++) {
         const ply_property *const p = &h->properties[first + i];
@@ -89,25 +93,30 @@ static int ply_is_run(const ply_header *h, const ply_element *e, uint32_t first,
 }
 
 /* x, y, z as floats side by side, of rows from the given one on. */
-static bvx_status ply_take_floats(ply_file *f, const ply_element *e, const uint8_t *p, uint64_t row, uint64_t count)
+static bvx_status ply_take_floats(ply_file *f, const ply_element *e, const uint8_t *p, uint64_t row,
+                                  uint64_t count)
 {
     size_t const size = (size_t)e->least_bytes;
     float *out = (float *)f->mesh->positions + (size_t)row * 3;
+
     for (uint64_t i = 0; i < count; i++, p += size, out += 3) {
         out[0] = bvxi_load_f32(p, f->big);
         out[1] = bvxi_load_f32(p + 4, f->big);
         out[2] = bvxi_load_f32(p + 8, f->big);
         float const sum = out[0] * 0.0f + out[1] * 0.0f + out[2] * 0.0f;
-        if (!(sum == 0.0f) && !f->source->takes_any) return bvxi_ply_fail_finite(f, (const char *)p, row + i, PLY_ROLE_X);
+        if (!(sum == 0.0f) && !f->source->takes_any)
+            return bvxi_ply_fail_finite(f, (const char *)p, row + i, PLY_ROLE_X);
     }
     return BVX_OK;
 }
 
 /* Red, green, blue as bytes side by side; with alpha when channels is 4. */
-static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, uint64_t row, uint64_t count, size_t channels)
+static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, uint64_t row, uint64_t count,
+                           size_t channels)
 {
     size_t const size = (size_t)e->least_bytes;
     uint8_t *out = f->mesh->colours + (size_t)row * 4;
+
     for (uint64_t i = 0; i < count; i++, p += size, out += 4) {
         out[0] = p[0];
         out[1] = p[1];
@@ -116,12 +125,14 @@ static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, 
     }
 }
 
-/* Property number i, and those behind it that are taken with it, of some rows; *taken is how many properties. */
-static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i, const uint8_t *p, uint64_t row,
-                                  uint64_t count, uint32_t *taken)
+/* Property number i, and those behind it that are taken with it, of some rows; *taken is how many
+ * properties. */
+static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i, const uint8_t *p,
+                                  uint64_t row, uint64_t count, uint32_t *taken)
 {
     const ply_header *const h = f->header;
     const ply_property *const property = &h->properties[i];
+
     *taken = 3;
     if (ply_is_run(h, e, i, PLY_ROLE_X, 3, PLY_F32) && f->mesh->position_type == BVX_F32)
         return ply_take_floats(f, e, p, row, count);
@@ -155,7 +166,8 @@ static bvx_status ply_take_columns(ply_file *f, const ply_element *e)
 
 /* ---- faces ---- */
 
-/* Faces that are one list of 32-bit corners with a length of one byte; what is not a triangle takes the long way. */
+/* Faces that are one list of 32-bit corners with a length of one byte; what
+ * is not a triangle takes the long way. */
 static bvx_status ply_take_simple_faces(ply_file *f, const ply_element *e)
 {
     for (uint64_t row = 0; row < e->count; row++) {
@@ -177,17 +189,20 @@ static bvx_status ply_take_simple_faces(ply_file *f, const ply_element *e)
     return BVX_OK;
 }
 
-/* Corners of type int are below 2^31, so those above the vertices are refused also when there are more of these. */
+/* Corners of type int are below 2^31, so those above the vertices are
+ * refused also when there are more of these. */
 static int ply_is_simple_faces(const ply_file *f, const ply_element *e)
 {
     const ply_property *const p = &f->header->properties[e->first];
-    return e->kind == PLY_FACE && e->end == e->first + 1 && p->role == PLY_ROLE_CORNERS && p->count_type == PLY_U8 &&
+    return e->kind == PLY_FACE && e->end == e->first + 1 && p->role == PLY_ROLE_CORNERS &&
+           p->count_type == PLY_U8 &&
            (p->type == PLY_U32 || (p->type == PLY_I32 && f->vertex_count <= INT32_MAX));
 }
 
 bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
 {
-    if (e->kind == PLY_OTHER && e->lists == 0) { /* the header's check found the bytes, unless lists took more */
+    /* the header's check found the bytes, unless lists took more */
+    if (e->kind == PLY_OTHER && e->lists == 0) {
         if (!ply_has(f, e->count * e->least_bytes)) return bvxi_ply_fail_end(f, e, 0);
         f->p += (size_t)(e->count * e->least_bytes);
         return BVX_OK;

@@ -25,10 +25,12 @@ static bvx_status ply_text_corners(ply_file *f, const ply_property *property, ui
 static bvx_status ply_text_number(ply_file *f, const ply_property *property, uint64_t row)
 {
     const char *const end = f->source->end, *const at = bvxi_skip_space(f->p, end);
-    int const is_float = property->role <= PLY_ROLE_Z ? f->mesh->position_type == BVX_F32 : property->type == PLY_F32;
+    int const is_float = property->role <= PLY_ROLE_Z ? f->mesh->position_type == BVX_F32
+                                                      : property->type == PLY_F32;
     float v32 = 0;
     double v = 0;
     size_t const used = is_float ? bvxi_parse_float(at, end, &v32) : bvxi_parse_double(at, end, &v);
+
     f->p = at + used;
     if (used == 0 || (f->p < end && !bvxi_is_space(*f->p)))
         return bvxi_fail_expected(f->source, at, property->role <= PLY_ROLE_Z ? "a coordinate" : "a number");
@@ -60,7 +62,8 @@ bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e)
         for (uint32_t i = e->first; i < e->end; i++) {
             const ply_property *const property = &f->header->properties[i];
             int64_t count = 1;
-            if (property->count_type != PLY_NONE) BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
+            if (property->count_type != PLY_NONE)
+                BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
             if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
                 return bvxi_ply_fail_length(f, e, row, count);
             if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP)

@@ -1,13 +1,19 @@
 /* png.c - an image to PNG with stored blocks, so that its bytes depend on the pixels alone.
  *
  * Sources: ISO/IEC 15948 (PNG), RFC 1950 (zlib, Adler-32), RFC 1951 (stored blocks).
- * One IDAT chunk holds one zlib stream: blocks of up to 65,535 bytes as they are, each row behind a filter byte 0. */
+ * One IDAT chunk holds one zlib stream: blocks of up to 65,535 bytes as they are, each row behind a filter
+ * byte 0. */
 #include "io/formats.h"
 
 enum {
-    PNG_SIGNATURE = 8, PNG_CHUNK = 12 /* length, type and CRC around a chunk's data */, PNG_HEADER = 13,
-    ZLIB_AROUND = 6, STORED_BLOCK = 65535, STORED_HEAD = 5,
-    ADLER_MODULUS = 65521, ADLER_RUN = 5552 /* bytes that cannot overflow 32 bits before the modulus */
+    PNG_SIGNATURE = 8,
+    PNG_CHUNK = 12 /* length, type and CRC around a chunk's data */,
+    PNG_HEADER = 13,
+    ZLIB_AROUND = 6,
+    STORED_BLOCK = 65535,
+    STORED_HEAD = 5,
+    ADLER_MODULUS = 65521,
+    ADLER_RUN = 5552 /* bytes that cannot overflow 32 bits before the modulus */
 };
 
 /* ---- checksums ---- */
@@ -102,7 +108,9 @@ static void png_put_pixels(uint8_t *p, const bvx_image *image, uint64_t raw)
     static const uint8_t filter = 0;
     size_t const row = (size_t)image->width * 3;
     png_stored s = {NULL, 0, 0, {1, 0}};
-    p[0] = 0x78; /* deflate with a window of 32 KiB; the check bits of the second byte make a multiple of 31 */
+
+    /* deflate with a window of 32 KiB; the check bits of the second byte make a multiple of 31 */
+    p[0] = 0x78;
     p[1] = 0x01;
     s.p = p + 2;
     s.left = raw;
@@ -131,9 +139,10 @@ static bvx_status run_write_png(bvx_context *context, const bvx_image *image, bv
     uint64_t const stream = raw / STORED_BLOCK * (STORED_BLOCK + STORED_HEAD) + ZLIB_AROUND +
                             (raw % STORED_BLOCK != 0 ? STORED_HEAD + raw % STORED_BLOCK : 0);
     if (raw > INT32_MAX || stream > INT32_MAX) /* a chunk's limit */
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: %d x %d pixels are more than one PNG chunk holds", function,
-                         (int64_t)image->width, (int64_t)image->height);
-    BVXI_TRY(bvxi_make_buffer(context, PNG_SIGNATURE + 3 * PNG_CHUNK + PNG_HEADER + stream, "the PNG file", &made));
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: %d x %d pixels are more than one PNG chunk holds",
+                         function, (int64_t)image->width, (int64_t)image->height);
+    BVXI_TRY(bvxi_make_buffer(context, PNG_SIGNATURE + 3 * PNG_CHUNK + PNG_HEADER + stream, "the PNG file",
+                              &made));
 
     png_crc_init(&crc);
     memcpy(made.bytes, signature, PNG_SIGNATURE);
@@ -141,7 +150,8 @@ static bvx_status run_write_png(bvx_context *context, const bvx_image *image, bv
     data = png_open(p, PNG_HEADER, "IHDR");
     bvxi_store_u32_big(data, (uint32_t)image->width);
     bvxi_store_u32_big(data + 4, (uint32_t)image->height);
-    memcpy(data + 8, "\x08\x02\0\0\0", 5); /* 8 bits, red green blue, deflate, filters by row, not interlaced */
+    /* 8 bits, red green blue, deflate, filters by row, not interlaced */
+    memcpy(data + 8, "\x08\x02\0\0\0", 5);
     p = png_close(&crc, p, PNG_HEADER);
     png_put_pixels(png_open(p, stream, "IDAT"), image, raw);
     p = png_close(&crc, p, stream);

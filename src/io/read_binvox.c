@@ -1,20 +1,23 @@
 /* read_binvox.c - a grid from Patrick Min's .binvox, versions 1 and 2.
  *
- * Source: https://www.patrickmin.com/binvox/binvox.html. A header of lines ("#binvox 1", dim, translate, scale, data), then
- * pairs of bytes, a value and how often it comes, with y running fastest, then z, then x. Version 2 has values above 1 for set
- * voxels; any value but 0 is set here. The counts must add up to dim exactly; a count of 0, which trimesh writes, is none.
+ * Source: https://www.patrickmin.com/binvox/binvox.html. A header of lines ("#binvox 1", dim, translate,
+ * scale, data), then pairs of bytes, a value and how often it comes, with y running fastest, then z, then x.
+ * Version 2 has values above 1 for set voxels; any value but 0 is set here. The counts must add up to dim
+ * exactly; a count of 0, which trimesh writes, is none.
  *
- * Where voxels lie: the page puts the centre of voxel (i,j,k) of a cube of d voxels at translate + scale * ((i,j,k) + 1/2) / d,
- * so translate is the low corner of voxel (0,0,0) and a voxel's edge is scale / d. With unequal sides d is the longest one, as
- * cuda_voxelizer has it. viewvox draws voxels alone and looks at neither number. trimesh differs: translate is the centre of
- * voxel (0,0,0), and the step from voxel to voxel is scale / (d - 1). So it shows our files half a voxel lower and d / (d - 1)
- * times as large, and what it writes has here voxels (d - 1) / d as large.
+ * Where voxels lie: the page puts the centre of voxel (i,j,k) of a cube of d voxels at translate + scale *
+ * ((i,j,k) + 1/2) / d, so translate is the low corner of voxel (0,0,0) and a voxel's edge is scale / d. With
+ * unequal sides d is the longest one, as cuda_voxelizer has it. viewvox draws voxels alone and looks at
+ * neither number. trimesh differs: translate is the centre of voxel (0,0,0), and the step from voxel to voxel
+ * is scale / (d - 1). So it shows our files half a voxel lower and d / (d - 1) times as large, and what it
+ * writes has here voxels (d - 1) / d as large.
  *
- * Which side dim names first matters with unequal sides alone. The page says depth, width, height for x, y, z, and trimesh and
- * cuda_voxelizer do so; the page's sample reader takes the second number for z. Here it is x y z.
+ * Which side dim names first matters with unequal sides alone. The page says depth, width, height for x, y,
+ * z, and trimesh and cuda_voxelizer do so; the page's sample reader takes the second number for z. Here it is
+ * x y z.
  *
- * 64 layers of x are decoded to bits along y, then turned in blocks of 64 x 64 to bits along x. Groups of layers are worked on
- * in parallel, once a pass over the pairs has found where each begins. */
+ * 64 layers of x are decoded to bits along y, then turned in blocks of 64 x 64 to bits along x. Groups of
+ * layers are worked on in parallel, once a pass over the pairs has found where each begins. */
 #include "bits/transpose.h"
 #include "io/formats.h"
 #include "io/grid_formats.h"
@@ -37,8 +40,8 @@ typedef struct binvox_reading {
     const uint8_t *data;
     bvx_window part;
     bvx_grid *grid;
-    uint64_t *layers;      /* 64 layers of the part for each worker, or for each task when these are fewer */
-    uint64_t layer_words;  /* rows of y, one for each z */
+    uint64_t *layers;     /* 64 layers of the part for each worker, or for each task when these are fewer */
+    uint64_t layer_words; /* rows of y, one for each z */
     uint64_t worker_words;
     int32_t tasks, buffers;
     binvox_mark mark[BINVOX_MAX_TASKS];
@@ -109,15 +112,16 @@ static bvx_status binvox_take_line(binvox_reading *r, int *done)
     if (binvox_take_word(r, "dim")) {
         if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
         r->has_dims = 1;
-        if (!binvox_take_whole(r, &r->dims[0]) || !binvox_take_whole(r, &r->dims[1]) || !binvox_take_whole(r, &r->dims[2]) ||
-            !binvox_line_ends(r))
+        if (!binvox_take_whole(r, &r->dims[0]) || !binvox_take_whole(r, &r->dims[1]) ||
+            !binvox_take_whole(r, &r->dims[2]) || !binvox_line_ends(r))
             return binvox_fail_line(r, "dim wants three whole numbers");
     } else if (binvox_take_word(r, "translate")) {
         if (!binvox_take_double(r, &r->translate[0]) || !binvox_take_double(r, &r->translate[1]) ||
             !binvox_take_double(r, &r->translate[2]) || !binvox_line_ends(r))
             return binvox_fail_line(r, "translate wants three numbers");
     } else if (binvox_take_word(r, "scale")) {
-        if (!binvox_take_double(r, &r->scale) || !binvox_line_ends(r)) return binvox_fail_line(r, "scale wants one number");
+        if (!binvox_take_double(r, &r->scale) || !binvox_line_ends(r))
+            return binvox_fail_line(r, "scale wants one number");
     } else if (binvox_take_word(r, "data")) {
         if (!binvox_line_ends(r)) return binvox_fail_line(r, "something stands behind data");
         *done = 1;
@@ -130,14 +134,19 @@ static bvx_status binvox_take_header(binvox_reading *r)
     const char *next = (const char *)r->source->begin;
     uint64_t version = 0;
     int done = 0;
+
     r->scale = 1.0;
     if (!binvox_next_line(r, &next) || !binvox_take_word(r, "#binvox"))
-        return bvxi_fail(r->source->ctx, BVX_ERR_FORMAT, "BINVOX: line 1: the file does not begin with #binvox");
-    if (!binvox_take_whole(r, &version) || !binvox_line_ends(r)) return binvox_fail_line(r, "#binvox wants a version");
+        return bvxi_fail(r->source->ctx, BVX_ERR_FORMAT,
+                         "BINVOX: line 1: the file does not begin with #binvox");
+    if (!binvox_take_whole(r, &version) || !binvox_line_ends(r))
+        return binvox_fail_line(r, "#binvox wants a version");
     if (version < 1 || version > 2)
-        return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED, "BINVOX: line 1: version %u; 1 and 2 can be read", version);
+        return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED,
+                         "BINVOX: line 1: version %u; 1 and 2 can be read", version);
     while (!done) {
-        if (!binvox_next_line(r, &next)) return binvox_fail_line(r, "the file ends before the line that says data");
+        if (!binvox_next_line(r, &next))
+            return binvox_fail_line(r, "the file ends before the line that says data");
         BVXI_TRY(binvox_take_line(r, &done));
     }
     r->data = (const uint8_t *)next;
@@ -151,7 +160,8 @@ static bvx_status binvox_make_box(const binvox_reading *r, bvx_lattice *box)
     double spacing[3];
     for (int32_t a = 0; a < 3; a++)
         if (r->dims[a] > longest) longest = r->dims[a];
-    spacing[0] = spacing[1] = spacing[2] = r->scale / (double)longest; /* no side at all gives what the box refuses */
+    /* no side at all gives what the box refuses */
+    spacing[0] = spacing[1] = spacing[2] = r->scale / (double)longest;
     return bvxi_file_box(r->source->ctx, "BINVOX", r->translate, spacing, r->dims, box);
 }
 
@@ -161,6 +171,7 @@ static bvx_status binvox_make_box(const binvox_reading *r, bvx_lattice *box)
 static int binvox_skip(binvox_mark *mark, const uint8_t *end, uint64_t voxels)
 {
     const uint8_t *p = mark->p;
+
     voxels += mark->used;
     while (end - p >= 2 && voxels >= p[1]) {
         voxels -= p[1];
@@ -180,9 +191,11 @@ static bvx_status binvox_check_pairs(const binvox_reading *r)
     uint64_t const voxels = bvxi_mul(bvxi_mul(r->dims[0], r->dims[1], &fits), r->dims[2], &fits);
     uint64_t const pairs = (uint64_t)(end - r->data) / 2;
     binvox_mark mark = {NULL, 0};
+
     mark.p = r->data;
     if (!fits || voxels > pairs * 255 || !binvox_skip(&mark, end, voxels))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
                          (uint64_t)(end - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
     if (mark.used != 0 || end != mark.p)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: more runs than the %u x %u x %u voxels take",
@@ -196,6 +209,7 @@ static void binvox_find_marks(binvox_reading *r)
     uint64_t const layer = r->dims[1] * r->dims[2];
     binvox_mark mark = {NULL, 0};
     uint64_t x = 0;
+
     mark.p = r->data;
     for (int32_t task = 0; task < r->tasks; task++) {
         uint64_t column, end;
@@ -209,14 +223,16 @@ static void binvox_find_marks(binvox_reading *r)
 /* ---- layers ---- */
 
 /* Voxels [y, end) of row z of a layer are set. */
-static inline void binvox_set_run(const binvox_reading *r, uint64_t *layer, uint64_t y, uint64_t end, uint64_t z)
+static inline void binvox_set_run(const binvox_reading *r, uint64_t *layer, uint64_t y, uint64_t end,
+                                  uint64_t z)
 {
     int64_t const row = (int64_t)z - r->part.low[2];
     int64_t begin = (int64_t)y - r->part.low[1], stop = (int64_t)end - r->part.low[1];
     if (row < 0 || row >= r->part.size[2]) return;
     if (begin < 0) begin = 0;
     if (stop > r->part.size[1]) stop = r->part.size[1];
-    if (begin < stop) bvxi_set_run(layer + row * bvxi_row_words(r->part.size[1]), (int32_t)begin, (int32_t)stop);
+    if (begin < stop)
+        bvxi_set_run(layer + row * bvxi_row_words(r->part.size[1]), (int32_t)begin, (int32_t)stop);
 }
 
 /* Decode one layer of x; its words are zero. */
@@ -226,6 +242,7 @@ static void binvox_decode_layer(const binvox_reading *r, binvox_mark *mark, uint
     uint64_t left = ny * r->dims[2], y = 0, z = 0;
     const uint8_t *p = mark->p;
     uint64_t used = mark->used;
+
     while (left > 0) {
         uint64_t run = p[1] - used;
         int const set = p[0] != 0;
@@ -258,10 +275,14 @@ static void binvox_turn_back(const binvox_reading *r, const uint64_t *layers, in
     bvx_grid *const g = r->grid;
     int32_t const row_words = bvxi_row_words(g->size[1]);
     uint64_t block[64];
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t k = 0; k < row_words; k++) {
             const uint64_t *const from = layers + (uint64_t)z * (uint64_t)row_words + (uint64_t)k;
-            uint64_t *to = g->words + ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)k * 64) * (uint64_t)g->words_per_row + (uint64_t)column;
+            uint64_t *to = g->words +
+                           ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)k * 64) *
+                               (uint64_t)g->words_per_row +
+                           (uint64_t)column;
             int32_t const rows = g->size[1] - k * 64 < 64 ? g->size[1] - k * 64 : 64;
             uint64_t any = 0;
             for (int32_t i = 0; i < 64; i++) {
@@ -280,11 +301,13 @@ static void binvox_layers_task(void *user, int32_t task, int32_t worker)
     uint64_t *const layers = r->layers + (uint64_t)(r->tasks == r->buffers ? task : worker) * r->worker_words;
     binvox_mark mark = r->mark[task];
     uint64_t column, end;
+
     bvxi_piece((uint64_t)r->grid->words_per_row, r->tasks, task, &column, &end);
     for (; column < end; column++) {
         int32_t const left = r->grid->size[0] - (int32_t)column * 64, count = left < 64 ? left : 64;
         memset(layers, 0, (size_t)((uint64_t)count * r->layer_words * 8));
-        for (int32_t i = 0; i < count; i++) binvox_decode_layer(r, &mark, layers + (uint64_t)i * r->layer_words);
+        for (int32_t i = 0; i < count; i++)
+            binvox_decode_layer(r, &mark, layers + (uint64_t)i * r->layer_words);
         binvox_turn_back(r, layers, count, (int32_t)column);
     }
 }
@@ -296,6 +319,7 @@ static bvx_status binvox_fill(binvox_reading *r)
     uint64_t size;
     int fits = 1;
     bvx_status status;
+
     r->tasks = g->words_per_row < BINVOX_MAX_TASKS ? g->words_per_row : BINVOX_MAX_TASKS;
     r->buffers = bvxi_threads(ctx) < r->tasks ? bvxi_threads(ctx) : r->tasks;
     r->layer_words = (uint64_t)g->size[2] * (uint64_t)bvxi_row_words(g->size[1]);
@@ -314,6 +338,7 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     binvox_reading r;
     bvx_lattice box;
     bvx_window whole;
+
     memset(&r, 0, sizeof r);
     r.source = source;
     BVXI_TRY(binvox_take_header(&r));

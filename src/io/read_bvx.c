@@ -1,9 +1,10 @@
 /* read_bvx.c - a grid from our own format; the layout stands in bvx_file.h.
  *
- * The head and the heads of all slices are checked first, then the slices that are wanted (checksum, lengths of runs, bits
- * past the rows), and only then is there a grid to fill. So a damaged file allocates nothing but the places of its slices.
- * Slices outside the window are passed by their byte counts. Checking and filling run in parallel over slices; the first
- * slice in the file that is wrong is the one reported, whatever the threads. */
+ * The head and the heads of all slices are checked first, then the slices that are wanted (checksum, lengths
+ * of runs, bits past the rows), and only then is there a grid to fill. So a damaged file allocates nothing
+ * but the places of its slices. Slices outside the window are passed by their byte counts. Checking and
+ * filling run in parallel over slices; the first slice in the file that is wrong is the one reported,
+ * whatever the threads. */
 #include "io/bvx_file.h"
 #include "io/grid_formats.h"
 #include "io/tree_file.h"
@@ -20,12 +21,12 @@ typedef struct bvx_wrong {
 typedef struct bvx_unpacking {
     const bvxi_grid_source *source;
     bvx_lattice lattice;
-    bvx_window window;     /* of the file */
-    bvx_window part;       /* what is wanted, counted from the file's first voxel */
-    uint64_t frame;        /* seed of the checksums */
-    uint64_t raw;          /* bytes of a slice as words */
-    uint64_t *place;       /* where each wanted slice starts */
-    int32_t first, count;  /* the wanted slices */
+    bvx_window window;    /* of the file */
+    bvx_window part;      /* what is wanted, counted from the file's first voxel */
+    uint64_t frame;       /* seed of the checksums */
+    uint64_t raw;         /* bytes of a slice as words */
+    uint64_t *place;      /* where each wanted slice starts */
+    int32_t first, count; /* the wanted slices */
     int32_t pieces;
     bvx_grid *grid;
     bvx_wrong wrong[BVX_MAX_PIECES]; /* the first wrong slice of each piece */
@@ -43,29 +44,40 @@ static int32_t bvx_load_side(const uint8_t *p)
 static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
 {
     const uint8_t *const magic = bvxi_bvx_magic();
+
     if (bvxi_is_tree_file(head, size))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it");
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it");
     if (size < 8 || memcmp(head, magic, 4) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)");
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)");
     if (memcmp(head, magic, 8) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
-    if (size < BVXI_BVX_AT_VERSION + 4) return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
+    if (size < BVXI_BVX_AT_VERSION + 4)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
     if (bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0) > BVXI_BVX_VERSION)
-        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "BVX: the file is of version %u, this library reads version %u",
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
+                         "BVX: the file is of version %u, this library reads version %u",
                          (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0), (uint64_t)BVXI_BVX_VERSION);
     if (size < BVXI_BVX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size, (uint64_t)BVXI_BVX_HEAD);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
+                         (uint64_t)BVXI_BVX_HEAD);
     if (bvxi_load_u64(head + BVXI_BVX_AT_CHECK, 0) != bvx_hash(head, BVXI_BVX_AT_CHECK, 0))
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
                          (uint64_t)BVXI_BVX_HEAD - 1);
     if (bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0) != BVXI_BVX_VERSION)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: there is no version 0", (uint64_t)BVXI_BVX_AT_VERSION);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: there is no version 0",
+                         (uint64_t)BVXI_BVX_AT_VERSION);
     if (bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0) != BVXI_BVX_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a head of %u bytes; version %u has %u", (uint64_t)BVXI_BVX_AT_HEAD_SIZE,
-                         (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION, (uint64_t)BVXI_BVX_HEAD);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a head of %u bytes; version %u has %u",
+                         (uint64_t)BVXI_BVX_AT_HEAD_SIZE,
+                         (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION,
+                         (uint64_t)BVXI_BVX_HEAD);
     for (uint32_t i = 0; i < 16; i++)
         if (head[BVXI_BVX_AT_RESERVED + i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)BVXI_BVX_AT_RESERVED + i);
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0",
+                             (uint64_t)BVXI_BVX_AT_RESERVED + i);
     return BVX_OK;
 }
 
@@ -76,6 +88,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     const uint8_t *const head = job->source->begin;
     bvx_window *const w = &job->window;
     bvx_status status;
+
     BVXI_TRY(bvx_check_start(ctx, head, (uint64_t)(job->source->end - head)));
     for (int32_t a = 0; a < 3; a++) {
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, 0);
@@ -86,11 +99,14 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     }
     job->lattice.fraction_bits = bvx_load_side(head + BVXI_BVX_AT_FRACTION);
     status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
-    if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT; /* the argument at fault is the file */
+    /* the argument at fault is the file */
+    if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT;
     for (int32_t a = 0; a < 3; a++)
-        if (w->size[a] < 1 || w->low[a] < 0 || w->size[a] > job->lattice.dims[a] || w->low[a] > job->lattice.dims[a] - w->size[a])
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: the window has %d voxels from %d on along %s, the lattice has %d",
-                             (int64_t)w->size[a], (int64_t)w->low[a], axis_name[a], (int64_t)job->lattice.dims[a]);
+        if (w->size[a] < 1 || w->low[a] < 0 || w->size[a] > job->lattice.dims[a] ||
+            w->low[a] > job->lattice.dims[a] - w->size[a])
+            return bvxi_fail(
+                ctx, BVX_ERR_FORMAT, "BVX: the window has %d voxels from %d on along %s, the lattice has %d",
+                (int64_t)w->size[a], (int64_t)w->low[a], axis_name[a], (int64_t)job->lattice.dims[a]);
     job->frame = bvxi_bvx_frame(head);
     job->raw = (uint64_t)w->size[1] * (uint64_t)bvxi_row_words(w->size[0]) * 8;
     return BVX_OK;
@@ -103,7 +119,9 @@ static void bvx_choose_slices(bvx_unpacking *job)
     int32_t const slices = job->window.size[2];
     job->first = 0;
     job->count = slices;
-    if (w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 || w->size[2] > slices - w->low[2]) return;
+    if (w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 ||
+        w->size[2] > slices - w->low[2])
+        return;
     job->first = w->low[2];
     job->count = w->size[2];
 }
@@ -115,19 +133,22 @@ static bvx_status bvx_check_slice_head(const bvx_unpacking *job, const uint8_t *
     bvx_context *const ctx = job->source->ctx;
     uint64_t const left = (uint64_t)(job->source->end - p), at = (uint64_t)(p - job->source->begin);
     int64_t const z = (int64_t)job->window.low[2] + k;
+
     if (left < BVXI_BVX_SLICE_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends before slice z %d", at + left, z);
     if (bvxi_load_u32(p + 8, 0) != (uint32_t)z)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %u in place of z %d", at + 8, (uint64_t)bvxi_load_u32(p + 8, 0), z);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %u in place of z %d", at + 8,
+                         (uint64_t)bvxi_load_u32(p + 8, 0), z);
     if (bvxi_load_u32(p + 12, 0) > BVXI_BVX_RUNS)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has encoding %u; there are 0 and 1", at + 12, z,
-                         (uint64_t)bvxi_load_u32(p + 12, 0));
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has encoding %u; there are 0 and 1",
+                         at + 12, z, (uint64_t)bvxi_load_u32(p + 12, 0));
     uint64_t const n = bvxi_load_u64(p + 16, 0);
     if (n > left - BVXI_BVX_SLICE_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, the file has %u more", at + 16, z, n,
-                         left - BVXI_BVX_SLICE_HEAD);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, the file has %u more",
+                         at + 16, z, n, left - BVXI_BVX_SLICE_HEAD);
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW && n != job->raw)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, its words are %u", at + 16, z, n, job->raw);
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, its words are %u",
+                         at + 16, z, n, job->raw);
     return BVX_OK;
 }
 
@@ -135,14 +156,16 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
 {
     bvx_context *const ctx = job->source->ctx;
     const uint8_t *p = job->source->begin + BVXI_BVX_HEAD;
+
     for (int32_t k = 0; k < job->window.size[2]; k++) {
         BVXI_TRY(bvx_check_slice_head(job, p, k));
-        if (k >= job->first && k < job->first + job->count) job->place[k - job->first] = (uint64_t)(p - job->source->begin);
+        if (k >= job->first && k < job->first + job->count)
+            job->place[k - job->first] = (uint64_t)(p - job->source->begin);
         p += BVXI_BVX_SLICE_HEAD + bvxi_load_u64(p + 16, 0);
     }
     if (p != job->source->end)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: %u bytes behind the last slice", (uint64_t)(p - job->source->begin),
-                         (uint64_t)(job->source->end - p));
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: %u bytes behind the last slice",
+                         (uint64_t)(p - job->source->begin), (uint64_t)(job->source->end - p));
     return BVX_OK;
 }
 
@@ -152,6 +175,7 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
 static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *end, uint64_t *length)
 {
     uint64_t v;
+
     if (p == end) return NULL;
     v = *p++;
     *length = v;
@@ -169,6 +193,7 @@ static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *en
 static int32_t bvx_check_runs(const uint8_t *p, const uint8_t *end, uint64_t voxels)
 {
     uint64_t length;
+
     for (int32_t nth = 0; p != end; nth |= 1) {
         p = bvx_take_length(p, end, &length);
         if (p == NULL || (length == 0 && nth != 0)) return BVX_SLICE_RUN;
@@ -182,6 +207,7 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
 {
     uint64_t const n = bvxi_load_u64(p + 16, 0), row = (uint64_t)bvxi_row_words(job->window.size[0]) * 8;
     uint64_t const beyond = ~bvxi_tail_mask(job->window.size[0]);
+
     if (bvxi_load_u64(p, 0) != bvxi_bvx_slice_check(p, n, job->frame)) return BVX_SLICE_CHECKSUM;
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RUNS)
         return bvx_check_runs(p + BVXI_BVX_SLICE_HEAD, p + BVXI_BVX_SLICE_HEAD + n,
@@ -196,6 +222,7 @@ static void bvx_check_piece(void *user, int32_t piece, int32_t worker)
 {
     bvx_unpacking *const job = user;
     uint64_t k, end;
+
     (void)worker;
     bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     for (; k < end && job->wrong[piece].why == BVX_SLICE_GOOD; k++) {
@@ -206,14 +233,18 @@ static void bvx_check_piece(void *user, int32_t piece, int32_t worker)
 
 static bvx_status bvx_check_slices(bvx_unpacking *job)
 {
-    static const char *const words[] = {"", "the slice is damaged, or of another lattice or window: its checksum differs",
-                                        "a length of a run is cut, longer than it needs to be, or 0 in the middle",
-                                        "the runs do not add up to the slice", "bits are set past the end of a row"};
+    static const char *const words[] = {
+        "", "the slice is damaged, or of another lattice or window: its checksum differs",
+        "a length of a run is cut, longer than it needs to be, or 0 in the middle",
+        "the runs do not add up to the slice", "bits are set past the end of a row"};
+
     BVXI_TRY(bvxi_parallel(job->source->ctx, "read", 0.0, 0.5, job->pieces, bvx_check_piece, job));
     for (int32_t i = 0; i < job->pieces; i++)
         if (job->wrong[i].why != BVX_SLICE_GOOD)
-            return bvxi_fail(job->source->ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d: %s", job->place[job->wrong[i].slice],
-                             (int64_t)job->window.low[2] + job->first + job->wrong[i].slice, words[job->wrong[i].why]);
+            return bvxi_fail(job->source->ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d: %s",
+                             job->place[job->wrong[i].slice],
+                             (int64_t)job->window.low[2] + job->first + job->wrong[i].slice,
+                             words[job->wrong[i].why]);
     return BVX_OK;
 }
 
@@ -232,11 +263,13 @@ static void bvx_place_run(const bvx_unpacking *job, int32_t slice, int64_t x, in
     int64_t const nx = job->window.size[0], last = y + (x + length > nx ? (x + length - 1) / nx : 0);
     int64_t const end_x = x + length - (last - y) * nx; /* in the last row */
     int64_t const high = (int64_t)part->low[1] + part->size[1] - 1;
+
     for (int64_t row = y > part->low[1] ? y : part->low[1]; row <= last && row <= high; row++) {
         int64_t begin = (row == y ? x : 0) - part->low[0], end = (row == last ? end_x : nx) - part->low[0];
         if (begin < 0) begin = 0;
         if (end > part->size[0]) end = part->size[0];
-        if (begin < end) bvxi_set_run(bvx_part_row(job, slice, row - part->low[1]), (int32_t)begin, (int32_t)end);
+        if (begin < end)
+            bvxi_set_run(bvx_part_row(job, slice, row - part->low[1]), (int32_t)begin, (int32_t)end);
     }
 }
 
@@ -244,6 +277,7 @@ static void bvx_fill_from_runs(const bvx_unpacking *job, int32_t slice, const ui
 {
     int64_t const nx = job->window.size[0];
     int64_t x = 0, y = 0;
+
     for (int set = 0; p != end; set = !set) {
         uint64_t length = 0;
         p = bvx_take_length(p, end, &length);
@@ -264,12 +298,16 @@ static void bvx_fill_from_words(const bvx_unpacking *job, int32_t slice, const u
     const bvx_window *const part = &job->part;
     int64_t const row_words = bvxi_row_words(job->window.size[0]), first = part->low[0] >> 6;
     int32_t const shift = part->low[0] & 63, words = job->grid->words_per_row;
+
     for (int32_t y = 0; y < part->size[1]; y++) {
-        const uint8_t *const from = p + ((uint64_t)(part->low[1] + y) * (uint64_t)row_words + (uint64_t)first) * 8;
+        const uint8_t *const from = p +
+                                    ((uint64_t)(part->low[1] + y) * (uint64_t)row_words + (uint64_t)first) *
+                                        8;
         uint64_t *const to = bvx_part_row(job, slice, y);
         for (int32_t i = 0; i < words; i++) {
             uint64_t w = bvxi_load_u64(from + 8 * (size_t)i, 0) >> shift;
-            if (shift != 0 && first + i + 1 < row_words) w |= bvxi_load_u64(from + 8 * (size_t)i + 8, 0) << (64 - shift);
+            if (shift != 0 && first + i + 1 < row_words)
+                w |= bvxi_load_u64(from + 8 * (size_t)i + 8, 0) << (64 - shift);
             to[i] = w;
         }
         to[words - 1] &= bvxi_tail_mask(part->size[0]);
@@ -280,6 +318,7 @@ static void bvx_fill_piece(void *user, int32_t piece, int32_t worker)
 {
     const bvx_unpacking *const job = user;
     uint64_t k, end;
+
     (void)worker;
     bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     for (; k < end; k++) {
@@ -303,15 +342,18 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     uint64_t const least = BVXI_BVX_SLICE_HEAD + 1, size = (uint64_t)(source->end - source->begin);
     bvx_unpacking job;
     bvx_status status;
+
     memset(&job, 0, sizeof job);
     job.source = source;
     BVXI_TRY(bvx_take_head(&job));
     if ((size - BVXI_BVX_HEAD) / least < (uint64_t)job.window.size[2])
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "BVX: %u bytes cannot hold %d slices", size, (int64_t)job.window.size[2]);
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "BVX: %u bytes cannot hold %d slices", size,
+                         (int64_t)job.window.size[2]);
     bvx_choose_slices(&job);
     job.pieces = bvxi_piece_count(job.raw < 65536 ? job.raw * (uint64_t)job.count : UINT64_MAX, 65536);
     if (job.pieces > job.count) job.pieces = job.count;
-    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place, "the places of slices", &job.place));
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
+                        "the places of slices", &job.place));
     status = bvx_unpack(&job, grid);
     bvxi_free(source->ctx, job.place, (uint64_t)job.count * sizeof *job.place);
     return status;

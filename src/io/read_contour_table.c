@@ -1,8 +1,9 @@
 /* read_contour_table.c - contours as a table (CSV): a head line that names columns, a line for each point.
  *
- * Columns section, position, loop, x and y, in any order; label too where there are several bodies; others are left alone. Words are
- * parted by commas, semicolons or tabs, whichever the head line has. Lines of one loop follow each other. Sections and loops are
- * known by what stands in their columns, so they may be numbers or names. */
+ * Columns section, position, loop, x and y, in any order; label too where there are several bodies; others
+ * are left alone. Words are parted by commas, semicolons or tabs, whichever the head line has. Lines of one
+ * loop follow each other. Sections and loops are known by what stands in their columns, so they may be
+ * numbers or names. */
 #include "core/key_tree.h"
 #include "io/contour_text.h"
 
@@ -23,10 +24,10 @@ typedef struct table_reader {
     table_word loop, section;       /* of the loop that is being read */
     const char *line;
     double close_gap;
-    uint64_t *section_hash;         /* of each section's word */
-    uint64_t *loop_hash;            /* of each loop's words */
+    uint64_t *section_hash; /* of each section's word */
+    uint64_t *loop_hash;    /* of each loop's words */
     uint64_t section_room, loop_room;
-    bvxi_key_tree sections;         /* by these hashes */
+    bvxi_key_tree sections; /* by these hashes */
 } table_reader;
 
 static const char *table_line_end(const bvxi_contour_file *f, const char *p)
@@ -65,6 +66,7 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
 {
     static const char *const name[TABLE_COLUMNS] = {"section", "position", "loop", "x", "y", "label"};
     int32_t number = 0;
+
     r->between = ',';
     for (const char *c = p; c < end; c++)
         if (*c == ';' || *c == '\t') {
@@ -79,7 +81,9 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
         table_word const w = trim_word(p, stop);
         for (int i = 0; i < TABLE_COLUMNS; i++) {
             if (!word_is(w, name[i])) continue;
-            if (r->column[i] >= 0) return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "a column stands in the head line twice");
+            if (r->column[i] >= 0)
+                return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                         "a column stands in the head line twice");
             r->column[i] = number;
         }
         if (stop == end) break;
@@ -87,14 +91,17 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
     }
     for (int i = 0; i < TABLE_LABEL; i++)
         if (r->column[i] < 0)
-            return bvxi_fail(r->f->ctx, BVX_ERR_FORMAT, "%s: line 1: the head line has no column %s (section, position, loop, x, y are needed)",
-                             r->f->format, name[i]);
+            return bvxi_fail(
+                r->f->ctx, BVX_ERR_FORMAT,
+                "%s: line 1: the head line has no column %s (section, position, loop, x, y are needed)",
+                r->f->format, name[i]);
     return BVX_OK;
 }
 
 static bvx_status split_table_line(table_reader *r, const char *p, const char *end)
 {
     int found = 0, wanted = 0;
+
     for (int i = 0; i < TABLE_COLUMNS; i++) wanted += r->column[i] >= 0;
     for (int32_t number = 0;; number++) {
         const char *const stop = bvxi_find_byte(p, end, r->between);
@@ -106,14 +113,18 @@ static bvx_status split_table_line(table_reader *r, const char *p, const char *e
         if (stop == end) break;
         p = stop + 1;
     }
-    return found == wanted ? BVX_OK : bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the line has fewer columns than the head line");
+    return found == wanted ? BVX_OK
+                           : bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                               "the line has fewer columns than the head line");
 }
 
 static bvx_status table_number(table_reader *r, int column, const char *what, double *value)
 {
     table_word const w = r->word[column];
-    if (w.size == 0 || bvxi_parse_double(w.at, w.at + w.size, value) != w.size) return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, what);
-    if (!(*value - *value == 0.0)) return bvxi_contour_fail(r->f, r->line, BVX_ERR_RANGE, "a number is not finite");
+    if (w.size == 0 || bvxi_parse_double(w.at, w.at + w.size, value) != w.size)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, what);
+    if (!(*value - *value == 0.0))
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_RANGE, "a number is not finite");
     return BVX_OK;
 }
 
@@ -126,6 +137,7 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
     bvx_section_loop *l;
     const double *first, *last;
     double x, y;
+
     if (s->loop_count == 0) return BVX_OK;
     l = &s->loops[s->loop_count - 1];
     first = s->points + 3 * l->first_point;
@@ -136,7 +148,9 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
         l->point_count--;
         s->point_count--;
     } else if (r->close_gap > 0.0 && x * x + y * y > r->close_gap * r->close_gap) {
-        return bvxi_contour_fail(r->f, at, BVX_ERR_FORMAT, "the loop that ends before this line is open: its ends lie further apart than close_gap");
+        return bvxi_contour_fail(
+            r->f, at, BVX_ERR_FORMAT,
+            "the loop that ends before this line is open: its ends lie further apart than close_gap");
     }
     return BVX_OK;
 }
@@ -170,13 +184,16 @@ static bvx_status find_table_section(table_reader *r, double position, uint32_t 
 {
     bvx_sections *const s = &r->f->sections;
     uint64_t const next = s->section_count, room = r->section_room;
+
     BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
-    if (r->sections.key == NULL) BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
+    if (r->sections.key == NULL)
+        BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
     else if (r->section_room > room) BVXI_TRY(bvxi_key_tree_grow(r->f->ctx, &r->sections, r->section_room));
     *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
     if (*section != next) {
         if (s->positions[*section] != position)
-            return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the section has another position on an earlier line");
+            return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                     "the section has another position on an earlier line");
         return BVX_OK;
     }
     return bvxi_contour_add_section(r->f, position);
@@ -186,27 +203,33 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
 {
     bvx_sections *const s = &r->f->sections;
     double position, point[3], label = 1.0;
+
     BVXI_TRY(split_table_line(r, p, end));
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
     BVXI_TRY(table_number(r, TABLE_X, "expected a number as x", &point[0]));
     BVXI_TRY(table_number(r, TABLE_Y, "expected a number as y", &point[1]));
-    if (r->column[TABLE_LABEL] >= 0) BVXI_TRY(table_number(r, TABLE_LABEL, "expected a number as the label", &label));
+    if (r->column[TABLE_LABEL] >= 0)
+        BVXI_TRY(table_number(r, TABLE_LABEL, "expected a number as the label", &label));
     if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is no whole number");
     point[2] = position;
-    if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) || !same_word(r->section, r->word[TABLE_SECTION])) {
+    if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
+        !same_word(r->section, r->word[TABLE_SECTION])) {
         uint32_t section = 0;
         BVXI_TRY(end_table_loop(r, r->line));
         BVXI_TRY(find_table_section(r, position, &section));
-        BVXI_TRY(remember(r, &r->loop_hash, s->loop_count, &r->loop_room, word_hash(r->word[TABLE_LOOP], word_hash(r->word[TABLE_SECTION], 1))));
+        BVXI_TRY(remember(r, &r->loop_hash, s->loop_count, &r->loop_room,
+                          word_hash(r->word[TABLE_LOOP], word_hash(r->word[TABLE_SECTION], 1))));
         BVXI_TRY(bvxi_contour_add_loop(r->f, section, (int32_t)label));
         r->loop = r->word[TABLE_LOOP];
         r->section = r->word[TABLE_SECTION];
     }
     if (s->positions[s->loops[s->loop_count - 1].section] != position)
-        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the section has another position on an earlier line");
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                 "the section has another position on an earlier line");
     if (s->loops[s->loop_count - 1].label != (int32_t)label)
-        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the loop has another label on an earlier line");
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                 "the loop has another label on an earlier line");
     return bvxi_contour_add_point(r->f, point);
 }
 
@@ -217,14 +240,18 @@ static bvx_status refuse_parted_loops(table_reader *r)
     uint64_t const n = s->loop_count;
     uint32_t *order = NULL;
     bvx_status status = bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order);
+
     if (status != BVX_OK) return status;
     for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
     status = bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n);
     for (uint64_t i = 1; i < n && status == BVX_OK; i++)
         if (r->loop_hash[i] == r->loop_hash[i - 1])
-            status = bvxi_fail(r->f->ctx, BVX_ERR_FORMAT, "%s: loops %u and %u of the file (section at %g) have one name in one section: lines of a "
-                               "loop stand together", r->f->format, (uint64_t)order[i - 1], (uint64_t)order[i],
-                               s->positions[s->loops[order[i]].section]);
+            status = bvxi_fail(
+                r->f->ctx, BVX_ERR_FORMAT,
+                "%s: loops %u and %u of the file (section at %g) have one name in one section: lines of a "
+                "loop stand together",
+                r->f->format, (uint64_t)order[i - 1], (uint64_t)order[i],
+                s->positions[s->loops[order[i]].section]);
     bvxi_free(r->f->ctx, order, n * 4);
     return status;
 }
@@ -234,6 +261,7 @@ static bvx_status read_table_lines(table_reader *r)
     bvxi_contour_file *const f = r->f;
     int headed = 0;
     uint64_t lines = 0;
+
     while (f->p < f->end) {
         const char *const end = table_line_end(f, f->p);
         table_word const all = trim_word(f->p, end);
@@ -243,7 +271,8 @@ static bvx_status read_table_lines(table_reader *r)
             headed = 1;
         }
         f->p = end < f->end ? end + 1 : end;
-        if ((++lines & 0xffff) == 0) BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
+        if ((++lines & 0xffff) == 0)
+            BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
     }
     if (!headed) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file has no head line", f->format);
     BVXI_TRY(end_table_loop(r, f->end));
@@ -254,6 +283,7 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
     table_reader r;
     bvx_status status;
+
     memset(&r, 0, sizeof r);
     r.f = f;
     r.close_gap = close_gap;

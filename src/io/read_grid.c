@@ -1,21 +1,26 @@
 /* read_grid.c - a grid from the bytes of a file: the checks around the readers, and what they share. */
 #include "io/grid_formats.h"
 
-bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3], const double spacing[3],
-                         const uint64_t dims[3], bvx_lattice *box)
+bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
+                         const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     bvx_lattice made = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, BVXI_MIN_FRACTION};
     int32_t longest = 1;
+
     for (int a = 0; a < 3; a++) {
-        if (dims[a] == 0) return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format, axis_name[a]);
+        if (dims[a] == 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format,
+                             axis_name[a]);
         if (dims[a] > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
-                             axis_name[a], (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the file has %u voxels along %s; 1 to %d are possible",
+                             format, dims[a], axis_name[a], (int64_t)BVXI_MAX_SIDE);
         if (!(origin[a] - origin[a] == 0.0))
-            return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE, "%s: the origin is not finite along %s", format, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
+                                 "%s: the origin is not finite along %s", format, axis_name[a]);
         if (!(spacing[a] - spacing[a] == 0.0) || !(spacing[a] > 0.0))
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the spacing along %s is %g; it must be above 0 and finite", format,
+            return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                             "%s: the spacing along %s is %g; it must be above 0 and finite", format,
                              axis_name[a], spacing[a]);
         made.origin[a] = origin[a];
         made.spacing[a] = spacing[a];
@@ -28,11 +33,13 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
 }
 
 /* What is wanted of a file, counted from its first voxel; NULL or all zero stands for all of it. */
-static bvx_status take_file_part(const bvxi_grid_source *source, const char *format, const int32_t size[3], bvx_window *part)
+static bvx_status take_file_part(const bvxi_grid_source *source, const char *format, const int32_t size[3],
+                                 bvx_window *part)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
     const bvx_window *const w = source->window;
+
     memset(part, 0, sizeof *part);
     if (w == NULL || memcmp(w, &none, sizeof none) == 0) {
         memcpy(part->size, size, sizeof part->size);
@@ -40,8 +47,10 @@ static bvx_status take_file_part(const bvxi_grid_source *source, const char *for
     }
     for (int a = 0; a < 3; a++)
         if (w->low[a] < 0 || w->size[a] < 1 || w->low[a] > size[a] - w->size[a])
-            return bvxi_fail(source->ctx, BVX_ERR_RANGE, "%s: the window's voxels %d to %d along %s are not inside the file's %d",
-                             format, (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1, axis_name[a], (int64_t)size[a]);
+            return bvxi_fail(source->ctx, BVX_ERR_RANGE,
+                             "%s: the window's voxels %d to %d along %s are not inside the file's %d", format,
+                             (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1, axis_name[a],
+                             (int64_t)size[a]);
     *part = *w;
     return BVX_OK;
 }
@@ -50,6 +59,7 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
                                const bvx_window *file_window, bvx_window *part, bvx_grid *grid)
 {
     bvx_window whole, wanted;
+
     BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
     BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
     BVXI_TRY(take_file_part(source, format, whole.size, part));
@@ -77,8 +87,9 @@ static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, 
 {
     bvxi_dense dense;
     memset(&dense, 0, sizeof dense);
-    BVXI_TRY(format == BVX_FORMAT_NPY ? bvxi_find_npy(source, &dense) : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
-                                                                                                 : bvxi_find_vti(source, &dense));
+    BVXI_TRY(format == BVX_FORMAT_NPY    ? bvxi_find_npy(source, &dense)
+             : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
+                                         : bvxi_find_vti(source, &dense));
     return bvxi_read_dense_grid(source, &dense, grid);
 }
 
@@ -92,7 +103,8 @@ static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, b
     case BVX_FORMAT_VOX: return bvxi_read_vox(source, grid);
     case BVX_FORMAT_BVX: return bvxi_read_bvx(source, grid);
     default:
-        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_grid", "grid", format, BVX_GRIDS_READ);
+        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_grid", "grid", format,
+                                BVX_GRIDS_READ);
     }
 }
 
@@ -103,11 +115,13 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     bvxi_grid_source source;
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
+                         size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", function);
     source.ctx = context;
     source.begin = bytes;

@@ -34,15 +34,18 @@ static void source_run_piece(void *user, int32_t index, int32_t worker)
 }
 
 /* A few pieces at a time, so that a large file asks for progress as often as a small one. */
-bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task, void *user)
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task,
+                              void *user)
 {
     double const share = (to - from) / (double)count;
+
     for (int32_t i = 0; i < count; i += SOURCE_GROUP) {
         int32_t const n = count - i < SOURCE_GROUP ? count - i : SOURCE_GROUP;
         source_group g = {task, user, 0};
         g.first = i;
         source->reached = i + n == count ? to : from + share * (double)(i + n);
-        BVXI_TRY(bvxi_parallel(source->ctx, "read", from + share * (double)i, source->reached, n, source_run_piece, &g));
+        BVXI_TRY(bvxi_parallel(source->ctx, "read", from + share * (double)i, source->reached, n,
+                               source_run_piece, &g));
     }
     return BVX_OK;
 }
@@ -61,6 +64,7 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
     const char *const stop = bvxi_skip_word(at, source->end);
     size_t const n = (size_t)(stop - at);
     size_t const shown = n < SOURCE_WORD_SHOWN ? n : SOURCE_WORD_SHOWN;
+
     if (source->ctx == NULL) return BVX_ERR_FORMAT;
     if (at == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the file ends where %s was expected",
@@ -129,8 +133,8 @@ void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
 
 int bvxi_mesh_is_empty(const bvx_mesh *m)
 {
-    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL && m->triangle_keys == NULL &&
-           m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
+    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL &&
+           m->triangle_keys == NULL && m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
 }
 
 static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
@@ -151,22 +155,26 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
 }
 
 /* dropped NULL: what is not finite is refused. */
-static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size, int32_t format,
-                                uint64_t *dropped, bvx_mesh *mesh)
+static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size,
+                                int32_t format, uint64_t *dropped, bvx_mesh *mesh)
 {
     bvxi_source source = {0};
     bvx_mesh made = {0};
     uint64_t count = 0;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function, size);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
+                         size);
     if (format < 0 || format > BVX_FORMAT_SVG || (BVX_MESHES_READ >> format & 1) == 0)
-        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format, BVX_MESHES_READ);
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format,
+                                BVX_MESHES_READ);
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh brings arrays, which are not used; zero it first", function);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: mesh brings arrays, which are not used; zero it first", function);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
@@ -175,8 +183,9 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     if (status == BVX_OK && dropped != NULL) {
         status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
         if (status == BVX_OK && made.triangle_count == 0)
-            status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE, "%s: each of the %u triangles has a corner that is not finite",
-                               source.format, count);
+            status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE,
+                                   "%s: each of the %u triangles has a corner that is not finite",
+                                   source.format, count);
     }
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);
@@ -188,13 +197,14 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     return BVX_OK;
 }
 
-bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *mesh)
+bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                         bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_read_mesh(context, "bvx_read_mesh", bytes, size, format, NULL, mesh));
 }
 
-bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format, uint64_t *dropped,
-                                bvx_mesh *mesh)
+bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                uint64_t *dropped, bvx_mesh *mesh)
 {
     static const char *const function = "bvx_read_mesh_finite";
     if (context != NULL && dropped == NULL) return bvxi_fail_null(context, function, "dropped");

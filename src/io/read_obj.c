@@ -1,14 +1,15 @@
 /* read_obj.c - Wavefront OBJ to an indexed mesh: vertices, colours, texture coordinates and polygonal faces.
  *
- * The file is cut into pieces of whole lines, by its size alone. A first pass counts what each piece holds, so that the
- * arrays are made once in their exact size and each piece knows its place in them; the second fills them. So pieces may
- * be read at the same time, and a face may name vertices that stand behind it; negative numbers count back from the last
- * vertex before it. Polygons are cut into triangles at the end, when all vertices are known.
- * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture coordinates are
- * looked up when the first corner of the file has one, and dropped when another has none. Normals must be numbers but are
- * not looked up. Every statement but v, vt and f is left out: nothing that a file names (mtllib, call, csh) is opened.
- * A backslash before a line's end continues v, vt and f. In other lines it is ignored, as comments and file names end in
- * backslashes too, and what follows is no v, vt or f.
+ * The file is cut into pieces of whole lines, by its size alone. A first pass counts what each piece holds,
+ * so that the arrays are made once in their exact size and each piece knows its place in them; the second
+ * fills them. So pieces may be read at the same time, and a face may name vertices that stand behind it;
+ * negative numbers count back from the last vertex before it. Polygons are cut into triangles at the end,
+ * when all vertices are known.
+ * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture
+ * coordinates are looked up when the first corner of the file has one, and dropped when another has none.
+ * Normals must be numbers but are not looked up. Every statement but v, vt and f is left out: nothing that a
+ * file names (mtllib, call, csh) is opened. A backslash before a line's end continues v, vt and f. In other
+ * lines it is ignored, as comments and file names end in backslashes too, and what follows is no v, vt or f.
  * Memory: the mesh, 12 bytes a coloured vertex, 8 bytes a polygon. Cost: O(bytes). */
 #include "io/obj_text.h"
 
@@ -26,6 +27,7 @@ typedef struct obj_reader {
 static int obj_take_numbers(const obj_file *f, const char **p, int most, double *out)
 {
     int n = 0;
+
     for (; n < most; n++) {
         const char *const at = obj_skip_blank(f, *p);
         size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[n]);
@@ -43,6 +45,7 @@ static bvx_status obj_take_colour(obj_reader *r, const char *p)
     double number[5];
     int const n = obj_take_numbers(f, &p, 5, number);
     float *const out = f->colours + (size_t)r->vertices * 3;
+
     if ((n != 3 && n != 4) || !obj_statement_ends(f, obj_skip_blank(f, p))) {
         r->piece->pale = 1;
         return BVX_OK;
@@ -50,7 +53,8 @@ static bvx_status obj_take_colour(obj_reader *r, const char *p)
     for (int c = 0; c < 3; c++) {
         double const v = number[n - 3 + c];
         if (!(v - v == 0.0))
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a colour that is not finite",
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: vertex %u has a colour that is not finite",
                                     bvxi_source_line(&r->source, at), r->vertices + 1);
         out[c] = v < 0.0 ? 0.0f : v < 255.0 ? (float)v : 255.0f;
     }
@@ -61,13 +65,15 @@ static bvx_status obj_take_vertex(obj_reader *r, const char *p)
 {
     const obj_file *const f = r->file;
     double *const out = (double *)f->mesh->positions + (size_t)r->vertices * 3;
+
     for (int a = 0; a < 3; a++) {
         const char *const at = obj_skip_blank(f, p);
         size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[a]);
         p = at + used;
         if (used == 0 || !obj_word_ends(f, p)) return bvxi_fail_expected(&r->source, at, "a coordinate");
         if (!(out[a] - out[a] == 0.0) && !r->source.takes_any)
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: vertex %u has a coordinate that is not finite",
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: vertex %u has a coordinate that is not finite",
                                     bvxi_source_line(&r->source, at), r->vertices + 1);
     }
     if (f->colours != NULL) BVXI_TRY(obj_take_colour(r, p));
@@ -79,6 +85,7 @@ static bvx_status obj_take_vertex(obj_reader *r, const char *p)
 static bvx_status obj_take_uv(obj_reader *r, const char *p)
 {
     const obj_file *const f = r->file;
+
     if (f->mesh->uvs != NULL) {
         float *const out = f->mesh->uvs + (size_t)r->uvs * 2;
         const char *const at = obj_skip_blank(f, p);
@@ -88,7 +95,8 @@ static bvx_status obj_take_uv(obj_reader *r, const char *p)
         out[0] = (float)number[0];
         out[1] = (float)number[1];
         if (!(out[0] - out[0] == 0.0f && out[1] - out[1] == 0.0f))
-            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: texture coordinate %u is not a finite float",
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: texture coordinate %u is not a finite float",
                                     bvxi_source_line(&r->source, at), r->uvs + 1);
     }
     r->uvs++;
@@ -96,18 +104,21 @@ static bvx_status obj_take_uv(obj_reader *r, const char *p)
 }
 
 /* The index that a number stands for: counted from 1, or back from the last one before it. */
-static bvx_status obj_find_index(const obj_reader *r, const char *at, const char *what, int64_t number, uint64_t before,
-                                 uint64_t total, uint32_t *index)
+static bvx_status obj_find_index(const obj_reader *r, const char *at, const char *what, int64_t number,
+                                 uint64_t before, uint64_t total, uint32_t *index)
 {
     int64_t const i = number < 0 ? (int64_t)before + number : number - 1;
     if (i < 0 || (uint64_t)i >= total)
-        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE, "OBJ: line %u: the face names %s %d; there are %u, %u of them "
-                                "before it", bvxi_source_line(&r->source, at), what, number, total, before);
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                "OBJ: line %u: the face names %s %d; there are %u, %u of them "
+                                "before it",
+                                bvxi_source_line(&r->source, at), what, number, total, before);
     *index = (uint32_t)i;
     return BVX_OK;
 }
 
-/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. index: of vertex and texture coordinate. */
+/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. index: of vertex and texture
+ * coordinate. */
 static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[2])
 {
     const obj_file *const f = r->file;
@@ -115,6 +126,7 @@ static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[
     int64_t number, other[2];
     int have[2] = {0, 0};
     int const good = bvxi_take_integer(p, f->end, &number);
+
     for (int slash = 0; good && slash < 2 && *p < f->end && **p == '/'; slash++) {
         ++*p;
         have[slash] = bvxi_take_integer(p, f->end, &other[slash]);
@@ -135,6 +147,7 @@ static inline void obj_add_triangle(obj_reader *r, const uint32_t first[2], cons
                                     const uint32_t corner[2])
 {
     bvx_mesh *const mesh = r->file->mesh;
+
     for (int k = 0; k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
         uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
         t[0] = first[k];
@@ -151,6 +164,7 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
     uint64_t const triangle = r->triangles;
     uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
     uint64_t corners = 0;
+
     for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
         BVXI_TRY(obj_take_corner(r, p, corner));
         if (corners == 0) memcpy(first, corner, sizeof first);
@@ -158,7 +172,8 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
         memcpy(previous, corner, sizeof previous);
     }
     if (corners < 3)
-        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT, "OBJ: line %u: a face of %u corners; it needs three",
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT,
+                                "OBJ: line %u: a face of %u corners; it needs three",
                                 bvxi_source_line(&r->source, at), corners);
     if (corners > 3) {
         bvxi_polygon_fan *const fan = &f->fans[r->polygons++];
@@ -173,6 +188,7 @@ static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *
 {
     obj_piece *const piece = &f->pieces[index];
     obj_reader r = {0};
+
     r.file = f;
     r.piece = piece;
     r.source = *f->source;
@@ -215,8 +231,8 @@ static void obj_fill_piece(void *user, int32_t index, int32_t worker)
 static bvx_status obj_fill(obj_file *f)
 {
     BVXI_TRY(bvxi_source_pieces(f->source, 0.25, 1, f->piece_count, obj_fill_piece, f));
-    for (int32_t i = 0; i < f->piece_count; i++)
-        if (f->pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(f, i, f->source->ctx)); /* again, for its message */
+    for (int32_t i = 0; i < f->piece_count; i++) /* again, for its message */
+        if (f->pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(f, i, f->source->ctx));
     return BVX_OK;
 }
 
@@ -226,6 +242,7 @@ static bvx_status obj_fill(obj_file *f)
 static int obj_first_has_colour(obj_file *f)
 {
     double number[3 + 5];
+
     for (int32_t i = 0; i < f->piece_count; i++) {
         const char *p = f->pieces[i].vertex;
         if (p == NULL) continue;
@@ -238,11 +255,13 @@ static int obj_first_has_colour(obj_file *f)
 static int obj_first_has_uv(const obj_file *f)
 {
     int64_t number;
+
     for (int32_t i = 0; i < f->piece_count && f->uvs > 0; i++) {
         const char *p = f->pieces[i].face;
         if (p == NULL) continue;
         p = obj_skip_blank(f, p);
-        return bvxi_take_integer(&p, f->end, &number) && p < f->end && *p++ == '/' && bvxi_take_integer(&p, f->end, &number);
+        return bvxi_take_integer(&p, f->end, &number) && p < f->end && *p++ == '/' &&
+               bvxi_take_integer(&p, f->end, &number);
     }
     return 0;
 }
@@ -250,6 +269,7 @@ static int obj_first_has_uv(const obj_file *f)
 static bvx_status obj_make_arrays(obj_file *f)
 {
     bvx_context *const ctx = f->source->ctx;
+
     BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
     BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
     if (obj_first_has_uv(f)) {
@@ -266,13 +286,15 @@ static bvx_status obj_finish_colours(obj_file *f)
 {
     bvx_mesh *const mesh = f->mesh;
     double whole = 1;
+
     for (int32_t i = 0; i < f->piece_count; i++)
         if (f->pieces[i].pale) return BVX_OK;
     BVXI_TRY(bvxi_make_colours(f->source->ctx, mesh));
     for (uint64_t i = 0; i < f->vertices * 3; i++)
         if (f->colours[i] > 1.0f) whole = 255;
     for (size_t v = 0; v < (size_t)f->vertices; v++) {
-        for (size_t c = 0; c < 3; c++) mesh->colours[v * 4 + c] = bvxi_colour_byte((double)f->colours[v * 3 + c] / whole);
+        for (size_t c = 0; c < 3; c++)
+            mesh->colours[v * 4 + c] = bvxi_colour_byte((double)f->colours[v * 3 + c] / whole);
         mesh->colours[v * 4 + 3] = 255;
     }
     return BVX_OK;
@@ -283,6 +305,7 @@ static void obj_finish_uvs(obj_file *f)
 {
     bvx_context *const ctx = f->source->ctx;
     int bare = 0, differs = f->uvs != f->vertices;
+
     for (int32_t i = 0; i < f->piece_count; i++) {
         bare |= f->pieces[i].bare;
         differs |= f->pieces[i].differs;
@@ -311,6 +334,7 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
     bvx_context *const ctx = source->ctx;
     obj_file f = {0};
     bvx_status status;
+
     f.source = source;
     f.mesh = mesh;
     f.end = source->end;

@@ -1,13 +1,14 @@
 /* read_ply.c - PLY, ASCII and binary in both byte orders, to an indexed mesh.
  *
  * Source: Turk. The PLY Polygon File Format. 1994.
- * The header (ply_header.c) tells what each value of a row is for; ply_text.c and ply_binary.c take the rows, and this
- * file knows what the values mean. What nobody wants is stepped over.
- * Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and strips are counted
- * on, and when there were any, faces and strips are read once more into exact room. Larger faces lie down as fans and are cut
- * at the end, when all vertices are known. Texture coordinates at corners (texcoord) stay when all faces have them; those of
- * vertices come before them.
- * Memory: the mesh (in files with larger faces, first a smaller one), 8 bytes a larger face. Cost: O(bytes). */
+ * The header (ply_header.c) tells what each value of a row is for; ply_text.c and ply_binary.c take the rows,
+ * and this file knows what the values mean. What nobody wants is stepped over.
+ * Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and
+ * strips are counted on, and when there were any, faces and strips are read once more into exact room. Larger
+ * faces lie down as fans and are cut at the end, when all vertices are known. Texture coordinates at corners
+ * (texcoord) stay when all faces have them; those of vertices come before them.
+ * Memory: the mesh (in files with larger faces, first a smaller one), 8 bytes a larger face. Cost:
+ * O(bytes). */
 #include "io/ply_file.h"
 
 /* ---- failures ---- */
@@ -19,41 +20,51 @@ static const char *ply_unit(const ply_file *f)
 
 static uint64_t ply_place(const ply_file *f, const char *at)
 {
-    return f->header->encoding == PLY_ASCII ? bvxi_source_line(f->source, at) : bvxi_source_byte(f->source, at);
+    return f->header->encoding == PLY_ASCII ? bvxi_source_line(f->source, at)
+                                            : bvxi_source_byte(f->source, at);
 }
 
 static const char *ply_row_name(const ply_element *e)
 {
-    return e->kind == PLY_VERTEX ? "vertex" : e->kind == PLY_FACE ? "face" : e->kind == PLY_STRIPS ? "strip" : "row";
+    return e->kind == PLY_VERTEX   ? "vertex"
+           : e->kind == PLY_FACE   ? "face"
+           : e->kind == PLY_STRIPS ? "strip"
+                                   : "row";
 }
 
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
 {
-    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: the file ends (%s %u) inside %s %u of %u", ply_unit(f),
-                     ply_place(f, f->source->end), ply_row_name(e), row, e->count);
+    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: the file ends (%s %u) inside %s %u of %u",
+                     ply_unit(f), ply_place(f, f->source->end), ply_row_name(e), row, e->count);
 }
 
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
-    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "PLY: %s %u (%s %u) has a %s that is not finite",
-                     role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
-                     names[role <= PLY_ROLE_Z ? 0 : role <= PLY_ROLE_ALPHA ? 1 : 2]);
+    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                         "PLY: %s %u (%s %u) has a %s that is not finite",
+                         role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
+                         names[role <= PLY_ROLE_Z       ? 0
+                               : role <= PLY_ROLE_ALPHA ? 1
+                                                        : 2]);
 }
 
-bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row, int64_t corner)
+bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
+                                int64_t corner)
 {
-    return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "PLY: %s %u (%s %u) names vertex %d, but there are %u", name,
-                     row, ply_unit(f), ply_place(f, at), corner, f->vertex_count);
+    return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "PLY: %s %u (%s %u) names vertex %d, but there are %u",
+                     name, row, ply_unit(f), ply_place(f, at), corner, f->vertex_count);
 }
 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)
 {
     if (e->kind == PLY_FACE && count >= 0)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %i (%s %u) has %d corners; it needs three", row,
-                         ply_unit(f), ply_place(f, f->p), count);
-    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: row %u (%s %u) of the element in line %u: a list of %d", row,
-                     ply_unit(f), ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
+        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
+                         "PLY: face %i (%s %u) has %d corners; it needs three", row, ply_unit(f),
+                         ply_place(f, f->p), count);
+    return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
+                     "PLY: row %u (%s %u) of the element in line %u: a list of %d", row, ply_unit(f),
+                     ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
 }
 
 /* ---- what values mean ---- */
@@ -70,7 +81,9 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
     bvx_mesh *const mesh = f->mesh;
     int32_t const role = property->role;
     float const narrow = (float)value;
-    if (!(value - value == 0.0) && !(f->source->takes_any && role <= PLY_ROLE_Z)) return bvxi_ply_fail_finite(f, at, row, role);
+
+    if (!(value - value == 0.0) && !(f->source->takes_any && role <= PLY_ROLE_Z))
+        return bvxi_ply_fail_finite(f, at, row, role);
     if (role <= PLY_ROLE_Z) {
         size_t const i = (size_t)row * 3 + (size_t)role;
         if (mesh->position_type == BVX_F32) ((float *)mesh->positions)[i] = narrow;
@@ -89,7 +102,8 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
     return BVX_OK;
 }
 
-/* The texture coordinates of a face's corners stand one behind the other: its triangles are the same fan of them. */
+/* The texture coordinates of a face's corners stand one behind the other:
+ * its triangles are the same fan of them. */
 static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
 {
     if (f->uv_numbers == 0) { /* not all faces have them, so none shall */
@@ -98,8 +112,9 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
         return BVX_OK;
     }
     if (f->uv_numbers != 2 * f->corners)
-        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: face %i (%s %u) has %u corners and %u numbers in texcoord",
-                         row, ply_unit(f), ply_place(f, f->p), f->corners, f->uv_numbers);
+        return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
+                         "PLY: face %i (%s %u) has %u corners and %u numbers in texcoord", row, ply_unit(f),
+                         ply_place(f, f->p), f->corners, f->uv_numbers);
     for (uint64_t k = 0; triangle < f->triangle_count && triangle < f->room; triangle++, k++) {
         uint32_t *const t = f->mesh->uv_triangles + (size_t)triangle * 3;
         t[0] = (uint32_t)f->uv_count;
@@ -137,8 +152,10 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
 {
     bvx_context *const ctx = f->source->ctx;
     bvx_mesh *const mesh = f->mesh;
+
     if (triangles > INT32_MAX || corners > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "PLY: the file has %u triangles, the limit is below 2^31", triangles);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "PLY: the file has %u triangles, the limit is below 2^31",
+                         triangles);
     if (f->uvs_at_corners) bvxi_drop_uvs(ctx, mesh);
     bvxi_free(ctx, mesh->triangles, mesh->triangle_capacity * 12);
     mesh->triangles = NULL;
@@ -176,11 +193,14 @@ static bvx_status ply_take_all(ply_file *f)
 static bvx_status ply_take_faces_again(ply_file *f)
 {
     const ply_header *const h = f->header;
-    ply_element *const first = h->strips == NULL || (h->face != NULL && h->face < h->strips) ? h->face : h->strips;
+    ply_element *const first = h->strips == NULL || (h->face != NULL && h->face < h->strips) ? h->face
+                                                                                             : h->strips;
     ply_element *const second = first == h->face ? h->strips : h->face;
+
     f->fan_room = f->polygon_count;
     BVXI_TRY(ply_make_room(f, f->triangle_count, f->uv_count));
-    BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans, "the polygons of the file", &f->fans));
+    BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans,
+                        "the polygons of the file", &f->fans));
     bvxi_source_pass(f->source, 0, 1);
     f->p = first->rows;
     BVXI_TRY(ply_take_element_rows(f, first));
@@ -196,13 +216,15 @@ static bvx_status ply_take_data(ply_file *f)
     BVXI_TRY(ply_make_room(f, faces, f->uvs_at_corners ? faces * 3 : 0));
     BVXI_TRY(ply_take_all(f));
     if (f->triangle_count != f->room) BVXI_TRY(ply_take_faces_again(f));
-    if (f->triangle_count == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the strips have no triangle");
+    if (f->triangle_count == 0)
+        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the strips have no triangle");
     return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygon_count);
 }
 
 static bvx_status ply_take_points(ply_file *f)
 {
-    if (f->vertex_count == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the file has no vertices");
+    if (f->vertex_count == 0)
+        return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "PLY: the file has no vertices");
     BVXI_TRY(ply_make_vertices(f));
     return ply_take_all(f);
 }
@@ -212,6 +234,7 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
     ply_header header = {0};
     ply_file f = {0};
     bvx_status status;
+
     header.points = points;
     status = bvxi_ply_header_read(source, &header);
     if (status == BVX_OK) {

@@ -1,4 +1,5 @@
-/* read_points.c - clouds of points from the bytes of a file: XYZ text here, PLY by its reader: bvx_read_points.
+/* read_points.c - clouds of points from the bytes of a file: XYZ text here, PLY by its reader:
+ * bvx_read_points.
  *
  * A text is gone through twice: lines with points are counted, then read into exact room. */
 #include "io/formats.h"
@@ -55,7 +56,8 @@ static const char *xyz_skip_head(const char *p, const char *end)
 {
     const char *at = p;
     double unused;
-    if (!xyz_take_number(&at, end, &unused) || xyz_line_ends(at, end)) return xyz_next_line(xyz_line_end(p, end), end);
+    if (!xyz_take_number(&at, end, &unused) || xyz_line_ends(at, end))
+        return xyz_next_line(xyz_line_end(p, end), end);
     return p;
 }
 
@@ -64,11 +66,13 @@ static const char *xyz_skip_head(const char *p, const char *end)
 static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i, double to[3])
 {
     const char *const line = p;
+
     for (int32_t a = 0; a < 3; a++) {
         if (!xyz_take_number(&p, s->end, &to[a])) return bvxi_fail_expected(s, p, "a coordinate");
         if (!(to[a] - to[a] == 0.0))
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: line %u: point %i has a coordinate that is not finite", s->format,
-                             bvxi_source_line(s, line), i);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: line %u: point %i has a coordinate that is not finite", s->format,
+                                 bvxi_source_line(s, line), i);
     }
     return BVX_OK;
 }
@@ -77,12 +81,14 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
 {
     const char *const first = xyz_skip_head(xyz_next_line(bvxi_skip_mark(s->begin, s->end), s->end), s->end);
     uint64_t count = 0, i = 0;
+
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
         count++;
     }
     if (count == 0) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the file holds no points", s->format);
-    if (count > UINT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: %u points, the limit is below 2^32", s->format, count);
+    if (count > UINT32_MAX)
+        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: %u points, the limit is below 2^32", s->format, count);
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
     bvxi_source_pass(s, 0.3, 1);
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
@@ -95,7 +101,8 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
 static bvx_status read_points_as(bvxi_source *source, int32_t format, bvx_mesh *points)
 {
     source->format = format == BVX_FORMAT_XYZ ? "XYZ" : "PLY";
-    if (source->begin == source->end) return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    if (source->begin == source->end)
+        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
     bvxi_source_pass(source, 0, format == BVX_FORMAT_XYZ ? 0.3 : 1);
     return format == BVX_FORMAT_XYZ ? read_xyz(source, points) : bvxi_read_ply_points(source, points);
 }
@@ -106,15 +113,19 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     bvxi_source source = {0};
     bvx_mesh made = {0};
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
     if (bytes == NULL) return bvxi_fail_null(context, read_points_name, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", read_points_name, size);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold",
+                         read_points_name, size);
     if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
-        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format, BVX_POINTS_READ);
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format,
+                                BVX_POINTS_READ);
     if (points->owned != 1 && !bvxi_mesh_is_empty(points))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: points brings arrays, which are not used; zero it first", read_points_name);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: points brings arrays, which are not used; zero it first", read_points_name);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
@@ -128,7 +139,8 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     return BVX_OK;
 }
 
-bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format, bvx_mesh *points)
+bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                           bvx_mesh *points)
 {
     return BVXI_CALL(context, run_read_points(context, bytes, size, format, points));
 }

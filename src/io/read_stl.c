@@ -1,25 +1,28 @@
 /* read_stl.c - STL, ASCII and binary, to an indexed mesh.
  *
- * Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when its size
- * is the one that its count of triangles asks for; else ASCII when its first kilobyte has no control characters.
- * STL repeats each vertex in every triangle. They are welded where their coordinates are equal, -0 being 0, as they
- * are read (soup.c), and numbered by their first occurrence. Normals and attributes are not looked at.
+ * Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
+ * its size is the one that its count of triangles asks for; else ASCII when its first kilobyte has no control
+ * characters. STL repeats each vertex in every triangle. They are welded where their coordinates are equal,
+ * -0 being 0, as they are read (soup.c), and numbered by their first occurrence. Normals and attributes are
+ * not looked at.
  * Memory: that of the welding. Cost: O(bytes). */
 #include "io/soup.h"
 
 enum {
-    STL_HEADER = 84,         /* 80 bytes of anything, and the count */
-    STL_TRIANGLE = 50,       /* a normal, three corners, two bytes of attributes */
-    STL_SEEN_BYTES = 1024,   /* of these, none may be a control character in a text */
-    STL_NORMAL_WORDS = 8     /* most words between facet and outer: normal x y z, with room for the unusual */
+    STL_HEADER = 84,       /* 80 bytes of anything, and the count */
+    STL_TRIANGLE = 50,     /* a normal, three corners, two bytes of attributes */
+    STL_SEEN_BYTES = 1024, /* of these, none may be a control character in a text */
+    STL_NORMAL_WORDS = 8   /* most words between facet and outer: normal x y z, with room for the unusual */
 };
 
 /* ---- binary ---- */
 
-static BVXI_COLD bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, uint64_t triangle, size_t corner)
+static BVXI_COLD bvx_status stl_fail_coordinate(const bvxi_source *s, const uint8_t *at, uint64_t triangle,
+                                                size_t corner)
 {
-    return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "STL: triangle %i, corner %u (byte %u): a coordinate is not finite",
-                     triangle, (uint64_t)corner, bvxi_source_byte(s, at));
+    return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                         "STL: triangle %i, corner %u (byte %u): a coordinate is not finite", triangle,
+                         (uint64_t)corner, bvxi_source_byte(s, at));
 }
 
 /* The coordinates of n triangles at p, the first of this number, into the batch. */
@@ -28,6 +31,7 @@ static bvx_status stl_take_batch(bvxi_soup *soup, const uint8_t *p, uint64_t fir
     uint32_t *const bits = soup->bits[0];
     uint32_t bad = 0;
     size_t i = 0;
+
     for (size_t t = 0; t < n; t++)
         for (size_t k = 0; k < 9; k++) bits[9 * t + k] = bvxi_load_u32(p + t * STL_TRIANGLE + 12 + 4 * k, 0);
     for (size_t k = 0; k < 9 * (size_t)n; k++) {
@@ -38,12 +42,14 @@ static bvx_status stl_take_batch(bvxi_soup *soup, const uint8_t *p, uint64_t fir
     soup->waiting = n;
     if (!bad || soup->source->takes_any) return BVX_OK;
     while (bits[i] << 1 < 0xff000000u) i++;
-    return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9, i / 3 % 3);
+    return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9,
+                               i / 3 % 3);
 }
 
 static bvx_status stl_read_binary(bvxi_soup *soup, uint64_t count)
 {
     const uint8_t *const data = (const uint8_t *)soup->source->begin + STL_HEADER;
+
     for (uint64_t t = 0; t < count; t += BVXI_SOUP_BATCH) {
         const uint8_t *const p = data + t * STL_TRIANGLE;
         uint32_t const n = count - t < BVXI_SOUP_BATCH ? (uint32_t)(count - t) : BVXI_SOUP_BATCH;
@@ -70,8 +76,7 @@ static int stl_take(const char **p, const char *end, const char *word)
 
 static bvx_status stl_expect(const bvxi_source *s, const char **p, const char *word, const char *expected)
 {
-    return stl_take(p, s->end, word) ? BVX_OK
-                                     : bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), expected);
+    return stl_take(p, s->end, word) ? BVX_OK : bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), expected);
 }
 
 static const char *stl_skip_line(const char *p, const char *end)
@@ -88,7 +93,8 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
         const char *const at = bvxi_skip_space(*p, s->end);
         size_t const used = bvxi_parse_float(at, s->end, &v);
         *p = at + used;
-        if (used == 0 || (*p < s->end && !bvxi_is_space(**p))) return bvxi_fail_expected(s, at, "a coordinate");
+        if (used == 0 || (*p < s->end && !bvxi_is_space(**p)))
+            return bvxi_fail_expected(s, at, "a coordinate");
         if (!(v - v == 0.0f) && !s->takes_any)
             return bvxi_fail(s->ctx, BVX_ERR_RANGE, "STL: line %u: a coordinate is not a finite 32-bit float",
                              bvxi_source_line(s, at));
@@ -104,7 +110,9 @@ static const char *stl_skip_notes(const char *p, const char *end)
         const char *next;
         while (p < end && bvxi_is_blank(*p)) p++;
         next = p;
-        if (p == end || *p == '\n' || *p == '\r' || stl_take(&next, end, "facet") || stl_take(&next, end, "endsolid")) return p;
+        if (p == end || *p == '\n' || *p == '\r' || stl_take(&next, end, "facet") ||
+            stl_take(&next, end, "endsolid"))
+            return p;
         p = bvxi_skip_word(p, end);
     }
 }
@@ -115,6 +123,7 @@ static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
     const bvxi_source *const s = soup->source;
     uint32_t corner[3][3]; /* the first, the last but one, the last */
     uint64_t corners = 0;
+
     for (int n = 0; n < STL_NORMAL_WORDS && !stl_take(p, s->end, "outer"); n++)
         *p = bvxi_skip_word(bvxi_skip_space(*p, s->end), s->end);
     BVXI_TRY(stl_expect(s, p, "loop", "'outer loop' after a facet's normal"));
@@ -125,7 +134,8 @@ static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
         memcpy(soup->bits[3 * soup->waiting], corner, sizeof corner);
         if (++soup->waiting == BVXI_SOUP_BATCH) BVXI_TRY(bvxi_soup_weld(soup));
     }
-    if (corners < 3) return bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), "three or more times 'vertex'");
+    if (corners < 3)
+        return bvxi_fail_expected(s, bvxi_skip_space(*p, s->end), "three or more times 'vertex'");
     BVXI_TRY(stl_expect(s, p, "endloop", "'vertex' or 'endloop'"));
     BVXI_TRY(stl_expect(s, p, "endfacet", "'endfacet'"));
     *p = stl_skip_notes(*p, s->end);
@@ -137,6 +147,7 @@ static bvx_status stl_read_text(bvxi_soup *soup)
     bvxi_source *const s = soup->source;
     const char *p = bvxi_skip_mark(s->begin, s->end);
     int inside = 0; /* between solid and endsolid */
+
     for (;;) {
         BVXI_TRY(bvxi_source_at(s, p));
         if (stl_take(&p, s->end, "facet")) {
@@ -170,6 +181,7 @@ static int stl_is_text(const char *p, const char *end)
 static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *count)
 {
     uint64_t const size = bvxi_source_byte(s, s->end);
+
     *count = size < STL_HEADER ? 0 : bvxi_load_u32((const uint8_t *)s->begin + STL_HEADER - 4, 0);
     *binary = size >= STL_HEADER && STL_HEADER + STL_TRIANGLE * *count == size;
     if (*binary || stl_is_text(s->begin, s->end)) return BVX_OK;
@@ -177,9 +189,10 @@ static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *co
     if (size < STL_HEADER)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "STL: %u bytes, no text, and a binary header has 84", size);
     if (STL_HEADER + STL_TRIANGLE * *count > size)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                         "STL: the header (byte 80) says %u triangles, which take %u bytes, but the file has %u",
-                         *count, STL_HEADER + STL_TRIANGLE * *count, size);
+        return bvxi_fail(
+            s->ctx, BVX_ERR_FORMAT,
+            "STL: the header (byte 80) says %u triangles, which take %u bytes, but the file has %u", *count,
+            STL_HEADER + STL_TRIANGLE * *count, size);
     return BVX_OK;
 }
 
@@ -187,7 +200,8 @@ static bvx_status stl_read(bvxi_soup *soup, bvxi_source *source, int binary, uin
 {
     BVXI_TRY(bvxi_soup_begin(soup, source, binary ? count : 0));
     BVXI_TRY(binary ? stl_read_binary(soup, count) : stl_read_text(soup));
-    if (soup->triangle_count == 0) return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the file has no triangle");
+    if (soup->triangle_count == 0)
+        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the file has no triangle");
     return bvxi_soup_finish(soup, mesh);
 }
 
@@ -197,11 +211,13 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
     uint64_t count;
     int binary;
     bvx_status status;
+
     BVXI_TRY(stl_tell_apart(source, &binary, &count));
     if (binary && count == 0)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the header (byte 80) says 0 triangles");
     if (count > INT32_MAX && binary)
-        return bvxi_fail(source->ctx, BVX_ERR_RANGE, "STL: the file has %u triangles, the limit is below 2^31", count);
+        return bvxi_fail(source->ctx, BVX_ERR_RANGE,
+                         "STL: the file has %u triangles, the limit is below 2^31", count);
     status = stl_read(&soup, source, binary, count, mesh);
     bvxi_soup_free(&soup);
     return status;

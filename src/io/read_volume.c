@@ -1,14 +1,15 @@
 /* read_volume.c - the samples of a file as a volume: bvx_read_volume.
  *
- * The readers of grids tell where samples stand. Those that stand there as they are needed are left where they are; others are
- * unpacked, turned into this machine's byte order, or read from text, into an array packed with x fastest. Guarantee: values are
- * those of the file, exactly. */
+ * The readers of grids tell where samples stand. Those that stand there as they are needed are left where
+ * they are; others are unpacked, turned into this machine's byte order, or read from text, into an array
+ * packed with x fastest. Guarantee: values are those of the file, exactly. */
 #include "grid/volume.h"
 #include "io/grid_formats.h"
 
 enum { VOLUME_ASK_SAMPLES = 1 << 20, VOLUME_GRAIN = 1 << 16 };
 
-static const bvx_read_volume_options volume_defaults = {0, NULL, 0, NULL, NULL, 0, 0, {0, 0, 0}, 0, 0, {0, 0, 0}, {1, 1, 1}, {0, 0}};
+static const bvx_read_volume_options volume_defaults = {0,         NULL, 0, NULL,      NULL,      0,     0,
+                                                        {0, 0, 0}, 0,    0, {0, 0, 0}, {1, 1, 1}, {0, 0}};
 
 void bvx_read_volume_options_init(bvx_read_volume_options *options, size_t size)
 {
@@ -30,18 +31,26 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     uint64_t const have = (uint64_t)(source->end - source->begin);
     uint64_t dims[3];
     int fits = 1;
+
     if (bvxi_type_size(o->sample_type) == 0)
-        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "RAW: sample type %d is unknown", (int64_t)o->sample_type);
-    if ((o->big_endian & ~1) != 0) return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: big_endian is 0 or 1");
+        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "RAW: sample type %d is unknown", (int64_t)o->sample_type);
+    if ((o->big_endian & ~1) != 0)
+        return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: big_endian is 0 or 1");
     for (int a = 0; a < 3; a++) {
-        if (o->size[a] < 1) return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: size[%d] is %d", (int64_t)a, (int64_t)o->size[a]);
+        if (o->size[a] < 1)
+            return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: size[%d] is %d", (int64_t)a,
+                             (int64_t)o->size[a]);
         dims[a] = (uint64_t)o->size[a];
     }
     BVXI_TRY(bvxi_file_box(source->ctx, "RAW", o->origin, o->spacing, dims, &d->box));
-    d->size = bvxi_mul(bvxi_mul(bvxi_mul(dims[0], dims[1], &fits), dims[2], &fits), bvxi_type_size(o->sample_type), &fits);
+    d->size = bvxi_mul(bvxi_mul(bvxi_mul(dims[0], dims[1], &fits), dims[2], &fits),
+                       bvxi_type_size(o->sample_type), &fits);
     if (!fits || o->offset > have || d->size > have - o->offset)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "RAW: %u x %u x %u samples of %u bytes behind %u others, but the file has %u",
-                         dims[0], dims[1], dims[2], (uint64_t)bvxi_type_size(o->sample_type), o->offset, have);
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                         "RAW: %u x %u x %u samples of %u bytes behind %u others, but the file has %u",
+                         dims[0], dims[1], dims[2], (uint64_t)bvxi_type_size(o->sample_type), o->offset,
+                         have);
     d->format = "RAW";
     d->samples.first = source->begin + (size_t)o->offset;
     d->samples.kind = o->sample_type;
@@ -64,6 +73,7 @@ static int machine_is_big(void)
 static uint32_t widen_half(uint16_t h)
 {
     uint32_t const sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, rest = h & 1023;
+
     if (exponent == 31) return sign | UINT32_C(0x7f800000) | rest << 13;
     if (exponent != 0) return sign | (exponent + 112) << 23 | rest << 13;
     if (rest == 0) return sign;
@@ -113,24 +123,28 @@ static void turn_piece(void *user, int32_t piece, int32_t worker)
     const bvxi_samples *const s = j->from;
     uint64_t const nx = (uint64_t)j->dims[0], ny = (uint64_t)j->dims[1];
     uint64_t row, end;
+
     (void)worker;
     bvxi_piece(ny * (uint64_t)j->dims[2], j->pieces, piece, &row, &end);
     for (; row < end; row++) {
-        const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] + (int64_t)(row / ny) * s->stride[2]);
+        const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] +
+                                                        (int64_t)(row / ny) * s->stride[2]);
         uint8_t *const out = j->to + row * nx * j->to_size;
         for (uint64_t i = 0; i < nx; i++)
             turn_one(p + (ptrdiff_t)((int64_t)i * s->stride[0]), s->kind, s->big, out + i * j->to_size);
     }
 }
 
-static bvx_status turn_samples(bvx_context *ctx, const bvxi_samples *from, const int32_t dims[3], uint32_t to_size, uint8_t *to)
+static bvx_status turn_samples(bvx_context *ctx, const bvxi_samples *from, const int32_t dims[3],
+                               uint32_t to_size, uint8_t *to)
 {
     turn_samples_job job;
     job.from = from;
     job.to = to;
     job.dims = dims;
     job.to_size = to_size;
-    job.pieces = bvxi_piece_count((uint64_t)dims[1] * (uint64_t)dims[2], 1 + VOLUME_GRAIN / (uint64_t)dims[0]);
+    job.pieces = bvxi_piece_count((uint64_t)dims[1] * (uint64_t)dims[2],
+                                  1 + VOLUME_GRAIN / (uint64_t)dims[0]);
     return bvxi_parallel(ctx, "read", 0, 1, job.pieces, turn_piece, &job);
 }
 
@@ -141,8 +155,15 @@ static int put_text_sample(double v, int32_t type, uint8_t *out)
 {
     static const struct {
         double least, most;
-    } holds[9] = {{0, 0}, {0, 255.0}, {-128.0, 127.0}, {0, 65535.0}, {-32768.0, 32767.0}, {0, 4294967295.0},
-                  {-2147483648.0, 2147483647.0}, {0, 9007199254740992.0}, {-9007199254740992.0, 9007199254740992.0}};
+    } holds[9] = {{0, 0},
+                  {0, 255.0},
+                  {-128.0, 127.0},
+                  {0, 65535.0},
+                  {-32768.0, 32767.0},
+                  {0, 4294967295.0},
+                  {-2147483648.0, 2147483647.0},
+                  {0, 9007199254740992.0},
+                  {-9007199254740992.0, 9007199254740992.0}};
     float const f = (float)v;
     if (type == BVX_SAMPLE_F32) memcpy(out, &f, 4);
     if (type == BVX_SAMPLE_F64) memcpy(out, &v, 8);
@@ -172,10 +193,12 @@ static bvx_status read_text_samples(const bvxi_grid_source *source, const bvxi_d
     uint32_t const size = bvxi_sample_size(d->samples.kind);
     uint64_t const all = d->size / size;
     const char *p = d->begin;
+
     for (uint64_t n = 0; n < all; n++) {
         const char *const before = bvxi_skip_space(p, d->end);
         double v;
-        if (n % VOLUME_ASK_SAMPLES == 0) BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
+        if (n % VOLUME_ASK_SAMPLES == 0)
+            BVXI_TRY(bvxi_progress(source->ctx, "read", (double)n / (double)all));
         BVXI_TRY(bvxi_take_sample(&d->source, d->box.dims, n, &p, &v));
         if (!put_text_sample(v, d->samples.kind, out + n * size))
             return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
@@ -198,6 +221,7 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     uint8_t *bytes = NULL;
     bvx_status status = BVX_OK;
     uint32_t const to_size = d->samples.kind == BVXI_SAMPLE_F16 ? 4 : bvxi_sample_size(d->samples.kind);
+
     if (d->encoding == BVXI_DENSE_TEXT) return read_text_samples(source, d, to);
     if (d->encoding == BVXI_DENSE_RAW) return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
     if (stands_ready(&samples)) return bvxi_unpack_dense(source, d, to);
@@ -217,7 +241,8 @@ static bvx_status find_volume(const bvxi_grid_source *source, int32_t format, bv
     case BVX_FORMAT_VTI: return bvxi_find_vti(source, d);
     case BVX_FORMAT_RAW: return find_raw(source, d);
     default:
-        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_volume", "volume", format, BVX_VOLUMES_READ);
+        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_volume", "volume", format,
+                                BVX_VOLUMES_READ);
     }
 }
 
@@ -227,6 +252,7 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     uint8_t *made = NULL;
     bvx_status status = BVX_OK;
     int fits = 1;
+
     v->view.sample_type = half ? BVX_SAMPLE_F32 : d->samples.kind;
     v->view.lattice = d->box;
     v->placed = d->placed;
@@ -264,14 +290,17 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     bvxi_grid_source source = {0};
     bvxi_dense dense;
     bvx_volume made;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (volume == NULL || bytes == NULL) return bvxi_fail_null(context, name, volume == NULL ? "volume" : "bytes");
+    if (volume == NULL || bytes == NULL)
+        return bvxi_fail_null(context, name, volume == NULL ? "volume" : "bytes");
     if (size > SIZE_MAX / 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     if (o.data_size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: data_size is %u, more than memory can hold", name, o.data_size);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: data_size is %u, more than memory can hold", name,
+                         o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);
     source.ctx = context;
     source.begin = bytes;

@@ -1,9 +1,9 @@
 /* rounding.c - what the numbers of a file leave of a mesh.
  *
- * STL and GLB hold 32-bit floats. Coordinates of a map projection are some millions, and the floats there lie half a
- * unit apart: a mesh of finer triangles becomes a heap of points that are equal, with no word of it in the file. So
- * what rounding does is measured before such a file is written: how far it moves a coordinate, beside the mean length
- * of edges, and how many triangles lose their area or are turned over. */
+ * STL and GLB hold 32-bit floats. Coordinates of a map projection are some millions, and the floats there lie
+ * half a unit apart: a mesh of finer triangles becomes a heap of points that are equal, with no word of it in
+ * the file. So what rounding does is measured before such a file is written: how far it moves a coordinate,
+ * beside the mean length of edges, and how many triangles lose their area or are turned over. */
 #include "io/rounding.h"
 #include "mesh/view.h"
 
@@ -18,7 +18,8 @@ int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format)
     return (format == BVX_FORMAT_STL || format == BVX_FORMAT_GLB) && !bvxi_writes_f32(mesh);
 }
 
-bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, double centre[3])
+bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                              double centre[3])
 {
     double low[3], high[3];
     double world_low[3] = {0.0, 0.0, 0.0}, world_high[3] = {0.0, 0.0, 0.0};
@@ -83,7 +84,8 @@ void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_ro
             bvxi_world_position(mesh, mesh->triangles[(size_t)t * 3 + (size_t)k], exact[k]);
             bvxi_round_position(centre, exact[k], rounded[k]);
             for (int a = 0; a < 3; a++) {
-                double const move = rounded[k][a] > exact[k][a] ? rounded[k][a] - exact[k][a] : exact[k][a] - rounded[k][a];
+                double const move = rounded[k][a] > exact[k][a] ? rounded[k][a] - exact[k][a]
+                                                                : exact[k][a] - rounded[k][a];
                 if (!(move - move == 0.0)) return;
                 if (move > r->largest_move) r->largest_move = move;
             }
@@ -108,10 +110,13 @@ bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_me
 
     if (!bvxi_is_rounded(mesh, format)) return BVX_OK;
     bvxi_measure_rounding(mesh, centre, &r);
-    if (!r.finite || bvxi_rounding_fits(&r, mesh->triangle_count)) return BVX_OK; /* its writer says which vertex is too far */
-    return bvxi_fail(ctx, BVX_ERR_RANGE,
-                     "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of %u "
-                     "triangles would lose their area or be turned over; take %s, or bring the mesh near the origin by "
-                     "mesh.frame", name, r.largest_move, r.mean_edge, r.spoilt, mesh->triangle_count,
-                     format == BVX_FORMAT_STL ? "PLY, OBJ, OFF or GLB" : "PLY, OBJ or OFF");
+    /* its writer says which vertex is too far */
+    if (!r.finite || bvxi_rounding_fits(&r, mesh->triangle_count)) return BVX_OK;
+    return bvxi_fail(
+        ctx, BVX_ERR_RANGE,
+        "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of %u "
+        "triangles would lose their area or be turned over; take %s, or bring the mesh near the origin by "
+        "mesh.frame",
+        name, r.largest_move, r.mean_edge, r.spoilt, mesh->triangle_count,
+        format == BVX_FORMAT_STL ? "PLY, OBJ, OFF or GLB" : "PLY, OBJ or OFF");
 }

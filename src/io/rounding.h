@@ -15,7 +15,8 @@ typedef struct bvxi_rounding {
 int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format);
 
 /* The middle of the bounds of all levels: GLB writes positions relative to it. */
-bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, double centre[3]);
+bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                              double centre[3]);
 
 /* A position as readers of 32-bit floats relative to a centre get it. */
 static inline void bvxi_round_position(const double centre[3], const double p[3], double rounded[3])

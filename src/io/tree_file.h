@@ -1,7 +1,7 @@
 /* tree_file.h - the .bvx file of an octree: level by level, each with a checksum. Not installed.
  *
- * All numbers are little-endian; f64 is an IEEE double. hash(bytes, seed) is bvx_hash, whose recipe stands in bitvox.h.
- * A .bvx file of a grid (bvx_file.h) differs in its fourth byte.
+ * All numbers are little-endian; f64 is an IEEE double. hash(bytes, seed) is bvx_hash, whose recipe stands in
+ * bitvox.h. A .bvx file of a grid (bvx_file.h) differs in its fourth byte.
  *
  *   Head, 128 bytes
  *     0   u8[8]   89 42 56 4f 0d 0a 1a 0a: a high byte and line ends show a transfer that took it for text
@@ -24,12 +24,14 @@
  *         u64[n]  split, where some are: those of the touched ones that the next level has in eight
  *   Nothing follows the last level.
  *
- *   Level 0 has rows of bits as a grid has: word (z * base y + y) * w + (x >> 6), bit x & 63, w words a row; bits past a row are 0.
- *   Level l + 1 has one byte for each split voxel of level l, in the order of their bits; byte i is bits 8 (i & 7) and on of
+ *   Level 0 has rows of bits as a grid has: word (z * base y + y) * w + (x >> 6), bit x & 63, w words a row;
+ *   bits past a row are 0.
+ *   Level l + 1 has one byte for each split voxel of level l, in the order of their bits; byte i is bits 8 (i
+ *   & 7) and on of
  *   word i >> 3, bit p = x + 2 y + 4 z of it the child (x, y, z). Bits past the last byte are 0.
  *
- * So every length follows from what stands before it, and no file stands for more than its bytes. The same tree always gives
- * the same bytes. */
+ * So every length follows from what stands before it, and no file stands for more than its bytes. The same
+ * tree always gives the same bytes. */
 #ifndef BVXI_TREE_FILE_H
 #define BVXI_TREE_FILE_H
 
@@ -40,8 +42,15 @@ enum { BVXI_TREE_VERSION = 1, BVXI_TREE_HEAD = 128, BVXI_TREE_LEVEL_HEAD = 24 };
 
 /* Places in the head. */
 enum {
-    BVXI_TREE_AT_VERSION = 8, BVXI_TREE_AT_HEAD_SIZE = 12, BVXI_TREE_AT_ORIGIN = 16, BVXI_TREE_AT_SPACING = 40, BVXI_TREE_AT_BASE = 64,
-    BVXI_TREE_AT_FRACTION = 76, BVXI_TREE_AT_LEVELS = 80, BVXI_TREE_AT_RESERVED = 84, BVXI_TREE_AT_CHECK = 120
+    BVXI_TREE_AT_VERSION = 8,
+    BVXI_TREE_AT_HEAD_SIZE = 12,
+    BVXI_TREE_AT_ORIGIN = 16,
+    BVXI_TREE_AT_SPACING = 40,
+    BVXI_TREE_AT_BASE = 64,
+    BVXI_TREE_AT_FRACTION = 76,
+    BVXI_TREE_AT_LEVELS = 80,
+    BVXI_TREE_AT_RESERVED = 84,
+    BVXI_TREE_AT_CHECK = 120
 };
 
 /* The first 8 bytes; the first 4 say what it is, the last 4 that it came through whole. */

@@ -1,7 +1,8 @@
 /* write_bvx.c - a grid to our own format, whole or slice by slice; the layout stands in bvx_file.h.
  *
- * Two passes over the slices, both in parallel: what each slice takes in its shorter encoding, then, with the places known,
- * the bytes and their checksums. So the file is allocated once in its exact size, and its bytes follow from the bits alone. */
+ * Two passes over the slices, both in parallel: what each slice takes in its shorter encoding, then, with the
+ * places known, the bytes and their checksums. So the file is allocated once in its exact size, and its bytes
+ * follow from the bits alone. */
 #include "bits/runs.h"
 #include "io/bvx_file.h"
 #include "io/formats.h"
@@ -9,10 +10,11 @@
 
 typedef struct bvx_packing {
     const bvx_grid *grid;
-    uint64_t *place; /* bytes of slice k's payload; after the first pass: where slice k starts, and one more: the end */
-    uint8_t *bytes;  /* the file */
-    uint64_t frame;  /* seed of the checksums */
-    uint64_t raw;    /* bytes of a slice as words */
+    /* bytes of slice k's payload; after the first pass: where slice k starts, and one more: the end */
+    uint64_t *place;
+    uint8_t *bytes; /* the file */
+    uint64_t frame; /* seed of the checksums */
+    uint64_t raw;   /* bytes of a slice as words */
     int32_t pieces;
 } bvx_packing;
 
@@ -55,6 +57,7 @@ static uint64_t bvx_measure_slice(const bvx_packing *job, int32_t k)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid), bytes = 0;
+
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         uint64_t length = bvxi_runs_next(&runs);
@@ -69,6 +72,7 @@ static void bvx_put_runs(const bvx_packing *job, int32_t k, uint8_t *p)
 {
     bvxi_runs runs;
     uint64_t left = bvx_slice_voxels(job->grid);
+
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
         uint64_t length = bvxi_runs_next(&runs);
@@ -93,6 +97,7 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     uint8_t *const p = job->bytes + job->place[k];
     uint64_t const n = job->place[k + 1] - job->place[k] - BVXI_BVX_SLICE_HEAD;
     int const raw = n == job->raw;
+
     bvxi_store_u32(p + 8, (uint32_t)(job->grid->low[2] + k));
     bvxi_store_u32(p + 12, raw ? BVXI_BVX_RAW : BVXI_BVX_RUNS);
     bvxi_bvx_store(p + 16, n);
@@ -134,7 +139,8 @@ static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
 }
 
 /* The slices of a grid behind a head that is given, or behind nothing. */
-static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t *head, int with_head, bvx_buffer *file)
+static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t *head, int with_head,
+                           bvx_buffer *file)
 {
     static const char *const stage = "write";
     uint64_t const places = ((uint64_t)grid->size[2] + 1) * sizeof(uint64_t);
@@ -142,6 +148,7 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     bvx_packing job = {0};
     bvx_buffer made = {0};
     bvx_status status;
+
     job.grid = grid;
     job.frame = bvxi_bvx_frame(head);
     job.raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8;
@@ -150,7 +157,8 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
     status = bvxi_parallel(ctx, stage, 0.0, 0.5, job.pieces, bvx_measure_piece, &job);
     if (status == BVX_OK)
-        status = bvxi_make_buffer(ctx, bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
+        status = bvxi_make_buffer(ctx,
+                                  bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
                                   "the BVX file", &made);
     if (status == BVX_OK) {
         if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
@@ -186,6 +194,7 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
     bvx_window whole;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
@@ -196,13 +205,15 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
     return BVX_OK;
 }
 
-bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window, bvx_buffer *file)
+bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
+                          bvx_buffer *file)
 {
     return BVXI_CALL(context, run_write_head(context, lattice, window, file));
 }
 
-/* No part knows the others: that they follow each other in z and that they end where the head says is checked by who reads
- * the file. A part of another lattice, or not of the head's window in x and y, shows there too, by its checksums. */
+/* No part knows the others: that they follow each other in z and that they end
+ * where the head says is checked by who reads the file. A part of another lattice,
+ * or not of the head's window in x and y, shows there too, by its checksums. */
 static bvx_status run_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_slices";

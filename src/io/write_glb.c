@@ -1,11 +1,12 @@
 /* write_glb.c - a mesh to binary glTF 2.0, or several levels of detail to one such file.
  *
  * Source: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022).
- * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far from the
- * origin keeps its shape. Levels share one centre, since some readers swap meshes below one node; the arrays of a level
- * follow those of the one before it. World axes are kept; a node turns z up into y up (glb_json.c). Normals are smooth,
- * over seams of the texture too. Colours become linear light with 16 bits; the texture's v runs down in glTF, so it is
- * turned over. Indices have 16 bits where they suffice: half the size, and all that older graphics interfaces draw. */
+ * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far
+ * from the origin keeps its shape. Levels share one centre, since some readers swap meshes below one node;
+ * the arrays of a level follow those of the one before it. World axes are kept; a node turns z up into y up
+ * (glb_json.c). Normals are smooth, over seams of the texture too. Colours become linear light with 16 bits;
+ * the texture's v runs down in glTF, so it is turned over. Indices have 16 bits where they suffice: half the
+ * size, and all that older graphics interfaces draw. */
 #include "io/file_parts.h"
 #include "io/glb.h"
 #include "io/glb_colours.h"
@@ -16,7 +17,8 @@
 #define GLB_PREPARED 0.5 /* share of the work before the first byte is written */
 
 enum { GLB_PARTS = BVXI_GLB_ARRAYS + 1 }; /* of a level: its arrays and the padding after them */
-enum { GLB_HEAD = 20, GLB_CHUNK = 8 }; /* the file's head with that of its first chunk; the head of the second */
+/* the file's head with that of its first chunk; the head of the second */
+enum { GLB_HEAD = 20, GLB_CHUNK = 8 };
 
 /* ---- what is written ---- */
 
@@ -122,9 +124,9 @@ static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *fi
 /* part [Size: levels * GLB_PARTS] */
 static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
 {
-    static const bvxi_file_part parts[GLB_PARTS] = {
-        {.put = glb_put_positions}, {.put = glb_put_normals}, {.put = glb_put_colours},
-        {.put = glb_put_uvs}, {.put = glb_put_indices}, {.put = glb_put_padding}};
+    static const bvxi_file_part parts[GLB_PARTS] = {{.put = glb_put_positions}, {.put = glb_put_normals},
+                                                    {.put = glb_put_colours},   {.put = glb_put_uvs},
+                                                    {.put = glb_put_indices},   {.put = glb_put_padding}};
 
     for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
         const bvxi_glb *const level = &glb->level[l];
@@ -165,14 +167,17 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
 static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *glb)
 {
     double p[3];
+
     for (uint64_t v = 0; v < glb->vertices; v++) {
         glb_position(glb, v, p);
         for (int a = 0; a < 3; a++) {
             float const f = (float)p[a];
             if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
-                return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "%s: vertex %i is %g from the middle of the mesh, too far for the format's 32-bit "
-                                 "floats; take PLY or OBJ", name, (uint64_t)glb_source(glb, v), p[a]);
+                return bvxi_fail(
+                    ctx, BVX_ERR_RANGE,
+                    "%s: vertex %i is %g from the middle of the mesh, too far for the format's 32-bit "
+                    "floats; take PLY or OBJ",
+                    name, (uint64_t)glb_source(glb, v), p[a]);
             if (v == 0 || f < glb->low[a]) glb->low[a] = f;
             if (v == 0 || f > glb->high[a]) glb->high[a] = f;
         }

@@ -1,14 +1,17 @@
-/* write_grid.c - a grid to the bytes of a file: the checks around the writers, and what those of one byte a voxel share. */
+/* write_grid.c - a grid to the bytes of a file: the checks around the
+ * writers, and what those of one byte a voxel share. */
 #include "io/formats.h"
 #include "io/grid_formats.h"
 
-bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind, bvx_buffer *file)
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
+                            bvx_buffer *file)
 {
     uint64_t const tail = bvxi_text_length(kind->tail);
     bvx_buffer made = {0};
     bvxi_output head = {0};
     bvx_status status;
     int fits = 1;
+
     kind->put_head(grid, &head);
     uint64_t const voxels = bvxi_mul(bvxi_grid_rows(grid), (uint64_t)grid->size[0], &fits);
     uint64_t const size = bvxi_add(voxels, head.size + tail, &fits);
@@ -28,12 +31,13 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double corner[3];
+
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
         double const centre = corner[a] + 0.5 * grid->lattice.spacing[a];
         if (!(corner[a] - corner[a] == 0.0) || !(centre - centre == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the window's first voxel has no finite place along %s", format,
-                             axis_name[a]);
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the window's first voxel has no finite place along %s",
+                             format, axis_name[a]);
     }
     return BVX_OK;
 }
@@ -41,6 +45,7 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_grid";
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));

@@ -1,4 +1,5 @@
-/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: checks around the writers, what they share. */
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file:
+ * checks around the writers, what they share. */
 #include "io/formats.h"
 #include "io/rounding.h"
 #include "mesh/mesh.h"
@@ -13,7 +14,8 @@ bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer 
 {
     if (file == NULL) return bvxi_fail_null(ctx, function, "file");
     if (file->bytes != NULL && file->capacity == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file brings bytes, which are not used; zero it first", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file brings bytes, which are not used; zero it first",
+                         function);
     bvx_buffer_free(ctx, file);
     return BVX_OK;
 }
@@ -29,13 +31,14 @@ bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, b
 static bvx_status check_written_positions(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     double p[3];
+
     if (mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0) return BVX_OK;
     for (uint64_t v = 0; v < mesh->vertex_count; v++) {
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++)
             if (!(p[a] - p[a] == 0.0))
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i is not finite when mesh.frame is added", function,
-                                 v);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: vertex %i is not finite when mesh.frame is added", function, v);
     }
     return BVX_OK;
 }
@@ -49,18 +52,22 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
         return BVX_OK;
     }
     if (mesh->uv_count > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.uv_count is %u, the limit is below 2^32", function, mesh->uv_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.uv_count is %u, the limit is below 2^32", function,
+                         mesh->uv_count);
     if (mesh->uv_triangles == NULL && mesh->uv_count < mesh->vertex_count)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL",
-                         function, mesh->uv_count, mesh->vertex_count);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL", function,
+                         mesh->uv_count, mesh->vertex_count);
     if (mesh->uv_triangles != NULL)
         for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
             if (mesh->uv_triangles[i] >= mesh->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %i has texture coordinate number %u, there are %u",
-                                 function, (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i], mesh->uv_count);
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: triangle %i has texture coordinate number %u, there are %u", function,
+                                 (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i], mesh->uv_count);
     for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
         if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: texture coordinate %i is not finite", function, (uint64_t)(i / 2));
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: texture coordinate %i is not finite", function, (uint64_t)(i / 2));
     return BVX_OK;
 }
 
@@ -68,12 +75,14 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
 {
     bvx_mesh_view view;
     double low[3], high[3];
+
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL", function);
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && mesh->vertex_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
-                         function, (int64_t)mesh->position_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                         (int64_t)mesh->position_type);
     bvx_mesh_view_of(mesh, &view);
     BVXI_TRY(bvxi_view_check(ctx, function, &view));
     BVXI_TRY(bvxi_view_bounds(ctx, function, &view, low, high));
@@ -92,7 +101,8 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
 
 typedef bvx_status normals_writer(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
 
-static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, normals_writer *write, bvx_buffer *file)
+static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, normals_writer *write,
+                                     bvx_buffer *file)
 {
     bvx_mesh_view view;
     double low[3], high[3], *sum;
@@ -142,8 +152,7 @@ static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int3
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
                          format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
                                                   : "OFF is written without normals");
-    default:
-        return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
+    default: return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
     }
 }
 
@@ -247,15 +256,15 @@ static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, u
     uint32_t *representative;
     bvx_status status;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative, "the vertices' positions",
-                        &representative));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
+                        "the vertices' positions", &representative));
     status = bvxi_weld(ctx, view, representative, different);
     bvxi_free(ctx, representative, view->vertex_count * sizeof *representative);
     return status;
 }
 
-static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file, int32_t format,
-                                  int rounded, bvx_write_report *report)
+static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file,
+                                  int32_t format, int rounded, bvx_write_report *report)
 {
     uint64_t before = 0, after = 0;
 
@@ -266,7 +275,8 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
         BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, count_positions(ctx, file, &after)));
     }
     report->merged = before - after;
-    return BVXI_SHARE(ctx, rounded ? 0.5 : 0.0, 1.0, bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file));
+    return BVXI_SHARE(ctx, rounded ? 0.5 : 0.0, 1.0,
+                      bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file));
 }
 
 static bvx_status check_written_file(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
@@ -287,8 +297,10 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     if (rounded) {
         bvxi_measure_rounding(mesh, centre, &rounding);
         if (!rounding.finite)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the mesh has coordinates too large for the format's 32-bit floats; "
-                             "take PLY or OBJ", name);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: the mesh has coordinates too large for the format's 32-bit floats; "
+                             "take PLY or OBJ",
+                             name);
         report->fits = bvxi_rounding_fits(&rounding, mesh->triangle_count);
         report->largest_move = rounding.largest_move;
         report->mean_edge = rounding.mean_edge;
@@ -308,14 +320,16 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
 }
 
 /* What messages about one of several meshes begin with. */
-static const char *level_name(const char *function, uint64_t level, uint64_t level_count, char text[BVXI_LEVEL_NAME])
+static const char *level_name(const char *function, uint64_t level, uint64_t level_count,
+                              char text[BVXI_LEVEL_NAME])
 {
     if (level_count == 1) return function;
     bvxi_level_name(function, level, text);
     return text;
 }
 
-static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels, uint64_t level_count)
+static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels,
+                               uint64_t level_count)
 {
     char name[BVXI_LEVEL_NAME];
 
@@ -347,14 +361,14 @@ static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&reports[l], 0, sizeof reports[l]);
         BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
-                            check_written_file(context, level_name(function, l, level_count, name), &levels[l], format, centre,
-                                               &reports[l])));
+                            check_written_file(context, level_name(function, l, level_count, name),
+                                               &levels[l], format, centre, &reports[l])));
     }
     return BVX_OK;
 }
 
-bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                             bvx_write_report *reports)
+bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                             int32_t format, bvx_write_report *reports)
 {
     return BVXI_CALL(context, run_check_written(context, levels, level_count, format, reports));
 }
@@ -369,7 +383,8 @@ static bvx_status check_level_rounding(bvx_context *ctx, const char *function, c
 
     BVXI_TRY(file_centre(ctx, levels, level_count, format, centre));
     for (uint64_t l = 0; l < level_count; l++)
-        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format, centre));
+        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format,
+                                      centre));
     return BVX_OK;
 }
 
@@ -394,8 +409,8 @@ static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels,
     return BVX_OK;
 }
 
-bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                            bvx_buffer *file)
+bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                            int32_t format, bvx_buffer *file)
 {
     return BVXI_CALL(context, run_write_levels(context, levels, level_count, format, file));
 }

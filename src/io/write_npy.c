@@ -21,6 +21,7 @@ static void npy_put_head(const bvx_grid *grid, bvxi_output *out)
     static const uint8_t magic[8] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0};
     bvxi_output dict = {0};
     uint8_t length[2];
+
     npy_put_dict(grid, &dict);
     uint64_t const size = (NPY_PREFIX + dict.size + 1 + NPY_ALIGN - 1) / NPY_ALIGN * NPY_ALIGN;
     bvxi_store_u16(length, (uint16_t)(size - NPY_PREFIX));

@@ -1,8 +1,9 @@
 /* write_nrrd.c - a grid to NRRD: uint8, raw, with its head attached.
  *
- * Source: Kindlmann. Definition of NRRD File Format. The space has three dimensions and no name: a lattice does not know
- * left from right. "space origin" is the centre of the first sample by that definition, half a voxel above the corner; since
- * adding that half may round, a key of our own keeps the corner for our reader. */
+ * Source: Kindlmann. Definition of NRRD File Format. The space has three dimensions and no name: a lattice
+ * does not know left from right. "space origin" is the centre of the first sample by that definition, half a
+ * voxel above the corner; since adding that half may round, a key of our own keeps the corner for our
+ * reader. */
 #include "io/grid_formats.h"
 
 static void nrrd_put_double(bvxi_output *out, double v)
@@ -27,6 +28,7 @@ static void nrrd_put_head(const bvx_grid *grid, bvxi_output *out)
 {
     const double *const s = grid->lattice.spacing;
     double c[3];
+
     bvxi_grid_corner(grid, c);
     bvxi_output_text(out, "NRRD0004\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes:");
     for (int a = 0; a < 3; a++) {
@@ -41,7 +43,9 @@ static void nrrd_put_head(const bvx_grid *grid, bvxi_output *out)
     nrrd_put_vector(out, 0, 0, s[2]);
     bvxi_output_text(out, "\nspace origin: ");
     nrrd_put_vector(out, c[0] + 0.5 * s[0], c[1] + 0.5 * s[1], c[2] + 0.5 * s[2]);
-    bvxi_output_text(out, "\ncenterings: cell cell cell\nkinds: domain domain domain\nencoding: raw\n" BVXI_NRRD_CORNER_KEY ":=");
+    bvxi_output_text(
+        out, "\ncenterings: cell cell cell\nkinds: domain domain domain\nencoding: raw\n" BVXI_NRRD_CORNER_KEY
+             ":=");
     nrrd_put_vector(out, c[0], c[1], c[2]);
     bvxi_output_text(out, "\n\n");
 }

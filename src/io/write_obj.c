@@ -1,8 +1,8 @@
 /* write_obj.c - a mesh to Wavefront OBJ.
  *
- * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles or a frame.
- * Colours follow the coordinates as fractions of 1, without alpha, which the format does not know. Normals, where
- * requested, are one a vertex, with its number. */
+ * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
+ * or a frame. Colours follow the coordinates as fractions of 1, without alpha, which the format does not
+ * know. Normals, where requested, are one a vertex, with its number. */
 #include "io/file_parts.h"
 #include "io/formats.h"
 #include "mesh/normals.h"
@@ -11,6 +11,7 @@
 static uint8_t *obj_put_colour(uint8_t *at, uint8_t value)
 {
     uint32_t const thousandths = ((uint32_t)value * 1000 + 254) / 255;
+
     *at++ = ' ';
     if (thousandths == 0 || thousandths == 1000) return bvxi_put_number(at, thousandths / 1000);
     *at++ = '0';
@@ -26,6 +27,7 @@ static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end,
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
     int const f32 = bvxi_writes_f32(mesh);
     double p[3];
+
     for (uint64_t v = begin; v < end; v++) {
         *at++ = 'v';
         bvxi_world_position(mesh, v, p);
@@ -43,10 +45,12 @@ static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end,
 static uint8_t *obj_put_uvs(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
+
     for (uint64_t i = begin; i < end; i++) {
         *at++ = 'v';
         *at++ = 't';
-        for (size_t a = 0; a < 2; a++) at = bvxi_put_float(bvxi_put_char(at, ' '), mesh->uvs[(size_t)i * 2 + a]);
+        for (size_t a = 0; a < 2; a++)
+            at = bvxi_put_float(bvxi_put_char(at, ' '), mesh->uvs[(size_t)i * 2 + a]);
         *at++ = '\n';
     }
     return at;
@@ -56,6 +60,7 @@ static uint8_t *obj_put_normals(const void *user, uint64_t begin, uint64_t end, 
 {
     const bvxi_written *const what = user;
     float n[3];
+
     for (uint64_t v = begin; v < end; v++) {
         *at++ = 'v';
         *at++ = 'n';
@@ -94,8 +99,10 @@ bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     uint64_t const number = bvxi_writes_f32(mesh) ? BVXI_FLOAT_MOST : BVXI_DOUBLE_MOST;
     uint64_t const vertex_digits = bvxi_digits(mesh->vertex_count);
     double const from = what->normal != NULL ? BVXI_NORMALS_SHARE : 0.0;
-    bvxi_file_part part[4] = {{.put = obj_put_vertices, .user = what}, {.put = obj_put_uvs, .user = what},
-                              {.put = obj_put_normals, .user = what}, {.put = obj_put_faces, .user = what}};
+    bvxi_file_part part[4] = {{.put = obj_put_vertices, .user = what},
+                              {.put = obj_put_uvs, .user = what},
+                              {.put = obj_put_normals, .user = what},
+                              {.put = obj_put_faces, .user = what}};
 
     part[0].count = mesh->vertex_count;
     part[0].most = 2 + 3 * (1 + number) + (mesh->colours != NULL ? 3 * 6 : 0);

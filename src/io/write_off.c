@@ -1,7 +1,9 @@
-/* write_off.c - a mesh to OFF, or COFF where its vertices have colours: red, green, blue, alpha from 0 to 255.
+/* write_off.c - a mesh to OFF, or COFF where its vertices have colours: red, green, blue, alpha from 0 to
+ * 255.
  *
- * Coordinates are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles or a
- * frame. Texture coordinates are left out: few programs read those of STOFF, and corners cannot have their own. */
+ * Coordinates are the shortest decimals that read back to the same floats, or doubles where the mesh has
+ * doubles or a frame. Texture coordinates are left out: few programs read those of STOFF, and corners cannot
+ * have their own. */
 #include "io/file_parts.h"
 #include "io/formats.h"
 
@@ -10,6 +12,7 @@ static uint8_t *off_put_vertices(const void *user, uint64_t begin, uint64_t end,
     const bvx_mesh *const mesh = user;
     int const f32 = bvxi_writes_f32(mesh);
     double p[3];
+
     for (uint64_t v = begin; v < end; v++) {
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++) {
@@ -17,7 +20,8 @@ static uint8_t *off_put_vertices(const void *user, uint64_t begin, uint64_t end,
             at = f32 ? bvxi_put_float(at, (float)p[a]) : bvxi_put_double(at, p[a]);
         }
         if (mesh->colours != NULL)
-            for (size_t c = 0; c < 4; c++) at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->colours[(size_t)v * 4 + c]);
+            for (size_t c = 0; c < 4; c++)
+                at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->colours[(size_t)v * 4 + c]);
         *at++ = '\n';
     }
     return at;
@@ -28,7 +32,8 @@ static uint8_t *off_put_faces(const void *user, uint64_t begin, uint64_t end, ui
     const bvx_mesh *const mesh = user;
     for (uint64_t t = begin; t < end; t++) {
         *at++ = '3';
-        for (size_t k = 0; k < 3; k++) at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->triangles[(size_t)t * 3 + k]);
+        for (size_t k = 0; k < 3; k++)
+            at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->triangles[(size_t)t * 3 + k]);
         *at++ = '\n';
     }
     return at;
@@ -48,6 +53,7 @@ bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *fi
     uint64_t const number = bvxi_writes_f32(mesh) ? BVXI_FLOAT_MOST : BVXI_DOUBLE_MOST;
     bvxi_file_part part[2] = {{.put = off_put_vertices, .user = mesh}, {.put = off_put_faces, .user = mesh}};
     bvxi_output head = {0};
+
     off_put_head(mesh, &head);
     part[0].count = mesh->vertex_count;
     part[0].most = 3 * (number + 1) + (mesh->colours != NULL ? 4 * 4 : 0);

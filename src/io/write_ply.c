@@ -1,13 +1,14 @@
 /* write_ply.c - a mesh to binary little-endian PLY: floats, or doubles where the mesh has doubles or a frame.
  *
- * Normals, where requested, are the floats nx ny nz of vertices, after the coordinates as readers expect them. Colours
- * are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or the list texcoord of
- * faces (two numbers a corner) where the corners have their own. */
+ * Normals, where requested, are the floats nx ny nz of vertices, after the coordinates as readers expect
+ * them. Colours are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or
+ * the list texcoord of faces (two numbers a corner) where the corners have their own. */
 #include "io/file_parts.h"
 #include "io/formats.h"
 #include "mesh/normals.h"
 
-enum { PLY_WRITTEN_FACE = 13, PLY_WRITTEN_TEXCOORD = 25 }; /* how many there are and the numbers: three, six */
+/* how many there are and the numbers: three, six */
+enum { PLY_WRITTEN_FACE = 13, PLY_WRITTEN_TEXCOORD = 25 };
 
 static void ply_put_property(const char *type, const char *const *names, int count, bvxi_output *out)
 {
@@ -25,7 +26,10 @@ static void ply_put_header(const bvxi_written *what, bvxi_output *out)
     const bvx_mesh *const mesh = what->mesh;
     static const char *const axes[] = {"x", "y", "z"}, *const normal[] = {"nx", "ny", "nz"};
     static const char *const colours[] = {"red", "green", "blue", "alpha"};
-    static const char *const uvs[] = {"s", "t"}, *const corners[] = {"vertex_indices"}, *const texcoord[] = {"texcoord"};
+    static const char *const uvs[] = {"s", "t"};
+    static const char *const corners[] = {"vertex_indices"};
+    static const char *const texcoord[] = {"texcoord"};
+
     bvxi_output_text(out, "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex ");
     bvxi_output_number(out, mesh->vertex_count);
     bvxi_output_text(out, "\n");
@@ -75,6 +79,7 @@ static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end,
 static uint8_t *ply_put_faces(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
+
     for (uint64_t t = begin; t < end; t++) {
         *at++ = 3;
         for (size_t k = 0; k < 3; k++, at += 4) bvxi_store_u32(at, mesh->triangles[(size_t)t * 3 + k]);

@@ -1,6 +1,7 @@
 /* write_sections.c - contour stacks to CSL, CSV and SVG.
  *
- * The writer runs twice, to count and to write. CSL and CSV numbers are the shortest decimals that read back to the same ones. */
+ * The writer runs twice, to count and to write. CSL and CSV numbers are the shortest decimals that read back
+ * to the same ones. */
 #include "io/bytes.h"
 #include "io/formats.h"
 #include "section/section.h"
@@ -159,6 +160,7 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     double low[2], high[2], scale, extent;
     uint64_t const columns = s->section_count < DRAWING_COLUMNS ? s->section_count : DRAWING_COLUMNS;
     uint64_t const rows = (s->section_count + columns - 1) / columns;
+
     bound_drawing(s, axis, low, high);
     extent = high[0] - low[0] > high[1] - low[1] ? high[0] - low[0] : high[1] - low[1];
     scale = extent > 0x1p-1000 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
@@ -169,14 +171,17 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     bvxi_output_text(o, "\" font-family=\"sans-serif\" font-size=\"9\">\n");
     for (uint64_t k = 0; k < s->section_count; k++) {
         uint64_t const column = k % columns, row = k / columns;
-        double const x = (double)column * DRAWING_CELL + DRAWING_MARGIN, y = (double)(row + 1) * DRAWING_CELL - DRAWING_MARGIN;
+        double const x = (double)column * DRAWING_CELL + DRAWING_MARGIN;
+        double const y = (double)(row + 1) * DRAWING_CELL - DRAWING_MARGIN;
         bvxi_output_text(o, "<text x=\"");
         put_place(o, x);
         bvxi_output_text(o, "\" y=\"");
         put_place(o, y - DRAWING_CELL + 2 * DRAWING_MARGIN);
         bvxi_output_text(o, "\">");
         put_real(o, s->positions[k]);
-        bvxi_output_text(o, "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
+        bvxi_output_text(
+            o,
+            "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
@@ -204,25 +209,32 @@ static void put_sections(const bvx_sections *s, int32_t format, const double axi
 }
 
 /* CSV keeps x and y, so planes have to be z = position; CSL's labels are not negative. */
-static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s, int32_t format, const double axis[3][3])
+static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s,
+                                       int32_t format, const double axis[3][3])
 {
     if (format == BVX_FORMAT_CSV) {
         if (!(axis[2][2] == 1.0))
-            return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSV holds planes z = position only; take CSL", function);
+            return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSV holds planes z = position only; take CSL",
+                             function);
         for (uint64_t i = 0; i < s->loop_count; i++)
             for (uint64_t j = 0; j < s->loops[i].point_count; j++)
                 if (s->points[3 * (s->loops[i].first_point + j) + 2] != s->positions[s->loops[i].section])
-                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: loop %i has points off its plane, which CSV cannot hold; take CSL", function, i);
+                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
+                                     "%s: loop %i has points off its plane, which CSV cannot hold; take CSL",
+                                     function, i);
     } else if (format == BVX_FORMAT_CSL) {
         for (uint64_t i = 0; i < s->loop_count; i++)
             if (s->loops[i].label < 0)
-                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %i: %d)", function, i, (int64_t)s->loops[i].label);
+                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %i: %d)",
+                                 function, i, (int64_t)s->loops[i].label);
     } else if (format == BVX_FORMAT_SVG) {
         double low[2], high[2];
         bound_drawing(s, axis, low, high);
         for (int k = 0; k < 2; k++)
             if (s->point_count > 0 && !(high[k] - low[k] < 0x1p1020))
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the points reach from %g to %g in their plane, too far to be drawn", function, low[k], high[k]);
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: the points reach from %g to %g in their plane, too far to be drawn",
+                                 function, low[k], high[k]);
     } else {
         return bvxi_fail_format(ctx, BVX_ERR_ARGUMENT, function, "contours", format, BVX_SECTIONS_WRITTEN);
     }
@@ -236,22 +248,24 @@ static bvx_status run_write_sections(bvx_context *context, const bvx_sections *s
     double axis[3][3];
     bvxi_output out = {0};
     bvx_buffer made = {0};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_sections_check(context, function, sections));
     BVXI_TRY(bvxi_section_frame(context, function, sections->normal, axis));
-    BVXI_TRY(check_section_format(context, function, sections, format, (const double (*)[3])axis));
-    put_sections(sections, format, (const double (*)[3])axis, &out);
+    BVXI_TRY(check_section_format(context, function, sections, format, (const double(*)[3])axis));
+    put_sections(sections, format, (const double(*)[3])axis, &out);
     BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, out.size, "the contour file", &made.bytes));
     made.size = made.capacity = out.size;
     out.bytes = made.bytes;
     out.size = 0;
-    put_sections(sections, format, (const double (*)[3])axis, &out);
+    put_sections(sections, format, (const double(*)[3])axis, &out);
     *file = made;
     return BVX_OK;
 }
 
-bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format, bvx_buffer *file)
+bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format,
+                              bvx_buffer *file)
 {
     return BVXI_CALL(context, run_write_sections(context, sections, format, file));
 }

@@ -1,7 +1,7 @@
 /* write_stl.c - a mesh to binary STL, with the normals of its facets.
  *
- * Coordinates become floats; a normal is that of the rounded corners, computed in doubles, and zero for a triangle
- * without area. The header does not begin with the word solid, which some readers take for ASCII. */
+ * Coordinates become floats; a normal is that of the rounded corners, computed in doubles, and zero for a
+ * triangle without area. The header does not begin with the word solid, which some readers take for ASCII. */
 #include "io/file_parts.h"
 #include "io/formats.h"
 
@@ -12,6 +12,7 @@ enum { STL_WRITTEN_HEADER = 80, STL_WRITTEN_TRIANGLE = 50 };
 static void stl_facet_normal(const float c[3][3], float normal[3])
 {
     double u[3], v[3], n[3], length;
+
     for (int a = 0; a < 3; a++) {
         u[a] = (double)c[1][a] - (double)c[0][a];
         v[a] = (double)c[2][a] - (double)c[0][a];
@@ -46,13 +47,16 @@ static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t 
 static bvx_status stl_check_floats(bvx_context *ctx, const bvx_mesh *mesh)
 {
     double p[3];
+
     if (bvxi_writes_f32(mesh)) return BVX_OK;
     for (uint64_t v = 0; v < mesh->vertex_count; v++) {
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++)
             if (p[a] >= BVXI_FLOAT_LIMIT || p[a] <= -BVXI_FLOAT_LIMIT)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "STL: vertex %i has the coordinate %g, too large for the format's "
-                                 "32-bit floats; take PLY or OBJ", v, p[a]);
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "STL: vertex %i has the coordinate %g, too large for the format's "
+                                 "32-bit floats; take PLY or OBJ",
+                                 v, p[a]);
     }
     return BVX_OK;
 }
@@ -69,6 +73,7 @@ bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *fi
     static const char title[] = "binary STL written by bitvox";
     bvxi_file_part const part = {
         .count = mesh->triangle_count, .most = STL_WRITTEN_TRIANGLE, .put = stl_put_triangles, .user = mesh};
+
     BVXI_TRY(stl_check_floats(ctx, mesh));
     BVXI_TRY(bvxi_make_file(ctx, "the STL file", 0.0, STL_WRITTEN_HEADER + 4, &part, 1, file));
     memset(file->bytes, 0, STL_WRITTEN_HEADER);

@@ -7,7 +7,8 @@
 typedef struct tree_writing {
     const bvx_octree *tree;
     uint8_t *bytes;
-    uint64_t frame, place[BVXI_OCTREE_LEVELS + 2]; /* place: where each level begins, and where the last one ends */
+    /* place: where each level begins, and where the last one ends */
+    uint64_t frame, place[BVXI_OCTREE_LEVELS + 2];
 } tree_writing;
 
 static void put_tree_head(const bvx_octree *tree, uint8_t *head)
@@ -43,6 +44,7 @@ static void put_tree_level(void *user, int32_t level, int32_t worker)
     const bvxi_octets *const o = octets_of_level(job->tree, level);
     uint8_t *const begin = job->bytes + job->place[level];
     uint8_t *p = begin + BVXI_TREE_LEVEL_HEAD;
+
     (void)worker;
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
@@ -57,11 +59,13 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
 {
     tree_writing job = {0};
     bvx_status status;
+
     job.tree = tree;
     job.place[0] = BVXI_TREE_HEAD;
     for (int32_t l = 0; l <= tree->levels; l++) {
         const bvxi_octets *const o = octets_of_level(tree, l);
-        job.place[l + 1] = job.place[l] + BVXI_TREE_LEVEL_HEAD + 8 * o->words * bvxi_tree_arrays((uint32_t)bvxi_tree_split_kind(o));
+        job.place[l + 1] = job.place[l] + BVXI_TREE_LEVEL_HEAD +
+                           8 * o->words * bvxi_tree_arrays((uint32_t)bvxi_tree_split_kind(o));
     }
     BVXI_TRY(bvxi_make_buffer(ctx, job.place[tree->levels + 1], "the BVX file", file));
     job.bytes = file->bytes;

@@ -1,7 +1,8 @@
-/* write_vti.c - a grid to VTK's XML image data: cells of uint8 named "solid", raw behind an underscore at the end.
+/* write_vti.c - a grid to VTK's XML image data: cells of uint8 named "solid", raw behind an underscore at the
+ * end.
  *
- * Source: VTK File Formats (docs.vtk.org), version 1.0 with 64-bit counts. Cells are voxels, so Origin is the low corner and
- * the extent counts the points around them. */
+ * Source: VTK File Formats (docs.vtk.org), version 1.0 with 64-bit counts. Cells are voxels, so Origin is the
+ * low corner and the extent counts the points around them. */
 #include "io/grid_formats.h"
 
 static void vti_put_doubles(bvxi_output *out, const double v[3])
@@ -26,9 +27,12 @@ static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
     uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
     uint8_t length[8];
     double corner[3];
+
     bvxi_grid_corner(grid, corner);
-    bvxi_output_text(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                          "header_type=\"UInt64\">\n  <ImageData WholeExtent=\"");
+    bvxi_output_text(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\">\n  <ImageData WholeExtent=\"");
     vti_put_extent(out, grid);
     bvxi_output_text(out, "\" Origin=\"");
     vti_put_doubles(out, corner);
@@ -36,9 +40,11 @@ static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
     vti_put_doubles(out, grid->lattice.spacing);
     bvxi_output_text(out, "\">\n    <Piece Extent=\"");
     vti_put_extent(out, grid);
-    bvxi_output_text(out, "\">\n      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n        <DataArray "
-                          "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n    </Piece>\n"
-                          "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
+    bvxi_output_text(
+        out,
+        "\">\n      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n        <DataArray "
+        "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n    </Piece>\n"
+        "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
     bvxi_store_u32(length, (uint32_t)(voxels & 0xffffffffu));
     bvxi_store_u32(length + 4, (uint32_t)(voxels >> 32));
     bvxi_output_add(out, length, sizeof length);

@@ -1,10 +1,11 @@
 /* xml_scan.c - the tags of an XML text one after the other: what data files use of XML, and nothing else.
  *
- * Source: Extensible Markup Language 1.0, elements, attributes, comments and the five predefined entities. No document
- * types, no other entities, no CDATA; so nothing expands, nothing is fetched, and the work is linear in the bytes. Within
- * quotes '<' and a '&' that begins no entity stand for themselves: VTK writes the names of arrays as they are.
- * Guarantee: tags are balanced and nested BVXI_XML_DEPTH deep at most; an element has XML_ATTRIBUTES attributes at most, well
- * formed and once each. */
+ * Source: Extensible Markup Language 1.0, elements, attributes, comments and the five predefined entities. No
+ * document types, no other entities, no CDATA; so nothing expands, nothing is fetched, and the work is linear
+ * in the bytes. Within quotes '<' and a '&' that begins no entity stand for themselves: VTK writes the names
+ * of arrays as they are.
+ * Guarantee: tags are balanced and nested BVXI_XML_DEPTH deep at most; an element has XML_ATTRIBUTES
+ * attributes at most, well formed and once each. */
 #include "io/xml_scan.h"
 
 enum { XML_ATTRIBUTES = 64 };
@@ -33,7 +34,8 @@ static char xml_character(bvxi_xml_text *t)
 
 static int xml_is_name(char c)
 {
-    return !bvxi_is_space(c) && c != '/' && c != '>' && c != '<' && c != '=' && c != '"' && c != '\'' && c != '&' && c != 0;
+    return !bvxi_is_space(c) && c != '/' && c != '>' && c != '<' && c != '=' && c != '"' && c != '\'' &&
+           c != '&' && c != 0;
 }
 
 static bvxi_xml_text xml_take_name(bvxi_xml *x)
@@ -61,6 +63,7 @@ static BVXI_COLD bvx_status xml_expected(const bvxi_xml *x, const char *what)
 static int xml_next_attribute(bvxi_xml_text *rest, bvxi_xml_text *name, bvxi_xml_text *value)
 {
     const char *p = bvxi_skip_space(rest->p, rest->end);
+
     if (p == rest->end) return 0;
     name->p = p;
     while (xml_is_name(*p)) p++;
@@ -78,6 +81,7 @@ static bvx_status xml_check_attribute(bvxi_xml *x)
     const char *const end = x->source.end, *const start = x->p;
     bvxi_xml_text const name = xml_take_name(x);
     bvxi_xml_text before = {NULL, NULL}, other, unused, value;
+
     if (name.p == name.end) return xml_expected(x, "an attribute, '/>' or '>'");
     before.p = x->attributes.p;
     before.end = start;
@@ -111,6 +115,7 @@ static bvx_status xml_take_open(bvxi_xml *x)
 {
     const char *const end = x->source.end;
     int32_t count = 0;
+
     if (x->depth == BVXI_XML_DEPTH) return xml_expected(x, "elements nested less deeply");
     bvxi_xml_text const name = xml_take_name(x);
     if (name.p == name.end) return xml_expected(x, "an element's name");
@@ -137,6 +142,7 @@ static bvx_status xml_take_close(bvxi_xml *x)
 {
     const char *const start = x->p;
     bvxi_xml_text const name = xml_take_name(x);
+
     if (x->depth == 0 || !xml_equal(name, x->open[x->depth - 1])) {
         x->p = start;
         return xml_expected(x, "the closing tag of the element that was opened last");
@@ -163,6 +169,7 @@ static bvx_status xml_skip_to(bvxi_xml *x, const char *mark)
 bvx_status bvxi_xml_next(bvxi_xml *x)
 {
     const char *const end = x->source.end;
+
     if (x->is_empty) {
         x->is_empty = 0;
         x->depth--;
@@ -189,7 +196,8 @@ bvx_status bvxi_xml_next(bvxi_xml *x)
     return xml_take_close(x);
 }
 
-void bvxi_xml_start(bvxi_xml *x, bvx_context *ctx, const char *format, const uint8_t *begin, const uint8_t *end)
+void bvxi_xml_start(bvxi_xml *x, bvx_context *ctx, const char *format, const uint8_t *begin,
+                    const uint8_t *end)
 {
     memset(x, 0, sizeof *x);
     x->source.ctx = ctx;

@@ -12,23 +12,26 @@ typedef struct bvxi_xml_text {
 } bvxi_xml_text;
 
 typedef struct bvxi_xml {
-    bvxi_source source;                     /* for messages, and where the text ends */
-    const char *p;                          /* behind the last tag */
-    const char *tag;                        /* the last tag's '<' */
-    bvxi_xml_text open[BVXI_XML_DEPTH];     /* names of the elements around p, the root first */
-    bvxi_xml_text attributes;               /* of the last opening tag */
+    bvxi_source source;                 /* for messages, and where the text ends */
+    const char *p;                      /* behind the last tag */
+    const char *tag;                    /* the last tag's '<' */
+    bvxi_xml_text open[BVXI_XML_DEPTH]; /* names of the elements around p, the root first */
+    bvxi_xml_text attributes;           /* of the last opening tag */
     int32_t depth;
-    int32_t event;                          /* of the last tag: BVXI_XML_... */
-    int32_t is_empty;                       /* the last tag opened and closes (<a/>): its closing is told next */
+    int32_t event; /* of the last tag: BVXI_XML_... */
+    /* the last tag opened and closes (<a/>): its closing is told next */
+    int32_t is_empty;
 } bvxi_xml;
 
-void bvxi_xml_start(bvxi_xml *x, bvx_context *ctx, const char *format, const uint8_t *begin, const uint8_t *end);
-/* The next tag goes to x->event; text, comments and processing instructions are passed over. An element that opens is the
- * last of x->open; one that closes is not there any more. */
+void bvxi_xml_start(bvxi_xml *x, bvx_context *ctx, const char *format, const uint8_t *begin,
+                    const uint8_t *end);
+/* The next tag goes to x->event; text, comments and processing instructions are passed over. An element that
+ * opens is the last of x->open; one that closes is not there any more. */
 bvx_status bvxi_xml_next(bvxi_xml *x);
 /* 1 when the open elements are those of path: "VTKFile/ImageData". */
 int bvxi_xml_is_at(const bvxi_xml *x, const char *path);
-/* The value of an attribute of the last opening tag, as it stands between its quotes; 0 when there is none. */
+/* The value of an attribute of the last opening tag, as it stands between its quotes; 0 when there is
+ * none. */
 int bvxi_xml_attribute(const bvxi_xml *x, const char *name, bvxi_xml_text *value);
 /* 1 when two values mean the same, entities replaced. */
 int bvxi_xml_same(bvxi_xml_text a, bvxi_xml_text b);

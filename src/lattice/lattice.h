@@ -21,8 +21,8 @@ bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_
 bvx_status bvxi_window_take(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                             const bvx_window *given, bvx_window *window);
 /* bvx_lattice_make for other functions. */
-bvx_status bvxi_lattice_build(bvx_context *ctx, const char *function, const double origin[3], const double spacing[3],
-                              const int32_t dims[3], bvx_lattice *lattice);
+bvx_status bvxi_lattice_build(bvx_context *ctx, const char *function, const double origin[3],
+                              const double spacing[3], const int32_t dims[3], bvx_lattice *lattice);
 int bvxi_lattice_equal(const bvx_lattice *a, const bvx_lattice *b);
 /* The longest edge of a voxel. */
 static inline double bvxi_largest_spacing(const bvx_lattice *l)

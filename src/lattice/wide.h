@@ -1,4 +1,5 @@
-/* wide.h - 128-bit signed sums of products, by the compiler or by two limbs; tests hold both against each other. */
+/* wide.h - 128-bit signed sums of products, by the compiler or by two
+ * limbs; tests hold both against each other. */
 #ifndef BVXI_WIDE_H
 #define BVXI_WIDE_H
 
@@ -34,6 +35,7 @@ static inline bvxi_limbs bvxi_limbs_mul(int64_t a, int64_t b)
     uint64_t const p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
     uint64_t const middle = (p00 >> 32) + (p01 & 0xffffffffu) + (p10 & 0xffffffffu);
     bvxi_limbs r;
+
     r.low = (p00 & 0xffffffffu) | middle << 32;
     r.high = p11 + (p01 >> 32) + (p10 >> 32) + (middle >> 32);
     return (a < 0) != (b < 0) ? bvxi_limbs_negate(r) : r;
@@ -101,12 +103,14 @@ static inline double bvxi_wide_double(bvxi_wide a)
 
 #endif
 
-/* floor(a / (b * c)) for b > 0 and c = 2^n, or -limit or limit when it lies beyond them; limit <= 2^40, c * limit <= 2^62. A
- * double comes within a few units of it, exact steps decide: b c q = b (c q) is a product of two 64-bit numbers. */
+/* floor(a / (b * c)) for b > 0 and c = 2^n, or -limit or limit when it lies beyond
+ * them; limit <= 2^40, c * limit <= 2^62. A double comes within a few units of it,
+ * exact steps decide: b c q = b (c q) is a product of two 64-bit numbers. */
 static inline int64_t bvxi_wide_floor_div_scaled(bvxi_wide a, int64_t b, int64_t c, int64_t limit)
 {
     double const estimate = bvxi_wide_double(a) / ((double)b * (double)c);
     int64_t q;
+
     if (estimate > (double)limit) return limit;
     if (estimate < -(double)limit) return -limit;
     q = (int64_t)estimate;

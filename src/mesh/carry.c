@@ -1,10 +1,10 @@
 /* carry.c - colours and texture coordinates from one mesh to the vertices of another.
  *
- * Each vertex of the target asks for the source's nearest point (closest_query.c) and blends what the corners of that
- * triangle have by its barycentric weights, in doubles. Colours are rounded to the nearest whole number, halves upwards;
- * texture coordinates once, to floats. A vertex on a corner of the source takes its values unchanged. Both frames count:
- * the target's positions are moved by their difference. Vertices do not depend on each other, so threads never show.
- * New arrays replace old ones when all of it is done. */
+ * Each vertex of the target asks for the source's nearest point (closest_query.c) and blends what the corners
+ * of that triangle have by its barycentric weights, in doubles. Colours are rounded to the nearest whole
+ * number, halves upwards; texture coordinates once, to floats. A vertex on a corner of the source takes its
+ * values unchanged. Both frames count: the target's positions are moved by their difference. Vertices do not
+ * depend on each other, so threads never show. New arrays replace old ones when all of it is done. */
 #include "mesh/closest_query.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -16,8 +16,8 @@ typedef struct carry_work {
     bvx_mesh_view from, to; /* views of source and target */
     double shift[3];        /* adds to the target's positions to reach the source's frame */
     bvx_closest closest;
-    uint8_t *colours;       /* new, or NULL */
-    float *uvs;             /* new, or NULL */
+    uint8_t *colours; /* new, or NULL */
+    float *uvs;       /* new, or NULL */
     int32_t pieces;
 } carry_work;
 
@@ -36,8 +36,8 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
     for (int i = 0; i < 4; i++)
-        w->colours[4 * vertex + (uint64_t)i] =
-            round_colour(at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i]);
+        w->colours[4 * vertex + (uint64_t)i] = round_colour(
+            at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i]);
 }
 
 /* Numbers into the source's uvs of a triangle's corners. */
@@ -54,8 +54,9 @@ static void blend_uvs(const carry_work *w, const bvx_closest_point *at, uint64_t
     corner_uvs(w->source, at->triangle, number);
     for (int k = 0; k < 3; k++) c[k] = w->source->uvs + 2 * (size_t)number[k];
     for (int i = 0; i < 2; i++)
-        w->uvs[2 * vertex + (uint64_t)i] =
-            (float)(at->weight[0] * (double)c[0][i] + at->weight[1] * (double)c[1][i] + at->weight[2] * (double)c[2][i]);
+        w->uvs[2 * vertex + (uint64_t)i] = (float)(at->weight[0] * (double)c[0][i] +
+                                                   at->weight[1] * (double)c[1][i] +
+                                                   at->weight[2] * (double)c[2][i]);
 }
 
 static void carry_piece(void *user, int32_t index, int32_t worker)
@@ -64,6 +65,7 @@ static void carry_piece(void *user, int32_t index, int32_t worker)
     bvx_closest_point at;
     uint32_t hint = 0;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(w->to.vertex_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -81,12 +83,15 @@ static void carry_piece(void *user, int32_t index, int32_t worker)
 static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
                          (int64_t)mesh->position_type);
     if (mesh->triangles == NULL && mesh->triangle_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
-                         mesh->triangle_count);
-    if (!bvxi_view_finite(mesh->frame)) return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: mesh.frame is not finite", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
+                         function, mesh->triangle_count);
+    if (!bvxi_view_finite(mesh->frame))
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: mesh.frame is not finite",
+                             function);
     return bvxi_mesh_check_reserved(ctx, function, mesh);
 }
 
@@ -99,17 +104,21 @@ static int is_finite_uv(const float *uv)
 static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const bvx_mesh *source)
 {
     if (source->uvs == NULL && source->uv_triangles != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uv_triangles is given and mesh.uvs is NULL", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uv_triangles is given and mesh.uvs is NULL",
+                         function);
     if (source->uvs == NULL) return BVX_OK;
     for (uint64_t t = 0; t < source->triangle_count; t++) {
         uint32_t number[3];
         corner_uvs(source, t, number);
         for (int k = 0; k < 3; k++) {
             if (number[k] >= source->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangle %i has texture coordinate number %u, but there are %u",
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: triangle %i has texture coordinate number %u, but there are %u",
                                  function, t, (uint64_t)number[k], source->uv_count);
             if (!is_finite_uv(source->uvs + 2 * (size_t)number[k]))
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: texture coordinate %i is not finite", function, (uint64_t)number[k]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: texture coordinate %i is not finite", function,
+                                     (uint64_t)number[k]);
         }
     }
     return BVX_OK;
@@ -119,14 +128,14 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
 {
     BVXI_TRY(check_carried_mesh(ctx, function, target));
     if (target->owned == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: its arrays are not the library's own, so it cannot be given others",
-                         function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: its arrays are not the library's own, so it cannot be given others", function);
     if (target->vertex_count > target->vertex_capacity)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_count is %u with a vertex_capacity of %u", function,
-                         target->vertex_count, target->vertex_capacity);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_count is %u with a vertex_capacity of %u",
+                         function, target->vertex_count, target->vertex_capacity);
     if (target->vertex_capacity > UINT64_MAX / 24) /* the bytes of an array are a number */
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_capacity is %u, more than any memory holds", function,
-                         target->vertex_capacity);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_capacity is %u, more than any memory holds",
+                         function, target->vertex_capacity);
     bvx_mesh_view_of(target, &w->to);
     BVXI_TRY(bvxi_view_check(ctx, function, &w->to));
     for (int a = 0; a < 3; a++) w->shift[a] = target->frame[a] - w->source->frame[a];
@@ -136,7 +145,8 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
         if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, &w->to, i);
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         if (!bvxi_view_finite(p))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: vertex %i is beyond a double's range in the source's frame", function, i);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: vertex %i is beyond a double's range in the source's frame", function, i);
     }
     return BVX_OK;
 }
@@ -173,6 +183,7 @@ static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const car
 static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry_work *w, bvx_mesh *target)
 {
     bvx_status status;
+
     BVXI_TRY(check_source_uvs(ctx, of_source, w->source));
     status = make_carried_arrays(ctx, target, w);
     w->pieces = bvxi_piece_count(target->vertex_count, CARRY_GRAIN);
@@ -194,7 +205,8 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
-    if (source == target) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: source and target are one mesh", function);
+    if (source == target)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: source and target are one mesh", function);
     memset(&w, 0, sizeof w);
     w.source = source;
     BVXI_TRY(check_carried_mesh(context, of_source, source));

@@ -1,7 +1,8 @@
 /* check.c - the certificate of a mesh.
  *
- * Vertices are welded where asked, triangles with three different vertices kept; topology.c counts what can be told
- * from their numbers, the sums over positions are taken here, in triangle order, so they are the same everywhere. */
+ * Vertices are welded where asked, triangles with three different vertices kept; topology.c counts what can
+ * be told from their numbers, the sums over positions are taken here, in triangle order, so they are the same
+ * everywhere. */
 #include "mesh/facet.h"
 #include "mesh/scale.h"
 #include "mesh/topology.h"
@@ -25,6 +26,7 @@ typedef struct checker {
 static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
 {
     uint32_t next = 0;
+
     if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
     else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
     for (uint64_t v = 0; v < c->view->vertex_count; v++) {
@@ -34,8 +36,8 @@ static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
     return BVX_OK;
 }
 
-/* Keep the triangles with three different vertices, after welding; their bounds, area, and volume about the centre of
- * the bounds low and high. */
+/* Keep the triangles with three different vertices, after welding; their
+ * bounds, area, and volume about the centre of the bounds low and high. */
 static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progress, const double low[3],
                                     const double high[3])
 {
@@ -43,6 +45,7 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     double const scale = bvxi_unit_scale(low, high), back = 1.0 / scale;
     double centre[3], p[3][3], n[3], least[3], most[3], volume = 0.0, area = 0.0;
     uint32_t raw[3], *to = c->corners;
+
     for (int a = 0; a < 3; a++) {
         centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
         least[a] = high[a];
@@ -50,7 +53,9 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     }
     r->degenerate = 0;
     for (uint64_t t = 0; t < c->view->triangle_count; t++) {
-        if (t % CHECK_ASKS == 0) BVXI_TRY(bvxi_progress(ctx, "check", progress + 0.05 * (double)t / (double)c->view->triangle_count));
+        if (t % CHECK_ASKS == 0)
+            BVXI_TRY(
+                bvxi_progress(ctx, "check", progress + 0.05 * (double)t / (double)c->view->triangle_count));
         bvxi_view_triangle(c->view, t, raw);
         for (int k = 0; k < 3; k++) to[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
         if (to[0] == to[1] || to[1] == to[2] || to[2] == to[0]) continue;
@@ -100,20 +105,24 @@ static void free_renumber(bvx_context *ctx, checker *c)
 }
 
 /* low and high are the bounds of all triangles, also those that do not count. */
-static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3], const double high[3])
+static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3],
+                                   const double high[3])
 {
     double kept_low[3], kept_high[3];
+
     BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->triangle_count * 12, "the check's corners", &c->corners));
     BVXI_TRY(weld_vertices(ctx, c, weld));
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
-    if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) { /* once more about the right centre */
+    /* once more about the right centre */
+    if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) {
         memcpy(kept_low, c->result.low, sizeof kept_low);
         memcpy(kept_high, c->result.high, sizeof kept_high);
         BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
     }
     free_renumber(ctx, c);
-    if (c->triangle_count != 0) return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);
+    if (c->triangle_count != 0)
+        return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);
     c->result.unused_vertices = c->vertex_count;
     return BVX_OK;
 }
@@ -121,11 +130,12 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
 static bvx_status check_count(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh)
 {
     if (mesh->triangle_count <= UINT32_MAX / 3) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u", function, mesh->triangle_count,
-                     (uint64_t)(UINT32_MAX / 3));
+    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u",
+                     function, mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
 }
 
-static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const double low[3], const double high[3], bvx_certificate *certificate)
+static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const double low[3],
+                               const double high[3], bvx_certificate *certificate)
 {
     bvx_status const status = check_whole_mesh(ctx, c, weld, low, high);
     free_renumber(ctx, c);
@@ -134,10 +144,12 @@ static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const dou
     return status;
 }
 
-bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const double low[3], const double high[3],
-                             const uint32_t *representative, uint64_t different, int edges_alone, bvx_certificate *certificate)
+bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                             const double low[3], const double high[3], const uint32_t *representative,
+                             uint64_t different, int edges_alone, bvx_certificate *certificate)
 {
     checker c;
+
     memset(&c, 0, sizeof c);
     c.view = view;
     c.vertex_count = different;
@@ -153,6 +165,7 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
     static const char *const function = "bvx_mesh_check";
     double low[3], high[3];
     checker c;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
     memset(certificate, 0, sizeof *certificate);
@@ -168,7 +181,8 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
     return check_within(context, &c, weld, low, high, certificate);
 }
 
-bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld, bvx_certificate *certificate)
+bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
+                          bvx_certificate *certificate)
 {
     return BVXI_CALL(context, run_mesh_check(context, mesh, weld, certificate));
 }

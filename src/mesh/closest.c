@@ -1,10 +1,10 @@
 /* closest.c - the search for the closest point of a mesh.
  *
- * Depth first from the root, two levels of boxes at a time, nearer boxes first, with a stack of fixed size. A box is dropped only
- * when it lies further than the best distance so far by a margin above all rounding of boxes and triangles. Triangles wait until
- * there are four, which are looked at together.
- * Guarantee: the answer is exactly the least (distance2, triangle number) of bvxi_closest_on_triangle over all triangles, whatever
- * the tree, the hint and the vectors of the machine. */
+ * Depth first from the root, two levels of boxes at a time, nearer boxes first, with a stack of fixed size. A
+ * box is dropped only when it lies further than the best distance so far by a margin above all rounding of
+ * boxes and triangles. Triangles wait until there are four, which are looked at together.
+ * Guarantee: the answer is exactly the least (distance2, triangle number) of bvxi_closest_on_triangle over
+ * all triangles, whatever the tree, the hint and the vectors of the machine. */
 #include "mesh/closest.h"
 #include "bits/bits.h"
 #include "mesh/point_triangle_four.h"
@@ -20,11 +20,11 @@ enum {
 typedef struct closest_search {
     const bvxi_closest_tree *tree;
     const double *point;
-    double at[3];   /* the point in box units */
-    float at_f[3];  /* the same, when is_near */
-    int is_near;    /* floats are good enough to tell boxes apart */
-    double margin;  /* above all rounding [Units: box] */
-    double limit;   /* boxes beyond this squared distance cannot matter [Units: box^2] */
+    double at[3];  /* the point in box units */
+    float at_f[3]; /* the same, when is_near */
+    int is_near;   /* floats are good enough to tell boxes apart */
+    double margin; /* above all rounding [Units: box] */
+    double limit;  /* boxes beyond this squared distance cannot matter [Units: box^2] */
     bvxi_closest *best;
     int32_t waiting; /* triangles, by their places on the curve */
     uint32_t wait[4];
@@ -68,8 +68,8 @@ static void try_closest_triangle(closest_search *s, uint32_t place)
 /* ---- Boxes ---- */
 
 /* In doubles, where the point is far off. */
-static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int children, const double at[3], double limit,
-                                         double d[CLOSEST_SIXTEEN])
+static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int children, const double at[3],
+                                         double limit, double d[CLOSEST_SIXTEEN])
 {
     uint32_t bits = 0;
 
@@ -86,12 +86,13 @@ static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int chil
     return bits;
 }
 
-/* Where the search begins. In floats, rounding of the point and of the boxes' distances is below 16 units of 2^-24 of
- * 1 + the point's distance from the centre; in doubles all rounding, also that of triangles, is below 2^-46 of it.
- * The margins are twice that. */
+/* Where the search begins. In floats, rounding of the point and of the boxes' distances is below 16 units of
+ * 2^-24 of 1 + the point's distance from the centre; in doubles all rounding, also that of triangles, is
+ * below 2^-46 of it. The margins are twice that. */
 static void begin_closest_search(const bvxi_closest_tree *tree, const double point[3], closest_search *s)
 {
     double reach = 0.0;
+
     for (int a = 0; a < 3; a++) {
         double const x = (point[a] - tree->centre[a]) * tree->box_scale;
         reach = x > reach ? x : -x > reach ? -x : reach;
@@ -105,20 +106,21 @@ static void begin_closest_search(const bvxi_closest_tree *tree, const double poi
 /* ---- The search ---- */
 
 #define CLOSEST_TOGETHER BVXI_SIMD_BASE /* 1: triangles wait for each other */
-#define BVXI_SIMD_LEVEL _base
+#define BVXI_SIMD_LEVEL  _base
 #include "mesh/closest_body.h"
 #undef BVXI_SIMD_LEVEL
 #undef CLOSEST_TOGETHER
 
 #if BVXI_HAVE_AVX2
 #define CLOSEST_TOGETHER 1
-#define BVXI_SIMD_LEVEL _avx2
+#define BVXI_SIMD_LEVEL  _avx2
 #include "mesh/closest_body.h"
 #undef BVXI_SIMD_LEVEL
 #undef CLOSEST_TOGETHER
 #endif
 
-void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint, bvxi_closest *found)
+void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint,
+                       bvxi_closest *found)
 {
     closest_search s = {.tree = tree, .point = point, .best = found};
     double t[3][3];

@@ -11,12 +11,13 @@ typedef struct bvxi_closest_node {
     float low[3][BVXI_CLOSEST_WIDTH], high[3][BVXI_CLOSEST_WIDTH];
 } bvxi_closest_node;
 
-/* A full tree with four children a node over triangles in the order of a curve through space, each with a copy of its
- * corners. Read-only once built, so many threads may ask at the same time. */
+/* A full tree with four children a node over triangles in the order of a curve through space, each with a
+ * copy of its corners. Read-only once built, so many threads may ask at the same time. */
 typedef struct bvxi_closest_tree {
     uint64_t triangle_count;
-    uint32_t *order;          /* place on the curve -> triangle number [Size: triangle_count] */
-    void *corners;            /* of the triangle at each place, typed as in the mesh [Size: triangle_count * 9] */
+    uint32_t *order; /* place on the curve -> triangle number [Size: triangle_count] */
+    /* of the triangle at each place, typed as in the mesh [Size: triangle_count * 9] */
+    void *corners;
     bvxi_closest_node *nodes; /* levels one behind the other, the lowest (children are triangles) first */
     uint64_t node_count;
     uint64_t level_first[BVXI_CLOSEST_LEVELS], level_nodes[BVXI_CLOSEST_LEVELS];
@@ -35,20 +36,24 @@ typedef struct bvxi_closest {
     uint32_t place;    /* of that triangle on the curve */
 } bvxi_closest;
 
-/* Build over a checked view with at least one triangle; low and high are its bounds, scale is the power of two by which
- * coordinates are multiplied (see bvxi_unit_scale), stage, from and to are for progress.
+/* Build over a checked view with at least one triangle; low and high are its bounds, scale is the power of
+ * two by which coordinates are multiplied (see bvxi_unit_scale), stage, from and to are for progress.
  * Memory: 72 bytes a triangle of floats, 108 of doubles, no more while it is built. */
-bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
-                              const double low[3], const double high[3], double scale, bvxi_closest_tree *tree);
-/* The same, but from the triangles' positions alone: their order, their corners' and the vertices' numbers do not show in
- * a bit. Triangles are numbered along the curve. */
-bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
-                                         const double low[3], const double high[3], double scale, bvxi_closest_tree *tree);
+bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to,
+                              const bvx_mesh_view *view, const double low[3], const double high[3],
+                              double scale, bvxi_closest_tree *tree);
+/* The same, but from the triangles' positions alone: their order, their corners' and the vertices' numbers do
+ * not show in a bit. Triangles are numbered along the curve. */
+bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to,
+                                         const bvx_mesh_view *view, const double low[3], const double high[3],
+                                         double scale, bvxi_closest_tree *tree);
 void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree);
 
-/* The least (distance2, triangle) over all triangles, as bvxi_closest_on_triangle computes them: the tree never shows.
- * point is finite [Units: world times scale]; hint is any place on the curve, best one that is near. */
-void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint, bvxi_closest *found);
+/* The least (distance2, triangle) over all triangles, as bvxi_closest_on_triangle
+ * computes them: the tree never shows. point is finite [Units: world times
+ * scale]; hint is any place on the curve, best one that is near. */
+void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uint32_t hint,
+                       bvxi_closest *found);
 
 /* Square of the distance from p to triangle t, and the closest point q. Any triangle, also without area. */
 double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double q[3]);

@@ -1,9 +1,12 @@
-/* closest_body.h - boxes and triangles of the search, several at a time. Included by closest.c once for each level of core/simd.h. */
+/* closest_body.h - boxes and triangles of the search, several at a time.
+ * Included by closest.c once for each level of core/simd.h. */
 
-/* Squared distances in floats to the boxes in four nodes side by side, of which the tree has children; returns the bits of those that
- * are not above limit. Elements of nodes that there are not are the last one's again. */
-BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(distances_of_sixteen)(const bvxi_closest_node *node, int children, const float at[3],
-                                                                     float limit, float d[CLOSEST_SIXTEEN])
+/* Squared distances in floats to the boxes in four nodes side by side, of
+ * which the tree has children; returns the bits of those that are not above
+ * limit. Elements of nodes that there are not are the last one's again. */
+BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(distances_of_sixteen)(const bvxi_closest_node *node,
+                                                                      int children, const float at[3],
+                                                                      float limit, float d[CLOSEST_SIXTEEN])
 {
     floats8 const zero = eight_all(0.0f), most = eight_all(limit);
     uint32_t bits = 0;
@@ -27,14 +30,16 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(distances_of_sixteen)(const bvxi
 }
 
 /* Corners of four triangles as vectors of each coordinate. */
-BVXI_SIMD_CODE static inline void BVXI_SIMD(corners_of_four)(const closest_search *s, const uint32_t place[4], doubles4 corner[9])
+BVXI_SIMD_CODE static inline void BVXI_SIMD(corners_of_four)(const closest_search *s, const uint32_t place[4],
+                                                             doubles4 corner[9])
 {
     const bvxi_closest_tree *const tree = s->tree;
     doubles4 const scale = four_all(tree->scale);
 
     if (tree->position_type == BVX_F32) {
         const float *const f = tree->corners;
-        const float *const t[4] = {f + 9 * (size_t)place[0], f + 9 * (size_t)place[1], f + 9 * (size_t)place[2], f + 9 * (size_t)place[3]};
+        const float *const t[4] = {f + 9 * (size_t)place[0], f + 9 * (size_t)place[1],
+                                   f + 9 * (size_t)place[2], f + 9 * (size_t)place[3]};
         doubles4 last[4];
 
         four_columns_f32(t[0], t[1], t[2], t[3], corner);
@@ -43,7 +48,8 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(corners_of_four)(const closest_searc
         corner[8] = last[3];
     } else {
         const double *const f = tree->corners;
-        const double *const t[4] = {f + 9 * (size_t)place[0], f + 9 * (size_t)place[1], f + 9 * (size_t)place[2], f + 9 * (size_t)place[3]};
+        const double *const t[4] = {f + 9 * (size_t)place[0], f + 9 * (size_t)place[1],
+                                    f + 9 * (size_t)place[2], f + 9 * (size_t)place[3]};
         doubles4 last[4];
 
         four_columns_f64(t[0], t[1], t[2], t[3], corner);
@@ -89,17 +95,21 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(take_triangles)(closest_search *s, u
     }
 }
 
-/* Look at the boxes two levels below a node; one level below the root where that makes their number come out even. Returns how many
- * boxes are on the stack afterwards. */
-BVXI_SIMD_CODE static inline int BVXI_SIMD(visit_closest)(closest_search *s, const closest_visit *v, closest_visit *stack, int used)
+/* Look at the boxes two levels below a node; one level below the root where that makes their number come out
+ * even. Returns how many boxes are on the stack afterwards. */
+BVXI_SIMD_CODE static inline int BVXI_SIMD(visit_closest)(closest_search *s, const closest_visit *v,
+                                                          closest_visit *stack, int used)
 {
     const bvxi_closest_tree *const tree = s->tree;
     int const steps = v->level % 2 == 1 ? 2 : 1;
     int32_t const level = v->level - steps; /* of the boxes: -1 for triangles */
-    uint64_t const first = (uint64_t)v->node << 2 * steps, total = level < 0 ? tree->triangle_count : tree->level_nodes[level];
+    uint64_t const first = (uint64_t)v->node << 2 * steps;
+    uint64_t const total = level < 0 ? tree->triangle_count : tree->level_nodes[level];
     uint64_t const rest = total - first, width = UINT64_C(1) << 2 * steps;
-    int const count = (int)(rest < width ? rest : width), children = (count + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
-    const bvxi_closest_node *const node = &tree->nodes[tree->level_first[level + 1] + first / BVXI_CLOSEST_WIDTH];
+    int const count = (int)(rest < width ? rest : width);
+    int const children = (count + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
+    const bvxi_closest_node *const node =
+        &tree->nodes[tree->level_first[level + 1] + first / BVXI_CLOSEST_WIDTH];
     int const bottom = used <= CLOSEST_SORTED ? 0 : used;
     float near[CLOSEST_SIXTEEN];
     double far[CLOSEST_SIXTEEN];

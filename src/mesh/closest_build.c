@@ -1,9 +1,9 @@
 /* closest_build.c - a hierarchy of boxes over triangles.
  *
- * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four neighbours
- * into a node, level by level; no pointers, no recursion, the shape follows from the count alone. The curve is
- * Morton's over the centres of the triangles' boxes; equal places keep the order of triangle numbers, or are ordered by a
- * hash of the corners' positions where no numbering may show.
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four
+ * neighbours into a node, level by level; no pointers, no recursion, the shape follows from the count alone.
+ * The curve is Morton's over the centres of the triangles' boxes; equal places keep the order of triangle
+ * numbers, or are ordered by a hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "mesh/closest.h"
 #include "bits/curve.h"
@@ -27,7 +27,8 @@ typedef struct closest_builder {
 } closest_builder;
 
 /* Bounds of a triangle in box units. */
-static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3][3], double low[3], double high[3])
+static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3][3], double low[3],
+                                 double high[3])
 {
     for (int a = 0; a < 3; a++) {
         double lo = t[0][a], hi = t[0][a];
@@ -58,6 +59,7 @@ static void make_curve_keys(void *user, int32_t index, int32_t worker)
     double t[3][3], low[3], high[3];
     uint32_t c[3];
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(b->tree->triangle_count, b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -72,8 +74,9 @@ static void make_curve_keys(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Floats outside by one to three units in the last place, without a look back at what rounding did: some compilers
- * (gcc 12) take a rounding to float away when its result is widened again. Box units are far from a float's ends. */
+/* Floats outside by one to three units in the last place, without a look back
+ * at what rounding did: some compilers (gcc 12) take a rounding to float away
+ * when its result is widened again. Box units are far from a float's ends. */
 static float float_below(double x)
 {
     float const f = (float)x;
@@ -159,6 +162,7 @@ static void fill_lowest_boxes(void *user, int32_t index, int32_t worker)
     bvxi_closest_tree *const tree = b->tree;
     double t[3][3], low[3], high[3];
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(tree->level_nodes[0], b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -182,6 +186,7 @@ static void fill_box_level(bvxi_closest_tree *tree, int32_t level, uint64_t slot
 {
     const bvxi_closest_node *const from = tree->nodes + tree->level_first[level - 1];
     bvxi_closest_node *const to = tree->nodes + tree->level_first[level];
+
     memset(to, 0, (size_t)tree->level_nodes[level] * sizeof *to);
     for (uint64_t i = 0; i < tree->level_nodes[level - 1]; i++) {
         bvxi_closest_node *const node = &to[i / BVXI_CLOSEST_WIDTH];
@@ -198,11 +203,12 @@ static void fill_box_level(bvxi_closest_tree *tree, int32_t level, uint64_t slot
     }
 }
 
-static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], const double high[3], double scale,
-                      bvxi_closest_tree *tree)
+static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], const double high[3],
+                              double scale, bvxi_closest_tree *tree)
 {
     uint64_t n = view->triangle_count;
     double half[3], minus[3];
+
     memset(tree, 0, sizeof *tree);
     tree->triangle_count = n;
     tree->position_type = (int32_t)view->position_type;
@@ -226,10 +232,12 @@ static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
     return tree->triangle_count * (tree->position_type == BVX_F32 ? 36 : 72);
 }
 
-static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double from, double to, closest_builder *b)
+static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double from, double to,
+                                   closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
     status = bvxi_parallel(ctx, stage, from, to, b->pieces, make_curve_keys, b);
@@ -239,15 +247,18 @@ static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double f
     return status;
 }
 
-static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double from, double to, closest_builder *b)
+static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double from, double to,
+                                     closest_builder *b)
 {
     bvxi_closest_tree *const tree = b->tree;
     double const middle = (from + to) * 0.5;
     uint64_t const order_bytes = tree->triangle_count * sizeof *tree->order;
     uint64_t const node_bytes = tree->node_count * sizeof *tree->nodes;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
     BVXI_TRY(sort_along_curve(ctx, stage, from, middle, b));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners", &tree->corners));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
+                        &tree->corners));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
     b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_lowest_boxes, b));
@@ -256,7 +267,8 @@ static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double
     return BVX_OK;
 }
 
-static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from, double to, closest_builder *b)
+static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from, double to,
+                                closest_builder *b)
 {
     bvx_status const status = build_closest_tree(ctx, stage, from, to, b);
 
@@ -264,8 +276,9 @@ static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from
     return status;
 }
 
-bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
-                              const double low[3], const double high[3], double scale, bvxi_closest_tree *tree)
+bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to,
+                              const bvx_mesh_view *view, const double low[3], const double high[3],
+                              double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view};
 
@@ -274,8 +287,9 @@ bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, 
     return build_or_free(ctx, stage, from, to, &b);
 }
 
-bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to, const bvx_mesh_view *view,
-                                         const double low[3], const double high[3], double scale, bvxi_closest_tree *tree)
+bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to,
+                                         const bvx_mesh_view *view, const double low[3], const double high[3],
+                                         double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
 

@@ -1,16 +1,18 @@
 /* closest_query.c - nearest points of a mesh for many points, with the place in their triangle.
  *
- * The search (closest.c) gives the least (squared distance, triangle number) of bvxi_closest_on_triangle over all
- * triangles, whatever its tree and hint, so neither pieces nor threads show. The feature is read off the point found: a
- * corner when it has that corner's coordinates, an edge when it is what that edge's own formula gives for the asked point,
- * the face otherwise. The feature decides the weights: a corner has weight 1 and the others 0, on an edge the two are 1 - s
- * and s, on the face they are the parts of the squared area that the evaluation divided by. So none is negative.
+ * The search (closest.c) gives the least (squared distance, triangle number) of bvxi_closest_on_triangle over
+ * all triangles, whatever its tree and hint, so neither pieces nor threads show. The feature is read off the
+ * point found: a corner when it has that corner's coordinates, an edge when it is what that edge's own
+ * formula gives for the asked point, the face otherwise. The feature decides the weights: a corner has weight
+ * 1 and the others 0, on an edge the two are 1 - s and s, on the face they are the parts of the squared area
+ * that the evaluation divided by. So none is negative.
  *
- * All is computed in units of a power of two in which the mesh lies within [-1, 1]; going there and back is exact but for
- * numbers below a double's normal range. A point more than 2^300 of these units away would overflow when squared: it is
- * moved towards the origin by a power of two. As far out as 2^54 units the mesh is less than a rounding in the point, all
- * triangles may tie, and the answer is the one of least number: the distance is right, the position is some point of the
- * mesh. A distance above the largest double is infinity. */
+ * All is computed in units of a power of two in which the mesh lies within [-1, 1]; going there and back is
+ * exact but for numbers below a double's normal range. A point more than 2^300 of these units away would
+ * overflow when squared: it is moved towards the origin by a power of two. As far out as 2^54 units the mesh
+ * is less than a rounding in the point, all triangles may tie, and the answer is the one of least number: the
+ * distance is right, the position is some point of the mesh. A distance above the largest double is
+ * infinity. */
 #include "mesh/closest_query.h"
 #include "bits/curve.h"
 #include "core/vec3.h"
@@ -21,17 +23,20 @@
 #include <math.h>
 
 enum {
-    QUERY_GRAIN = 64, /* least points a piece, so that the hint has something to warm */
-    QUERY_BITS = 16,  /* of the curve along each axis */
+    QUERY_GRAIN = 64,        /* least points a piece, so that the hint has something to warm */
+    QUERY_BITS = 16,         /* of the curve along each axis */
     QUERY_TOGETHER = 1 << 16 /* points that are put in order together */
 };
 
 /* ---- The place in the triangle ---- */
 
-/* Is q the nearest point to p inside the edge from a to b, as point_triangle.c computes it? *s is then its share of b. */
-static int is_on_query_edge(const double p[3], const double a[3], const double b[3], const double q[3], double *s)
+/* Is q the nearest point to p inside the edge from a to b, as
+ * point_triangle.c computes it? *s is then its share of b. */
+static int is_on_query_edge(const double p[3], const double a[3], const double b[3], const double q[3],
+                            double *s)
 {
     double u[3], along = 0.0, length2 = 0.0;
+
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];
         along += u[k] * (p[k] - a[k]);
@@ -46,6 +51,7 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
 static void weigh_query_face(const double p[3], const double t[3][3], double weight[3])
 {
     double ab[3], ac[3], ap[3], n[3], nb[3], nc[3];
+
     for (int k = 0; k < 3; k++) {
         ab[k] = t[1][k] - t[0][k];
         ac[k] = t[2][k] - t[0][k];
@@ -61,10 +67,12 @@ static void weigh_query_face(const double p[3], const double t[3][3], double wei
 }
 
 /* Feature and weights of q, the nearest point to p in triangle t. */
-static void place_in_query_triangle(const double p[3], const double t[3][3], const double q[3], bvx_closest_point *found)
+static void place_in_query_triangle(const double p[3], const double t[3][3], const double q[3],
+                                    bvx_closest_point *found)
 {
     static const int32_t edge[4][3] = {{0, 1, 1}, {1, 2, 2}, {0, 2, 3}, {2, 0, 3}}; /* from, to, feature */
     double s;
+
     memset(found->weight, 0, sizeof found->weight);
     for (int32_t k = 0; k < 3; k++) {
         if (q[0] != t[k][0] || q[1] != t[k][1] || q[2] != t[k][2]) continue;
@@ -104,13 +112,15 @@ static double query_scale(const bvxi_closest_tree *tree, const double point[3])
     return s;
 }
 
-void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint, bvx_closest_point *found)
+void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint,
+                      bvx_closest_point *found)
 {
     const bvxi_closest_tree *const tree = &closest->tree;
     double const s = query_scale(tree, point);
     double const p[3] = {point[0] * s, point[1] * s, point[2] * s};
     bvxi_closest nearest;
     double t[3][3];
+
     bvxi_closest_find(tree, p, *hint, &nearest);
     bvxi_closest_corners(tree, nearest.place, t);
     for (int a = 0; a < 3; a++) found->position[a] = nearest.point[a] / tree->scale;
@@ -122,13 +132,14 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
 
 /* ---- Made ready and released ---- */
 
-bvx_status bvxi_closest_open(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                             const bvx_mesh_view *mesh, bvx_closest *closest)
+bvx_status bvxi_closest_open(bvx_context *ctx, const char *function, const char *stage, double from,
+                             double to, const bvx_mesh_view *mesh, bvx_closest *closest)
 {
     double low[3], high[3];
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    return bvxi_closest_build(ctx, stage, from, to, mesh, low, high, bvxi_unit_scale(low, high), &closest->tree);
+    return bvxi_closest_build(ctx, stage, from, to, mesh, low, high, bvxi_unit_scale(low, high),
+                              &closest->tree);
 }
 
 void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest)
@@ -141,6 +152,7 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
     static const char *const function = "bvx_closest_create";
     bvx_closest *made = NULL;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
@@ -168,8 +180,8 @@ void bvx_closest_free(bvx_context *context, bvx_closest *closest)
 
 /* ---- Many points ---- */
 
-/* Points are taken in the order of a curve through space: the answer to one is a good hint for the next, and what it read is at
- * hand. Results stand in the order that was asked for. */
+/* Points are taken in the order of a curve through space: the answer to one is a good hint for the next, and
+ * what it read is at hand. Results stand in the order that was asked for. */
 typedef struct closest_query {
     const bvx_closest *closest;
     const double *points;
@@ -216,7 +228,8 @@ static void make_query_keys(closest_query *q)
         uint64_t key = 0;
 
         for (int a = 0; a < 3; a++) {
-            double const x = q->scale[a] > 0.0 ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a] : 0.0;
+            double const x = q->scale[a] > 0.0 ? (q->points[3 * i + (uint64_t)a] - q->low[a]) * q->scale[a]
+                                               : 0.0;
             key |= bvxi_curve_spread((uint64_t)(x < most ? x : most)) << a;
         }
         q->keys[i] = key;
@@ -244,7 +257,8 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
         q.points += 3 * begin;
         q.found += begin;
         q.count = count;
-        BVXI_TRY(find_closest_batch(ctx, &q, (double)begin / (double)all->count, (double)(begin + count) / (double)all->count));
+        BVXI_TRY(find_closest_batch(ctx, &q, (double)begin / (double)all->count,
+                                    (double)(begin + count) / (double)all->count));
     }
     return BVX_OK;
 }
@@ -265,14 +279,16 @@ static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
     return status;
 }
 
-static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points, uint64_t count)
+static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points,
+                                     uint64_t count)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     for (uint64_t i = 0; i < count; i++)
         for (int a = 0; a < 3; a++)
             if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i has %s = %g, which is not finite", function, i, axis_name[a],
-                                 points[3 * i + (uint64_t)a]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: point %i has %s = %g, which is not finite", function, i,
+                                     axis_name[a], points[3 * i + (uint64_t)a]);
     return BVX_OK;
 }
 
@@ -281,18 +297,20 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
 {
     static const char *const function = "bvx_closest_find";
     closest_query q = {.closest = closest, .points = points, .found = found, .count = count};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");
     if (count > SIZE_MAX / sizeof *found)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses", function, count);
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses",
+                         function, count);
     BVXI_TRY(check_query_points(context, function, points, count));
     return find_all_closest(context, &q);
 }
 
-bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points, uint64_t count,
-                            bvx_closest_point *found)
+bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
+                            uint64_t count, bvx_closest_point *found)
 {
     return BVXI_CALL(context, run_closest_find(context, closest, points, count, found));
 }

@@ -1,12 +1,12 @@
 /* cross.c - two triangles cross: what the filters of cross.h leave open.
  *
- * Nothing in common: two convex sets of which neither lies strictly inside a side of the other's plane meet where an edge of
- * one meets the other.
- * A common corner: from that corner through another common point both triangles go on until one of them ends, and there
- * the ray is on the edge of one opposite to the corner, and in the other. So the opposite edges are what to look at. A
- * degenerate triangle ends at one of its other corners.
- * A common edge: planes that differ meet in the edge's line, so what is left is a fold that lies flat: both other corners on one
- * side of the edge in one plane.
+ * Nothing in common: two convex sets of which neither lies strictly inside a side of the other's plane meet
+ * where an edge of one meets the other.
+ * A common corner: from that corner through another common point both triangles go on until one of them ends,
+ * and there the ray is on the edge of one opposite to the corner, and in the other. So the opposite edges are
+ * what to look at. A degenerate triangle ends at one of its other corners.
+ * A common edge: planes that differ meet in the edge's line, so what is left is a fold that lies flat: both
+ * other corners on one side of the edge in one plane.
  * Three common corners: the same triangle, with points off its edges when it has an area.
  *
  * Everything here is a sign of orient.h, so it is exact; the order of the tests changes the time only. */
@@ -27,14 +27,16 @@ int bvxi_has_area(const double *const t[3])
     return cross_axis(t) >= 0;
 }
 
-/* 1 when, seen along axis, the line of an edge of p has p on one side and q's own corners strictly on the other, for
- * certain, and what corners of p are in q are ends of that edge. Then the triangles meet in these corners only. */
+/* 1 when, seen along axis, the line of an edge of p has p on one side and q's
+ * own corners strictly on the other, for certain, and what corners of p are
+ * in q are ends of that edge. Then the triangles meet in these corners only. */
 static int cross_beside(const double *const p[3], const double *const q[3], int axis)
 {
     unsigned const own = bvxi_cross_own(p, q), not_in_q = bvxi_cross_own(q, p);
 
     for (unsigned i = 0; i < 3; i++) {
-        unsigned const k = i == 2 ? 0 : i + 1, l = i == 0 ? 2 : i - 1; /* the edge from i to k, opposite to l */
+        /* the edge from i to k, opposite to l */
+        unsigned const k = i == 2 ? 0 : i + 1, l = i == 0 ? 2 : i - 1;
         int apart = own != 0 && (not_in_q >> l & 1) != 0, side;
 
         if (!apart) continue;
@@ -61,7 +63,8 @@ static int cross_view_axis(const double *const t[3])
     return size[1] > size[2] ? 1 : 2;
 }
 
-/* 1 when p is in the box of a and b, the coordinate along axis left out (3: none is). On the line of a and b: between them. */
+/* 1 when p is in the box of a and b, the coordinate along axis left out (3:
+ * none is). On the line of a and b: between them. */
 static int cross_in_box(const double p[3], const double a[3], const double b[3], int axis)
 {
     for (int k = 0; k < 3; k++)
@@ -79,7 +82,8 @@ static int cross_flat_inside(const double p[3], const double *const t[3], int ax
 }
 
 /* 1 when the closed segments p q and a b meet, seen along axis. A segment may be one point. */
-static int cross_flat_segments(const double p[3], const double q[3], const double a[3], const double b[3], int axis)
+static int cross_flat_segments(const double p[3], const double q[3], const double a[3], const double b[3],
+                               int axis)
 {
     int const to_a = bvxi_orient_flat(p, q, a, axis), to_b = bvxi_orient_flat(p, q, b, axis);
     int const to_p = bvxi_orient_flat(a, b, p, axis), to_q = bvxi_orient_flat(a, b, q, axis);
@@ -94,14 +98,16 @@ static int cross_segments(const double p[3], const double q[3], const double a[3
 {
     if (bvxi_orient(p, q, a, b) != 0) return 0;
 
-    /* Four points of a plane: seen along an axis that shows an area of three of them, the plane loses nothing. */
+    /* Four points of a plane: seen along an axis that shows an area of
+     * three of them, the plane loses nothing. */
     for (int axis = 0; axis < 3; axis++)
         if (bvxi_orient_flat(p, q, a, axis) != 0 || bvxi_orient_flat(p, q, b, axis) != 0 ||
             bvxi_orient_flat(a, b, p, axis) != 0 || bvxi_orient_flat(a, b, q, axis) != 0)
             return cross_flat_segments(p, q, a, b, axis);
 
     /* Four points of a line: one segment has an end in the other. */
-    return cross_in_box(a, p, q, 3) || cross_in_box(b, p, q, 3) || cross_in_box(p, a, b, 3) || cross_in_box(q, a, b, 3);
+    return cross_in_box(a, p, q, 3) || cross_in_box(b, p, q, 3) || cross_in_box(p, a, b, 3) ||
+           cross_in_box(q, a, b, 3);
 }
 
 /* ---- Triangles in space ---- */
@@ -113,7 +119,8 @@ typedef struct cross_triangle {
 } cross_triangle;
 
 /* Sides, and whether there are areas: a triangle of which some point is off the plane has one. */
-static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a, cross_triangle *b)
+static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a,
+                       cross_triangle *b)
 {
     unsigned const own_p = bvxi_cross_own(q, p), own_q = bvxi_cross_own(p, q);
 
@@ -135,7 +142,8 @@ static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangl
     int side[3];
 
     if (!b->has_area)
-        return cross_segments(p, q, t[0], t[1]) || cross_segments(p, q, t[1], t[2]) || cross_segments(p, q, t[2], t[0]);
+        return cross_segments(p, q, t[0], t[1]) || cross_segments(p, q, t[1], t[2]) ||
+               cross_segments(p, q, t[2], t[0]);
     if (a->side[i] * a->side[k] > 0) return 0;
 
     if (a->side[i] == 0 && a->side[k] == 0) {
@@ -146,7 +154,8 @@ static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangl
                cross_flat_segments(p, q, t[2], t[0], axis);
     }
 
-    /* The line meets the plane in one point, which the segment has; it is in b when the line passes all edges on one side. */
+    /* The line meets the plane in one point, which the segment has; it is
+     * in b when the line passes all edges on one side. */
     side[0] = bvxi_orient(p, q, t[0], t[1]);
     side[1] = bvxi_orient(p, q, t[1], t[2]);
     if (side[0] * side[1] < 0) return 0;
@@ -198,7 +207,8 @@ static int cross_fold(const double *a, const double *b, const double *c, const d
     return cross_beyond(a, b, c) != 0 && cross_beyond(a, b, c) == cross_beyond(a, b, d);
 }
 
-/* What p and q have in common, each once, and what each has alone; a corner that is there twice counts once. */
+/* What p and q have in common, each once, and what each has alone; a corner that is there twice counts
+ * once. */
 typedef struct cross_corners {
     const double *common[3], *own_p, *own_q;
     int count;
@@ -235,7 +245,8 @@ int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3
 
     cross_compare(p, q, &c);
     if (c.count == 3) return bvxi_has_area(p);
-    if (c.count == 2) return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
+    if (c.count == 2)
+        return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
 
     cross_open(p, q, &a, &b);
     if (c.count == 1) return cross_opposite(&a, c.common[0], &b) || cross_opposite(&b, c.common[0], &a);

@@ -1,9 +1,10 @@
 /* cross.h - do two triangles cross? Not installed.
  *
- * Triangles are closed and may be degenerate: what their three corners span. Corners are common when their pointers are
- * equal; the caller gives one pointer a position. Two triangles cross when they have a common point that is neither a
- * common corner nor on a common edge (one between two common corners). So touching is crossing: a corner that lies on the other
- * triangle, an overlap in one plane, a fold that lies flat on its neighbour, a triangle that is there twice. */
+ * Triangles are closed and may be degenerate: what their three corners span. Corners are common when their
+ * pointers are equal; the caller gives one pointer a position. Two triangles cross when they have a common
+ * point that is neither a common corner nor on a common edge (one between two common corners). So touching is
+ * crossing: a corner that lies on the other triangle, an overlap in one plane, a fold that lies flat on its
+ * neighbour, a triangle that is there twice. */
 #ifndef BVXI_CROSS_H
 #define BVXI_CROSS_H
 
@@ -21,14 +22,13 @@ static inline unsigned bvxi_cross_own(const double *const p[3], const double *co
 {
     unsigned own = 0;
 
-    for (unsigned k = 0; k < 3; k++)
-        own |= (unsigned)((q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2])) << k;
+    for (unsigned k = 0; k < 3; k++) own |= (unsigned)((q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2])) << k;
 
     return own;
 }
 
-/* 1 when all of q's own corners lie strictly on one side of p's plane, for certain: then q meets that plane in no more than
- * what both have in common. 0 without own corners. */
+/* 1 when all of q's own corners lie strictly on one side of p's plane, for certain: then q meets that plane
+ * in no more than what both have in common. 0 without own corners. */
 static inline int bvxi_cross_apart(const bvxi_orient_plane *plane, const double *const q[3], unsigned own)
 {
     int side = 0;
@@ -46,7 +46,8 @@ static inline int bvxi_cross_apart(const bvxi_orient_plane *plane, const double 
 }
 
 /* As bvxi_triangles_cross, with the plane of p, for one that is held against many. */
-static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const double *const p[3], const double *const q[3])
+static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const double *const p[3],
+                                          const double *const q[3])
 {
     bvxi_orient_plane other;
 
@@ -58,8 +59,8 @@ static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const 
     return bvxi_triangles_cross_rest(p, q);
 }
 
-/* 1 when the triangles cross, 0 when not: exact for all finite doubles (orient.h says what flushed subnormals change), the
- * same for both orders of the triangles and all orders of their corners. */
+/* 1 when the triangles cross, 0 when not: exact for all finite doubles (orient.h says what flushed subnormals
+ * change), the same for both orders of the triangles and all orders of their corners. */
 static inline int bvxi_triangles_cross(const double *const p[3], const double *const q[3])
 {
     bvxi_orient_plane plane;

@@ -1,14 +1,16 @@
 /* crossing_pairs.c - pairs of triangles that cross: bvx_mesh_crossings.
  *
- * The search tree of closest.h packs triangles in fours along a curve through space. Each four goes down that tree to the fours
- * that follow it and whose boxes meet its own, and the triangles of two fours are looked at in pairs, those with boxes that meet
- * by cross.h. The boxes are rounded by functions that never fall, then outwards, so two that are apart hold points that
- * are apart; the test itself reads the caller's coordinates, which are scaled nowhere.
+ * The search tree of closest.h packs triangles in fours along a curve through space. Each four goes down that
+ * tree to the fours that follow it and whose boxes meet its own, and the triangles of two fours are looked at
+ * in pairs, those with boxes that meet by cross.h. The boxes are rounded by functions that never fall, then
+ * outwards, so two that are apart hold points that are apart; the test itself reads the caller's coordinates,
+ * which are scaled nowhere.
  *
  * Source: Brinkhoff, Kriegel, Seeger. Efficient Processing of Spatial Joins Using R-trees. 1993.
  *
- * A first run counts and marks the fours that have crossings; a second one, when pairs are wanted, visits the marked ones and
- * writes to where the counts say. Pairs are then sorted, so neither threads nor the curve show. */
+ * A first run counts and marks the fours that have crossings; a second one, when pairs are wanted, visits the
+ * marked ones and writes to where the counts say. Pairs are then sorted, so neither threads nor the curve
+ * show. */
 #include "mesh/closest.h"
 #include "mesh/cross.h"
 #include "mesh/crossing_pairs.h"
@@ -28,7 +30,8 @@ typedef struct crossings_job {
     const bvx_mesh_view *view;
     const uint32_t *representative; /* [Size: vertices of the view] */
     bvxi_closest_tree tree;
-    uint32_t *corner; /* representatives along the curve, CROSSINGS_NO_VERTEX without area [Size: triangles * 3] */
+    /* representatives along the curve, CROSSINGS_NO_VERTEX without area [Size: triangles * 3] */
+    uint32_t *corner;
     uint8_t *marks;   /* 1: the four has crossings with itself or later ones [Size: fours] */
     uint64_t *counts; /* of each piece, then where its pairs begin [Size: pieces] */
     uint64_t *keys;   /* lower index * 2^32 + higher index [Size: pairs], or NULL */
@@ -82,7 +85,8 @@ static void crossings_corners(void *user, int32_t index, int32_t worker)
     (void)worker;
 
     bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
-    end = end * BVXI_CLOSEST_WIDTH < job->tree.triangle_count ? end * BVXI_CLOSEST_WIDTH : job->tree.triangle_count;
+    end = end * BVXI_CLOSEST_WIDTH < job->tree.triangle_count ? end * BVXI_CLOSEST_WIDTH
+                                                              : job->tree.triangle_count;
 
     for (uint64_t i = begin * BVXI_CLOSEST_WIDTH; i < end; i++) {
         uint32_t *const corner = job->corner + 3 * (size_t)i;
@@ -91,21 +95,26 @@ static void crossings_corners(void *user, int32_t index, int32_t worker)
         bvxi_view_triangle(job->view, job->tree.order[i], corner);
         crossings_positions(&job->tree, i, t);
         has_area = bvxi_has_area(p);
-        for (int k = 0; k < 3; k++) corner[k] = has_area ? job->representative[corner[k]] : CROSSINGS_NO_VERTEX;
+        for (int k = 0; k < 3; k++)
+            corner[k] = has_area ? job->representative[corner[k]] : CROSSINGS_NO_VERTEX;
     }
 }
 
 /* ---- Pairs ---- */
 
 /* Bit k: the box given meets box k of the node, of its first count ones. */
-static unsigned crossings_boxes_met(const bvxi_closest_node *node, int count, const float low[3], const float high[3])
+static unsigned crossings_boxes_met(const bvxi_closest_node *node, int count, const float low[3],
+                                    const float high[3])
 {
     uint32_t x[BVXI_CLOSEST_WIDTH], y[BVXI_CLOSEST_WIDTH], z[BVXI_CLOSEST_WIDTH];
 
     /* One axis a loop, four boxes side by side: compilers make vector code of it. */
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) x[k] = (node->low[0][k] <= high[0]) & (low[0] <= node->high[0][k]);
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) y[k] = (node->low[1][k] <= high[1]) & (low[1] <= node->high[1][k]);
-    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) z[k] = (node->low[2][k] <= high[2]) & (low[2] <= node->high[2][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
+        x[k] = (node->low[0][k] <= high[0]) & (low[0] <= node->high[0][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
+        y[k] = (node->low[1][k] <= high[1]) & (low[1] <= node->high[1][k]);
+    for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++)
+        z[k] = (node->low[2][k] <= high[2]) & (low[2] <= node->high[2][k]);
     for (int k = 0; k < BVXI_CLOSEST_WIDTH; k++) x[k] = (x[k] & y[k] & z[k]) << k;
 
     return (x[0] | x[1] | x[2] | x[3]) & ((1u << count) - 1);
@@ -129,12 +138,14 @@ static int crossings_pair(const crossings_four *a, int i, const crossings_four *
     if (u[0] == CROSSINGS_NO_VERTEX || v[0] == CROSSINGS_NO_VERTEX) return 0;
 
     /* The test knows common corners by their pointers. */
-    for (int j = 0; j < 3; j++) q[j] = v[j] == u[0] ? t[0] : v[j] == u[1] ? t[1] : v[j] == u[2] ? t[2] : b->position[k][j];
+    for (int j = 0; j < 3; j++)
+        q[j] = v[j] == u[0] ? t[0] : v[j] == u[1] ? t[1] : v[j] == u[2] ? t[2] : b->position[k][j];
 
     return bvxi_triangles_cross_at(&a->plane[i], p, q);
 }
 
-/* Count the crossings between two fours, or of one four with itself; write them to keys where that is not NULL. */
+/* Count the crossings between two fours, or of one four with itself; write
+ * them to keys where that is not NULL. */
 static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four *b, uint64_t *keys)
 {
     uint64_t found = 0;
@@ -198,7 +209,8 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
         int32_t const level = stack[depth].level - 1; /* of its children */
         uint64_t const first = node * BVXI_CLOSEST_WIDTH;
         int const count = bvxi_closest_children(tree->level_nodes[level], first);
-        unsigned met = crossings_boxes_met(&tree->nodes[tree->level_first[level + 1] + node], count, low, high);
+        unsigned met = crossings_boxes_met(&tree->nodes[tree->level_first[level + 1] + node], count, low,
+                                           high);
 
         for (uint64_t child = first; met != 0; child++, met >>= 1) {
             /* A child of this level holds 4^level fours. Those up to this four have had their turn. */
@@ -263,8 +275,11 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
     }
 
     status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys);
-    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers",
+                                 &numbers);
+    if (status == BVX_OK)
+        status = bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job);
     if (status == BVX_OK) status = bvxi_radix_sort(ctx, job->keys, numbers, count);
 
     for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
@@ -283,9 +298,11 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     uint64_t sum = 0;
 
     job->pieces = bvxi_piece_count(fours, CROSSINGS_GRAIN);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->tree.triangle_count * 12, "the crossings' corners", &job->corner));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, job->tree.triangle_count * 12, "the crossings' corners", &job->corner));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fours, "the crossings' marks", &job->marks));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->pieces * sizeof *job->counts, "the crossings' counts", &job->counts));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->pieces * sizeof *job->counts,
+                        "the crossings' counts", &job->counts));
 
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.3, 0.35, job->pieces, crossings_corners, job));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.35, 0.9, job->pieces, count_crossings_piece, job));
@@ -295,18 +312,20 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     return BVX_OK;
 }
 
-static bvx_status give_crossings(bvx_context *ctx, const char *function, crossings_job *job, uint64_t *count, uint32_t *pairs,
-                                 uint64_t capacity)
+static bvx_status give_crossings(bvx_context *ctx, const char *function, crossings_job *job, uint64_t *count,
+                                 uint32_t *pairs, uint64_t capacity)
 {
     uint64_t found = 0;
     bvx_status status = search_crossings(ctx, job, &found);
 
     if (status == BVX_OK && pairs != NULL && capacity < found) {
         *count = found;
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u", function, found, capacity);
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u", function,
+                         found, capacity);
     }
     if (status == BVX_OK && pairs != NULL && found > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: there are %u pairs, the limit of a list is %u", function, found, (uint64_t)UINT32_MAX);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: there are %u pairs, the limit of a list is %u", function,
+                         found, (uint64_t)UINT32_MAX);
 
     if (status == BVX_OK && pairs != NULL && found != 0) status = write_crossings(ctx, job, found, pairs);
     if (status == BVX_OK) *count = found;
@@ -321,8 +340,9 @@ static void free_crossings(bvx_context *ctx, crossings_job *job)
     bvxi_closest_free(ctx, &job->tree);
 }
 
-bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const double low[3], const double high[3],
-                               const uint32_t *representative, uint64_t *count, uint32_t *pairs, uint64_t capacity)
+bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                               const double low[3], const double high[3], const uint32_t *representative,
+                               uint64_t *count, uint32_t *pairs, uint64_t capacity)
 {
     crossings_job job;
     bvx_status status;
@@ -331,7 +351,8 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     job.view = mesh;
     job.representative = representative;
 
-    status = bvxi_closest_build(ctx, "crossings", 0.0, 0.3, mesh, low, high, bvxi_unit_scale(low, high), &job.tree);
+    status = bvxi_closest_build(ctx, "crossings", 0.0, 0.3, mesh, low, high, bvxi_unit_scale(low, high),
+                                &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
 
     free_crossings(ctx, &job);
@@ -354,14 +375,18 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     if (mesh->triangle_count == 0) return BVX_OK;
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
 
-    status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding", &representative);
+    status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding",
+                        &representative);
     if (status == BVX_OK) status = bvxi_weld(context, mesh, representative, &different);
-    if (status == BVX_OK) status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs, capacity);
+    if (status == BVX_OK)
+        status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs,
+                                     capacity);
     bvxi_free(context, representative, mesh->vertex_count * 4);
     return status;
 }
 
-bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs, uint64_t capacity)
+bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,
+                              uint32_t *pairs, uint64_t capacity)
 {
     return BVXI_CALL(context, run_mesh_crossings(context, mesh, count, pairs, capacity));
 }

@@ -1,11 +1,14 @@
 /* distance.c - how far two meshes are apart, by samples.
  *
- * Sample i of n takes its place in the i-th n-th of the surface's area, the triangles lying along the search tree's
- * curve through space (stratified, so noise falls faster than with independent points, and the next search finds its
- * boxes where the last one left them; no numbering of the mesh shows), and a uniform place in the triangle that owns it. Its random numbers come from
- * a counter, so samples do not depend on each other. The closest point of the other mesh is exact up to rounding.
- * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never show.
- * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators. 2014. */
+ * Sample i of n takes its place in the i-th n-th of the surface's area, the triangles lying along the search
+ * tree's curve through space (stratified, so noise falls faster than with independent points, and the next
+ * search finds its boxes where the last one left them; no numbering of the mesh shows), and a uniform place
+ * in the triangle that owns it. Its random numbers come from a counter, so samples do not depend on each
+ * other. The closest point of the other mesh is exact up to rounding.
+ * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never
+ * show.
+ * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
+ * 2014. */
 #include "mesh/distance.h"
 #include "mesh/facet.h"
 #include "mesh/scale.h"
@@ -20,7 +23,8 @@ typedef struct distance_sums {
 
 typedef struct distance_work {
     const bvxi_closest_tree *from, *to;
-    const double *area_before; /* twice the area along the curve up to and with place i [Size: triangles of from] */
+    /* twice the area along the curve up to and with place i [Size: triangles of from] */
+    const double *area_before;
     uint64_t samples, key;
     int32_t blocks;
     distance_sums *sums; /* [Size: blocks] */
@@ -53,7 +57,9 @@ static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
 static uint64_t owner_of_area(const double *area_before, uint64_t count, double share)
 {
     uint64_t low = 0, high = count - 1;
-    if (share >= area_before[high]) share = area_before[high] * (1.0 - 0x1p-53); /* rounding reached the end */
+
+    /* rounding reached the end */
+    if (share >= area_before[high]) share = area_before[high] * (1.0 - 0x1p-53);
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
         if (area_before[middle] > share) high = middle;
@@ -69,6 +75,7 @@ static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closes
     double const share = ((double)i + distance_random(w->key, 3 * i)) / (double)w->samples * total;
     double const r = sqrt(distance_random(w->key, 3 * i + 1)), q = distance_random(w->key, 3 * i + 2);
     double t[3][3], p[3], n[3], m[3], d;
+
     bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
     for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
     double const length = bvxi_facet_normal((const double(*)[3])t, n);
@@ -91,6 +98,7 @@ static void measure_distance_block(void *user, int32_t index, int32_t worker)
     distance_sums s = {0.0, 0.0, 0.0, 0};
     bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(w->samples, w->blocks, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
@@ -104,6 +112,7 @@ typedef struct distance_way {
 static void add_distance_blocks(const distance_work *w, distance_way *way)
 {
     distance_sums all = {0.0, 0.0, 0.0, 0};
+
     for (int32_t b = 0; b < w->blocks; b++) {
         all.sum += w->sums[b].sum;
         all.max = w->sums[b].max > all.max ? w->sums[b].max : all.max;
@@ -115,8 +124,9 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
     way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
 }
 
-static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_tree *from, const bvxi_closest_tree *to,
-                                           uint64_t samples, uint64_t key, double progress, distance_way *way)
+static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_tree *from,
+                                           const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
+                                           double progress, distance_way *way)
 {
     uint64_t const area_bytes = from->triangle_count * sizeof(double);
     int32_t const blocks = bvxi_piece_count(samples, 64);
@@ -124,6 +134,7 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     distance_sums *sums = NULL;
     distance_work w = {from, to, NULL, samples, key, blocks, NULL};
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, area_bytes, "the distance's areas", &areas);
+
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums);
     if (status == BVX_OK) {
@@ -138,8 +149,8 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     return status;
 }
 
-static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples, uint64_t seed,
-                                 bvx_distance_report *r)
+static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples,
+                                 uint64_t seed, bvx_distance_report *r)
 {
     r->samples = samples;
     r->seed = seed;
@@ -174,6 +185,7 @@ static bvx_status require_area(bvx_context *ctx, const char *function, const bvx
 {
     double t[3][3], n[3];
     uint32_t c[3];
+
     for (uint64_t i = 0; i < v->triangle_count; i++) {
         bvxi_view_triangle(v, i, c);
         for (int k = 0; k < 3; k++) {
@@ -191,26 +203,30 @@ void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept)
     kept->built = 0;
 }
 
-static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, double scale, bvxi_distance_tree *kept)
+static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, double scale,
+                                  bvxi_distance_tree *kept)
 {
     if (kept->built && kept->tree.scale == scale) return BVX_OK;
     bvxi_distance_forget(ctx, kept);
-    BVXI_TRY(bvxi_closest_build_unnumbered(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale, &kept->tree));
+    BVXI_TRY(bvxi_closest_build_unnumbered(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale,
+                                           &kept->tree));
     kept->built = 1;
     return BVX_OK;
 }
 
-static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a, bvxi_distance_tree *kept, const distance_side *b,
-                                             double scale, uint64_t samples, uint64_t seed,
-                                             bvx_distance_report *report)
+static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a,
+                                             bvxi_distance_tree *kept, const distance_side *b, double scale,
+                                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
     uint64_t const key_a = distance_mix(seed), key_b = distance_mix(key_a + 1);
     const bvxi_closest_tree *const tree_a = &kept->tree;
     bvxi_closest_tree tree_b;
     distance_way ab, ba;
     bvx_status status;
+
     BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
-    status = bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b);
+    status = bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale,
+                                           &tree_b);
     if (status == BVX_OK) status = measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab);
     if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba);
     if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);
@@ -218,19 +234,23 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_si
     return status;
 }
 
-bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi_distance_tree *kept, const bvx_mesh_view *b,
-                              uint64_t samples, uint64_t seed, bvx_distance_report *report)
+bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi_distance_tree *kept,
+                              const bvx_mesh_view *b, uint64_t samples, uint64_t seed,
+                              bvx_distance_report *report)
 {
-    static const char *const function_a = "bvx_mesh_distance, mesh a", *const function_b = "bvx_mesh_distance, mesh b";
+    static const char *const function_a = "bvx_mesh_distance, mesh a";
+    static const char *const function_b = "bvx_mesh_distance, mesh b";
     distance_side side_a, side_b;
     double scale;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
     memset(report, 0, sizeof *report);
     BVXI_TRY(bvxi_view_check(context, function_a, a));
     BVXI_TRY(bvxi_view_check(context, function_b, b));
     if (samples < 1 || samples > INT32_MAX)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_mesh_distance: samples is %u, not 1 to 2147483647", samples);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_mesh_distance: samples is %u, not 1 to 2147483647",
+                         samples);
     side_a.view = a;
     side_b.view = b;
     BVXI_TRY(bvxi_view_bounds(context, function_a, a, side_a.low, side_a.high));
@@ -241,11 +261,12 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     return measure_distance_both_ways(context, &side_a, kept, &side_b, scale, samples, seed, report);
 }
 
-bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, uint64_t samples,
-                             uint64_t seed, bvx_distance_report *report)
+bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
     bvxi_distance_tree tree = {.built = 0};
-    bvx_status const status = BVXI_CALL(context, bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
+    bvx_status const status = BVXI_CALL(context,
+                                        bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
     if (tree.built) bvxi_distance_forget(context, &tree);
     return status;
 }

@@ -1,8 +1,9 @@
 /* duplicates.c - triangles that are there once.
  *
- * Triangles enter an open table by their three places in rising order; one that is there already is left out. Places are
- * compared, never hashes alone, and triangles come in their own order, so the first of several stays. Where the table searches
- * too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h). */
+ * Triangles enter an open table by their three places in rising order; one that is there already is left out.
+ * Places are compared, never hashes alone, and triangles come in their own order, so the first of several
+ * stays. Where the table searches too long, as for input that was made against the hash, a tree begins anew
+ * (core/key_tree.h). */
 #include "core/key_tree.h"
 #include "mesh/pieces.h"
 #include "mesh/view.h"
@@ -10,7 +11,9 @@
 /* The places of a triangle, least first. */
 static void places_of_triangle(const uint32_t *representative, const uint32_t corner[3], uint32_t place[3])
 {
-    uint32_t const a = representative[corner[0]], b = representative[corner[1]], c = representative[corner[2]];
+    uint32_t const a = representative[corner[0]];
+    uint32_t const b = representative[corner[1]];
+    uint32_t const c = representative[corner[2]];
     uint32_t const low = a < b ? a : b, high = a < b ? b : a;
     place[0] = low < c ? low : c;
     place[2] = high > c ? high : c;
@@ -25,7 +28,8 @@ uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *represen
         uint32_t *const to = corner + 3 * kept;
 
         bvxi_view_triangle(view, t, to);
-        kept += representative[to[0]] != representative[to[1]] && representative[to[1]] != representative[to[2]] &&
+        kept += representative[to[0]] != representative[to[1]] &&
+                representative[to[1]] != representative[to[2]] &&
                 representative[to[2]] != representative[to[0]];
     }
     return kept;
@@ -38,12 +42,14 @@ static uint64_t hash_of_places(const uint32_t place[3])
     return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
 }
 
-/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or 0. Returns 0 when it was searched too long. */
-static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table, uint64_t size, uint32_t *corner,
-                         uint64_t *kept)
+/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or
+ * 0. Returns 0 when it was searched too long. */
+static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
+                         uint64_t size, uint32_t *corner, uint64_t *kept)
 {
     uint64_t const limit = bvxi_probe_limit(view->triangle_count);
     uint64_t count = 0, probes = 0;
+
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const mine = corner + 3 * count;
         uint32_t place[3], other[3];
@@ -51,7 +57,8 @@ static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representati
         bvxi_view_triangle(view, t, mine);
         places_of_triangle(representative, mine, place);
         if (place[0] == place[1] || place[1] == place[2]) continue;
-        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
+        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0;
+             slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
             if (memcmp(place, other, sizeof place) == 0) break;
         }
@@ -74,13 +81,14 @@ static void kept_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WO
     places_of_triangle(k->representative, k->corner + 3 * number, key);
 }
 
-static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
-                               uint64_t *kept)
+static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                               uint32_t *corner, uint64_t *kept)
 {
     kept_triangles const all = {representative, corner};
     uint32_t place[3];
     uint64_t count = 0;
     bvxi_key_tree tree;
+
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, kept_key, &all, view->triangle_count));
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, corner + 3 * count);
@@ -92,8 +100,8 @@ static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, cons
     return BVX_OK;
 }
 
-bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner,
-                                uint64_t *kept)
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                                uint32_t *corner, uint64_t *kept)
 {
     uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
     uint32_t *table;

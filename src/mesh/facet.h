@@ -33,8 +33,8 @@ static inline int bvxi_corner_before(const double a[3], const double b[3])
     return a[2] < b[2];
 }
 
-/* The corners in an order that does not depend on how they are numbered: what is computed from them is then the same to the bit
- * for any numbering and either orientation. */
+/* The corners in an order that does not depend on how they are numbered: what is computed from them is then
+ * the same to the bit for any numbering and either orientation. */
 static inline void bvxi_order_corners(double t[3][3])
 {
     static const int pair[3][2] = {{0, 1}, {1, 2}, {0, 1}};

@@ -1,8 +1,8 @@
 /* finite.c - a mesh without the triangles that have a corner at infinity or at what is not a number.
  *
- * Vertices that are not finite go, whether a triangle uses them or not, and with them every triangle that does. What remains
- * moves up within its arrays, so the order of vertices and triangles stays, and keys, colours and texture coordinates stay
- * with what they belong to.
+ * Vertices that are not finite go, whether a triangle uses them or not, and with them every triangle that
+ * does. What remains moves up within its arrays, so the order of vertices and triangles stays, and keys,
+ * colours and texture coordinates stay with what they belong to.
  * Memory: 4 bytes a vertex, where there is something to drop. Cost: O(vertices + triangles). */
 #include "mesh/finite.h"
 #include "mesh/mesh.h"
@@ -107,11 +107,12 @@ static bvx_status run_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint6
         return BVX_OK;
     }
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
                          (int64_t)mesh->position_type);
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
-                         mesh->triangle_count);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
+                         function, mesh->triangle_count);
     return bvxi_mesh_drop_nonfinite(context, function, mesh, dropped);
 }
 

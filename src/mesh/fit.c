@@ -1,8 +1,8 @@
 /* fit.c - a lattice around a mesh, a cloud of points, or a box.
  *
- * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the least
- * count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division, holds no
- * centre, and does not cost a layer of voxels. */
+ * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the
+ * least count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division,
+ * holds no centre, and does not cost a layer of voxels. */
 #include "lattice/lattice.h"
 #include "mesh/view.h"
 
@@ -20,21 +20,24 @@ static const bvxi_option lattice_rows[] = {
     BVXI_RESERVED(bvx_lattice_options, reserved),
 };
 
-static bvx_status check_fit_options(bvx_context *ctx, const char *function, const bvx_lattice_options *o, int32_t *per_axis,
-                                    int32_t *by_spacing)
+static bvx_status check_fit_options(bvx_context *ctx, const char *function, const bvx_lattice_options *o,
+                                    int32_t *per_axis, int32_t *by_spacing)
 {
     *per_axis = o->axis_resolution[0] != 0 || o->axis_resolution[1] != 0 || o->axis_resolution[2] != 0;
     *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(lattice_rows)));
     if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolution, axis_resolution and spacing", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: give exactly one of resolution, axis_resolution and spacing", function);
     for (int32_t a = 0; a < 3; a++) {
         int32_t const n = *per_axis ? o->axis_resolution[a] : *by_spacing ? 1 : o->resolution;
         if (n < 1 || n > BVXI_MAX_SIDE)
-            return bvxi_fail_for(ctx, n < 1 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE, BVX_REASON_RANGE, "%s: resolution %d is outside 1 to %d", function,
-                             (int64_t)n, (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(ctx, n < 1 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE, BVX_REASON_RANGE,
+                                 "%s: resolution %d is outside 1 to %d", function, (int64_t)n,
+                                 (int64_t)BVXI_MAX_SIDE);
         if (*by_spacing && !(o->spacing[a] > 0 && o->spacing[a] - o->spacing[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: spacing %g must be above 0 and finite", function, o->spacing[a]);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: spacing %g must be above 0 and finite", function,
+                             o->spacing[a]);
     }
     return BVX_OK;
 }
@@ -46,26 +49,31 @@ static double least_cover(double extent, double spacing)
     return whole < 1 ? 1 : whole;
 }
 
-/* What is fitted to: the first that is not NULL, else the corners. All vertices of points count, and their triangles do not. */
+/* What is fitted to: the first that is not NULL, else the corners. All
+ * vertices of points count, and their triangles do not. */
 typedef struct fit_target {
     const bvx_mesh_view *mesh, *points;
     const double *low, *high;
 } fit_target;
 
-static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target *target, double low[3], double high[3])
+static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target *target, double low[3],
+                           double high[3])
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
 
-    if (target->low == NULL || target->high == NULL) return bvxi_fail_null(ctx, name, target->low == NULL ? "low" : "high");
+    if (target->low == NULL || target->high == NULL)
+        return bvxi_fail_null(ctx, name, target->low == NULL ? "low" : "high");
 
     for (int32_t a = 0; a < 3; a++) {
         double const from = target->low[a], to = target->high[a];
 
         if (!(from - from == 0.0) || !(to - to == 0.0))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: the box is from %g to %g along %s, which is not finite",
-                                 name, from, to, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: the box is from %g to %g along %s, which is not finite", name, from, to,
+                                 axis_name[a]);
         if (from > to)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the box's low corner is above its high one along %s: %g and %g", name,
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: the box's low corner is above its high one along %s: %g and %g", name,
                              axis_name[a], from, to);
         low[a] = from;
         high[a] = to;
@@ -73,7 +81,8 @@ static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target 
     return BVX_OK;
 }
 
-static bvx_status take_target(bvx_context *ctx, const char *name, const fit_target *target, double low[3], double high[3])
+static bvx_status take_target(bvx_context *ctx, const char *name, const fit_target *target, double low[3],
+                              double high[3])
 {
     if (target->points != NULL) {
         bvx_mesh_view cloud;
@@ -87,12 +96,13 @@ static bvx_status take_target(bvx_context *ctx, const char *name, const fit_targ
     return bvxi_view_bounds(ctx, name, target->mesh, low, high);
 }
 
-static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_target *target, const bvx_lattice_options *options,
-                              bvx_lattice *lattice)
+static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_target *target,
+                              const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     bvx_lattice_options o = lattice_defaults;
     int32_t per_axis, by_spacing, longest = 0, dims[3];
     double low[3], high[3], extent[3], spacing[3], origin[3];
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
@@ -103,8 +113,10 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
         if (extent[a] > extent[longest]) longest = a;
     }
     if (!by_spacing && !(extent[longest] > 0))
-        return bvxi_fail(context, BVX_ERR_EMPTY, target->mesh == NULL && target->points == NULL ? "%s: the box is a point, so a resolution gives no spacing"
-                                                                          : "%s: all vertices lie at one point, so a resolution gives no spacing",
+        return bvxi_fail(context, BVX_ERR_EMPTY,
+                         target->mesh == NULL && target->points == NULL
+                             ? "%s: the box is a point, so a resolution gives no spacing"
+                             : "%s: all vertices lie at one point, so a resolution gives no spacing",
                          name);
     if (!(extent[longest] - extent[longest] == 0.0))
         return bvxi_fail(context, BVX_ERR_RANGE, "%s: the extent is too large for a double", name);
@@ -118,7 +130,8 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
             n = !by_spacing && a == longest ? o.resolution : least_cover(extent[a], spacing[a]);
         }
         if (!(n + 2.0 * o.padding <= BVXI_MAX_SIDE))
-            return bvxi_fail(context, BVX_ERR_RANGE, "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
+            return bvxi_fail(context, BVX_ERR_RANGE,
+                             "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
                              spacing[a], n + 2.0 * o.padding, (int64_t)BVXI_MAX_SIDE);
         dims[a] = (int32_t)n + 2 * o.padding;
         origin[a] = low[a] - o.padding * spacing[a];
@@ -126,8 +139,8 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
     return bvx_lattice_make(context, origin, spacing, dims, lattice);
 }
 
-static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
-                               bvx_lattice *lattice)
+static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx_mesh_view *mesh,
+                               const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     fit_target const target = {.mesh = mesh};
 
@@ -135,28 +148,28 @@ static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx
     return fit_lattice(context, name, &target, options, lattice);
 }
 
-bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice_options *options,
-                                bvx_lattice *lattice)
+bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
+                                const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     return BVXI_CALL(context, run_fit_mesh(context, "bvx_lattice_fit_with", mesh, options, lattice));
 }
 
-static bvx_status run_fit_box(bvx_context *context, const double low[3], const double high[3], const bvx_lattice_options *options,
-                              bvx_lattice *lattice)
+static bvx_status run_fit_box(bvx_context *context, const double low[3], const double high[3],
+                              const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     fit_target const target = {.low = low, .high = high};
 
     return fit_lattice(context, "bvx_lattice_fit_box", &target, options, lattice);
 }
 
-bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3], const bvx_lattice_options *options,
-                               bvx_lattice *lattice)
+bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
+                               const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     return BVXI_CALL(context, run_fit_box(context, low, high, options, lattice));
 }
 
-static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
-                                 bvx_lattice *lattice)
+static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *points,
+                                 const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     static const char name[] = "bvx_lattice_fit_points";
     fit_target const target = {.points = points};
@@ -165,8 +178,8 @@ static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *poin
     return fit_lattice(context, name, &target, options, lattice);
 }
 
-bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice_options *options,
-                                  bvx_lattice *lattice)
+bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points,
+                                  const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     return BVXI_CALL(context, run_fit_points(context, points, options, lattice));
 }
@@ -178,12 +191,13 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
     o.struct_size = sizeof o;
     o.resolution = resolution;
     if (context != NULL && resolution < 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
-                         (int64_t)BVXI_MAX_SIDE);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d",
+                         (int64_t)resolution, (int64_t)BVXI_MAX_SIDE);
     return run_fit_mesh(context, "bvx_lattice_fit", mesh, &o, lattice);
 }
 
-bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution, bvx_lattice *lattice)
+bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
+                           bvx_lattice *lattice)
 {
     return BVXI_CALL(context, run_lattice_fit(context, mesh, resolution, lattice));
 }

@@ -9,13 +9,16 @@ static uint64_t mesh_position_bytes(int32_t type)
 
 bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type)
 {
-    if (position_type == BVX_POSITION_AUTO || position_type == BVX_F32 || position_type == BVX_F64) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
+    if (position_type == BVX_POSITION_AUTO || position_type == BVX_F32 || position_type == BVX_F64)
+        return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                     "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
                      function, (int64_t)position_type);
 }
 
 /* 1 when arrays that the library made hold such a surface and nothing else. */
-static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count, uint64_t triangle_count)
+static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
+                 uint64_t triangle_count)
 {
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
     if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
@@ -24,40 +27,50 @@ static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint
 }
 
 /* Arrays of the caller's: they must be there and suffice. */
-static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
-                              uint64_t triangle_count, const bvx_mesh *mesh)
+static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
+                              uint64_t vertex_count, uint64_t triangle_count, const bvx_mesh *mesh)
 {
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: a mesh that brings arrays needs both positions of the type asked for and triangles", function);
+        return bvxi_fail(
+            ctx, BVX_ERR_ARGUMENT,
+            "%s: a mesh that brings arrays needs both positions of the type asked for and triangles",
+            function);
     if (keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: keys are asked for and the mesh given has no arrays for them", function);
-    if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL)) /* they would hold another surface's */
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh brings arrays for keys; ask for keys or leave them NULL", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: keys are asked for and the mesh given has no arrays for them", function);
+    /* they would hold another surface's */
+    if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the mesh brings arrays for keys; ask for keys or leave them NULL", function);
     if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) /* and these too */
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
-        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
-                         function, vertex_count, triangle_count, mesh->vertex_capacity, mesh->triangle_capacity);
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY,
+                         "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
+                         function, vertex_count, triangle_count, mesh->vertex_capacity,
+                         mesh->triangle_capacity);
     return BVX_OK;
 }
 
 static bvx_status make_arrays(bvx_context *ctx, int32_t keys, bvx_mesh *mesh)
 {
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_count * mesh_position_bytes(mesh->position_type), "the positions",
-                        &mesh->positions));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_count * mesh_position_bytes(mesh->position_type),
+                        "the positions", &mesh->positions));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_count * 12, "the triangles", &mesh->triangles));
     if (!keys) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_count * 8, "the vertex keys", &mesh->vertex_keys));
     return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_count * 8, "the triangle keys", &mesh->triangle_keys);
 }
 
-bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
-                          uint64_t triangle_count, bvx_mesh *mesh)
+bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
+                          uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
     bvx_mesh made = {0};
     bvx_status status;
-    if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count)) bvx_mesh_free(ctx, mesh);
+
+    if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
+        bvx_mesh_free(ctx, mesh);
     if (mesh->positions != NULL || mesh->triangles != NULL) {
         BVXI_TRY(take_arrays(ctx, function, position_type, keys, vertex_count, triangle_count, mesh));
         mesh->vertex_count = vertex_count;
@@ -102,7 +115,8 @@ void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
     view->indices = mesh->triangles;
     view->vertex_count = mesh->vertex_count;
     view->triangle_count = mesh->triangle_count;
-    view->position_type = mesh->position_type == BVX_F64 ? BVX_F64 : BVX_F32; /* an empty struct is a valid view */
+    /* an empty struct is a valid view */
+    view->position_type = mesh->position_type == BVX_F64 ? BVX_F64 : BVX_F32;
     view->index_type = BVX_U32;
     view->colours = mesh->colours;
 }
@@ -111,26 +125,31 @@ bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, cons
 {
     for (uint64_t i = 0; i < 4; i++)
         if (mesh->reserved[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: mesh.reserved[%u] must be 0", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
+                                 "%s: mesh.reserved[%u] must be 0", function, i);
     return BVX_OK;
 }
 
 static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     int const empty = mesh->vertex_count == 0 && mesh->triangle_count == 0;
+
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
-    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && !(empty && mesh->position_type == 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
-                         function, (int64_t)mesh->position_type);
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
+        !(empty && mesh->position_type == 0))
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                         (int64_t)mesh->position_type);
     if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
-                         function, mesh->vertex_count, mesh->triangle_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31", function,
+                         mesh->vertex_count, mesh->triangle_count);
     if (mesh->vertex_count != 0 && mesh->positions == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u", function,
-                         mesh->vertex_count);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u",
+                         function, mesh->vertex_count);
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u", function,
-                         mesh->triangle_count);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
+                         function, mesh->triangle_count);
     return BVX_OK;
 }
 

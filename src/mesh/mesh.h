@@ -4,11 +4,11 @@
 
 #include "core/core.h"
 
-/* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type asked for, triangles, and
- * keys when keys is 1) and they suffice, new ones otherwise. The counts are set, the frame is zero.
- * BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET; *mesh is then unchanged. */
-bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys, uint64_t vertex_count,
-                          uint64_t triangle_count, bvx_mesh *mesh);
+/* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type asked for,
+ * triangles, and keys when keys is 1) and they suffice, new ones otherwise. The counts are set, the frame is
+ * zero. BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET; *mesh is then unchanged. */
+bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
+                          uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh);
 
 /* Refuse a position_type of options that has no meaning. */
 bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type);

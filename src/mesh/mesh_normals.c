@@ -1,17 +1,20 @@
 /* mesh_normals.c - normals of a mesh's vertices and facets as arrays.
  *
- * Vertices: the directions of their facets' normals, each counted by its area (normals.c). Facets: their own, or, as the paper on
- * surface modelling in section data fields shades them, the mean of the normals of their three vertices. */
+ * Vertices: the directions of their facets' normals, each counted by its area (normals.c). Facets: their own,
+ * or, as the paper on surface modelling in section data fields shades them, the mean of the normals of their
+ * three vertices. */
 #include "mesh/normals.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 
 static const char normals_name[] = "bvx_mesh_normals";
 
-static void give_facet(const bvx_mesh_view *view, double scale, const double *sum, uint64_t t, int32_t averaged, float *facet)
+static void give_facet(const bvx_mesh_view *view, double scale, const double *sum, uint64_t t,
+                       int32_t averaged, float *facet)
 {
     double own[3], mean[3] = {0.0, 0.0, 0.0};
     uint32_t c[3];
+
     bvxi_view_triangle(view, t, c);
     bvxi_triangle_normal(view, scale, c, own);
     for (int k = 0; k < 3 && averaged; k++) {
@@ -19,6 +22,7 @@ static void give_facet(const bvx_mesh_view *view, double scale, const double *su
         bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
         for (int a = 0; a < 3; a++) mean[a] += (double)n[a];
     }
+
     /* opposite normals may cancel out */
     bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
 }
@@ -27,25 +31,32 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
                                    float *vertex_normals, float *facet_normals)
 {
     double low[3], high[3], scale, *sum = NULL;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, normals_name, "mesh");
-    if (vertex_normals == NULL && facet_normals == NULL) return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");
-    if (averaged != 0 && averaged != 1) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: averaged is %d, not 0 or 1", normals_name, (int64_t)averaged);
+    if (vertex_normals == NULL && facet_normals == NULL)
+        return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");
+    if (averaged != 0 && averaged != 1)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: averaged is %d, not 0 or 1", normals_name,
+                         (int64_t)averaged);
     BVXI_TRY(bvxi_view_check(context, normals_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, normals_name, mesh, low, high));
     scale = bvxi_unit_scale(low, high);
     if (vertex_normals != NULL || averaged) {
-        BVXI_TRY(bvxi_alloc_zero(context, BVXI_SCRATCH, mesh->vertex_count * 24, "the normals of vertices", &sum));
+        BVXI_TRY(
+            bvxi_alloc_zero(context, BVXI_SCRATCH, mesh->vertex_count * 24, "the normals of vertices", &sum));
         bvxi_add_normals(mesh, scale, sum);
     }
-    for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++) bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
+    for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++)
+        bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
     for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++)
         give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
     bvxi_free(context, sum, sum == NULL ? 0 : mesh->vertex_count * 24);
     return BVX_OK;
 }
 
-bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged, float *vertex_normals, float *facet_normals)
+bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
+                            float *vertex_normals, float *facet_normals)
 {
     return BVXI_CALL(context, run_mesh_normals(context, mesh, averaged, vertex_normals, facet_normals));
 }

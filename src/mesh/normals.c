@@ -1,7 +1,7 @@
 /* normals.c - smooth normals of vertices.
  *
- * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the cross product
- * of its edges gives without a division, so facets without area need no care. */
+ * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the
+ * cross product of its edges gives without a division, so facets without area need no care. */
 #include "mesh/normals.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
@@ -20,6 +20,7 @@ void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum)
 {
     double n[3];
     uint32_t c[3];
+
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
         bvxi_triangle_normal(view, scale, c, n);
@@ -31,6 +32,7 @@ void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum)
 void bvxi_unit_normal(const double sum[3], float normal[3])
 {
     double most = 0.0, u[3], length;
+
     for (int a = 0; a < 3; a++) {
         double const size = sum[a] < 0.0 ? -sum[a] : sum[a];
         most = size > most ? size : most;
@@ -40,7 +42,8 @@ void bvxi_unit_normal(const double sum[3], float normal[3])
         normal[2] = 1.0f;
         return;
     }
-    for (int a = 0; a < 3; a++) u[a] = sum[a] / most; /* squares of tiny and of huge sums would leave the range */
+    /* squares of tiny and of huge sums would leave the range */
+    for (int a = 0; a < 3; a++) u[a] = sum[a] / most;
     length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     for (int a = 0; a < 3; a++) normal[a] = (float)(u[a] / length);
 }

@@ -1,19 +1,20 @@
 /* orient.c - the signs of orient.h in whole numbers.
  *
- * A determinant is linear in each of its columns, so the coordinates along each axis may have a unit of their own: the
- * lowest binary digit that any of them has. In these units they are whole numbers, their differences too, and the sign of a
- * sum of products of differences is that of what is added less that of what is subtracted, both kept as numbers without a
- * sign. Coordinates of few digits (grids, floats that lie near each other) fit 64 bits; the others take as many limbs
- * as their range needs.
+ * A determinant is linear in each of its columns, so the coordinates along each axis may have a unit of their
+ * own: the lowest binary digit that any of them has. In these units they are whole numbers, their differences
+ * too, and the sign of a sum of products of differences is that of what is added less that of what is
+ * subtracted, both kept as numbers without a sign. Coordinates of few digits (grids, floats that lie near
+ * each other) fit 64 bits; the others take as many limbs as their range needs.
  *
- * Bits: a finite double is a multiple of 2^-1074 below 2^1024, so it has at most 2098 binary digits, a difference 2099
- * (66 limbs of 32), a product of three 6297, and six of them 6300 (3 * 66 + 1 limbs). */
+ * Bits: a finite double is a multiple of 2^-1074 below 2^1024, so it has at most 2098 binary digits, a
+ * difference 2099 (66 limbs of 32), a product of three 6297, and six of them 6300 (3 * 66 + 1 limbs). */
 #include "mesh/orient.h"
 
 enum {
     ORIENT_LIMBS = 66,
     ORIENT_SUM_LIMBS = 3 * ORIENT_LIMBS + 1,
-    ORIENT_FEW_BITS = 57 /* of all axes together: differences have one more each, six products of them three more */
+    /* of all axes together: differences have one more each, six products of them three more */
+    ORIENT_FEW_BITS = 57
 };
 
 /* mantissa * 2^exponent; odd, or 0 */
@@ -29,14 +30,15 @@ typedef struct orient_axis {
 } orient_axis;
 
 typedef struct orient_number {
-    int32_t sign;  /* 1 or -1; of 0 either */
-    int32_t count; /* of limbs */
+    int32_t sign;                /* 1 or -1; of 0 either */
+    int32_t count;               /* of limbs */
     uint32_t limb[ORIENT_LIMBS]; /* lowest first */
 } orient_number;
 
 /* ---- Taking doubles apart ---- */
 
-/* The index of the lowest digit that is set; of what is not 0. One bit is exact as a double, and its index the exponent. */
+/* The index of the lowest digit that is set; of what is not 0. One bit is
+ * exact as a double, and its index the exponent. */
 static int32_t orient_lowest_bit(uint64_t m)
 {
     double const lowest = (double)(int64_t)(m & (0 - m));
@@ -112,7 +114,8 @@ static void orient_place(const orient_double *v, int32_t low, uint32_t *limb)
 
     if (m == 0) return;
 
-    /* 53 digits, moved by less than 32, lie in three limbs at most; there are only as many as digits reach. */
+    /* 53 digits, moved by less than 32, lie in three limbs at most; there are only as many as digits
+     * reach. */
     limb[first] = (uint32_t)(m << part);
     if (m << part >> 32 != 0) limb[first + 1] = (uint32_t)(m << part >> 32);
     if (part != 0 && m >> (64 - part) != 0) limb[first + 2] = (uint32_t)(m >> (64 - part));
@@ -157,7 +160,8 @@ static void orient_large_difference(const orient_axis *axis, int i, int last, or
 }
 
 /* sum += a * b, of limbs; sum holds the result. */
-static void orient_add_product(uint32_t *sum, const uint32_t *a, int32_t a_count, const uint32_t *b, int32_t b_count)
+static void orient_add_product(uint32_t *sum, const uint32_t *a, int32_t a_count, const uint32_t *b,
+                               int32_t b_count)
 {
     for (int32_t i = 0; i < a_count; i++) {
         uint64_t carry = 0;
@@ -190,7 +194,8 @@ static void orient_sums_open(orient_sums *s, int32_t count)
 }
 
 /* Add sign * a * b * c; c may be NULL, which stands for 1. */
-static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a, const orient_number *b, const orient_number *c)
+static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a, const orient_number *b,
+                            const orient_number *c)
 {
     static const uint32_t one[1] = {1};
     uint32_t two[2 * ORIENT_LIMBS];
@@ -200,7 +205,8 @@ static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a
     orient_add_product(two, a->limb, a->count, b->limb, b->count);
 
     sign *= a->sign * b->sign * (c != NULL ? c->sign : 1);
-    orient_add_product(sign > 0 ? s->plus : s->minus, c != NULL ? c->limb : one, c != NULL ? c->count : 1, two, count);
+    orient_add_product(sign > 0 ? s->plus : s->minus, c != NULL ? c->limb : one, c != NULL ? c->count : 1,
+                       two, count);
 }
 
 /* ---- Signs ---- */
@@ -241,7 +247,8 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
         v[k] = orient_small_difference(&axis[k], 1, 3);
         w[k] = orient_small_difference(&axis[k], 2, 3);
     }
-    sum = u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
+    sum = u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+          u[2] * (v[0] * w[1] - v[1] * w[0]);
     return (sum > 0) - (sum < 0);
 }
 

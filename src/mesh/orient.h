@@ -1,28 +1,32 @@
 /* orient.h - on which side of a plane or a line a point lies, exactly. Not installed.
  *
- * Source of the filter's bound: Shewchuk. Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
- * Predicates. 1997.
+ * Source of the filter's bound: Shewchuk. Adaptive Precision Floating-Point Arithmetic and Fast Robust
+ * Geometric Predicates. 1997.
  *
- * Exact for all finite doubles, subnormal ones too. On a thread that flushes subnormal numbers (FTZ, DAZ) exact for
- * coordinates that are 0 or at least 2^-960 in size. No call overflows into a wrong answer: an infinity or NaN in a filter
- * compares as "not certain", and the exact answer (orient.c) takes no double arithmetic. */
+ * Exact for all finite doubles, subnormal ones too. On a thread that flushes subnormal numbers (FTZ, DAZ)
+ * exact for coordinates that are 0 or at least 2^-960 in size. No call overflows into a wrong answer: an
+ * infinity or NaN in a filter compares as "not certain", and the exact answer (orient.c) takes no double
+ * arithmetic. */
 #ifndef BVXI_ORIENT_H
 #define BVXI_ORIENT_H
 
 #include "core/core.h"
 
-/* Error bounds, with e = 2^-53 the relative error of a rounding and t = BVXI_ORIENT_TINY against what underflows.
+/* Error bounds, with e = 2^-53 the relative error of a rounding and t = BVXI_ORIENT_TINY against what
+ * underflows.
  *
- * Three coordinates: each product of three differences is rounded in three subtractions, a product, a subtraction, a
- * product and two additions, of which the last cannot change a sign: an error below (7 e + 28 e^2) P, P the exact sum of
- * the products' sizes. P as computed is at least (1 - e)^8 P, so 8 e = 2^-50 times P as computed covers it.
- * Two coordinates: two subtractions, a product, a last subtraction: (3 e + 3 e^2) P, and 4 e = 2^-51 covers it.
+ * Three coordinates: each product of three differences is rounded in three subtractions, a product, a
+ * subtraction, a product and two additions, of which the last cannot change a sign: an error below (7 e + 28
+ * e^2) P, P the exact sum of the products' sizes. P as computed is at least (1 - e)^8 P, so 8 e = 2^-50 times
+ * P as computed covers it. Two coordinates: two subtractions, a product, a last subtraction: (3 e + 3 e^2) P,
+ * and 4 e = 2^-51 covers it.
  *
- * Underflow: a difference of doubles has none. A product of two is off by up to 2^-1022 where subnormals are flushed, and
- * then meets a third factor f: t in each bracket of the bound gives 2^-50 t f = 2^-1010 f for two such errors. What follows
- * the third factor is off by 2^-1022 again, and the t at the end of the bound is far above a dozen of these. */
-#define BVXI_ORIENT_TINY 0x1p-960
-#define BVXI_ORIENT_ERROR 0x1p-50
+ * Underflow: a difference of doubles has none. A product of two is off by up to 2^-1022 where subnormals are
+ * flushed, and then meets a third factor f: t in each bracket of the bound gives 2^-50 t f = 2^-1010 f for
+ * two such errors. What follows the third factor is off by 2^-1022 again, and the t at the end of the bound
+ * is far above a dozen of these. */
+#define BVXI_ORIENT_TINY       0x1p-960
+#define BVXI_ORIENT_ERROR      0x1p-50
 #define BVXI_ORIENT_FLAT_ERROR 0x1p-51
 
 /* The same answers as the functions below without their filters; axis-parallel planes are quick here too. */
@@ -66,8 +70,8 @@ static inline int bvxi_orient_side(const bvxi_orient_plane *plane, const double 
     return (height > bound) - (height < -bound);
 }
 
-/* Sign of det(a - d, b - d, c - d). 1: d lies on the side that the normal of a, b, c by the right hand points away from, as
- * the inside of a solid does; -1: on the other side; 0: the four lie in one plane. */
+/* Sign of det(a - d, b - d, c - d). 1: d lies on the side that the normal of a, b, c by the right hand points
+ * away from, as the inside of a solid does; -1: on the other side; 0: the four lie in one plane. */
 static inline int bvxi_orient(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     const double *const t[3] = {a, b, c};
@@ -90,8 +94,8 @@ static inline int bvxi_orient_flat_side(const double a[3], const double b[3], co
     return (x - y > bound) - (x - y < -bound);
 }
 
-/* Sign of det(a - c, b - c) of what is left without the coordinate axis, the next one first. 1: a, b, c turn left, seen
- * from where that axis points to; -1: right; 0: seen from there they lie on a line. */
+/* Sign of det(a - c, b - c) of what is left without the coordinate axis, the next one first. 1: a, b, c turn
+ * left, seen from where that axis points to; -1: right; 0: seen from there they lie on a line. */
 static inline int bvxi_orient_flat(const double a[3], const double b[3], const double c[3], int axis)
 {
     int const side = bvxi_orient_flat_side(a, b, c, axis);

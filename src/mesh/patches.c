@@ -1,16 +1,18 @@
 /* patches.c - triangles made to run the same way round, patch by patch.
  *
- * Half-edges are sorted by their ends, so those of an edge lie side by side. Where an edge has two triangles they belong to one patch,
- * and run the same way round when they run along it in opposite directions. A union-find over triangles keeps, beside the way to the
- * root, whether a triangle runs as its root does; two answers for one pair make a patch that has one side only.
+ * Half-edges are sorted by their ends, so those of an edge lie side by side. Where an edge has two triangles
+ * they belong to one patch, and run the same way round when they run along it in opposite directions. A
+ * union-find over triangles keeps, beside the way to the root, whether a triangle runs as its root does; two
+ * answers for one pair make a patch that has one side only.
  *
- * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit. The minority is turned, as
- * a reader of a mesh with a few flipped triangles would do. */
+ * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit.
+ * The minority is turned, as a reader of a mesh with a few flipped triangles would do. */
 #include "mesh/patches.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
 
-/* A link is a triangle << 1 | 1 when the two run differently; triangles are below 2^31. A root links to itself. */
+/* A link is a triangle << 1 | 1 when the two run differently; triangles are
+ * below 2^31. A root links to itself. */
 typedef struct patch_sums {
     uint32_t same, other; /* triangles that run as the root does, and those that do not */
     double volume;        /* that the patch encloses when all run as the root does */
@@ -21,8 +23,9 @@ typedef struct patch_work {
     const uint32_t *representative;
     const double *centre;
     bvxi_patches *out;
-    uint32_t *corner;  /* [Size: triangles * 3] */
-    uint64_t *keys;    /* lower corner << 32 | higher one, of each half-edge; UINT64_MAX without area [Size: triangles * 3] */
+    uint32_t *corner; /* [Size: triangles * 3] */
+    /* lower corner << 32 | higher one, of each half-edge; UINT64_MAX without area [Size: triangles * 3] */
+    uint64_t *keys;
     uint32_t *numbers; /* their half-edges: 3 t + k runs from corner k to corner k + 1 */
     uint32_t *link;    /* [Size: triangles] */
     uint8_t *torn;     /* by root, 1: no turning helps */
@@ -115,7 +118,8 @@ static uint32_t runs_down(const patch_work *w, uint64_t at)
 static void link_edge(patch_work *w, uint64_t at, uint64_t n)
 {
     for (uint64_t i = 1; i < n; i++) join_parts(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
-    if (n == 2) join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
+    if (n == 2)
+        join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
     w->out->odd_edges += n % 2;
 }
 
@@ -155,7 +159,8 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
         bvxi_view_position(view, c[k], p[k]);
         for (int a = 0; a < 3; a++) p[k][a] -= centre[a];
     }
-    return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+    return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
+           p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
            p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
 }
 
@@ -241,8 +246,8 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     return BVX_OK;
 }
 
-bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, const double centre[3],
-                             bvxi_patches *patches)
+bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                             const double centre[3], bvxi_patches *patches)
 {
     patch_work w;
     bvx_status status;
@@ -250,8 +255,9 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
     if (view->triangle_count > UINT32_MAX / 3)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "the mesh has %u triangles; at most %u can be looked at edge by edge", view->triangle_count,
-                         (uint64_t)(UINT32_MAX / 3));
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "the mesh has %u triangles; at most %u can be looked at edge by edge",
+                         view->triangle_count, (uint64_t)(UINT32_MAX / 3));
 
     patches->triangles = view->triangle_count;
     w.view = view;
@@ -273,7 +279,8 @@ void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)
     memset(patches, 0, sizeof *patches);
 }
 
-void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, uint32_t *index, bvx_mesh_view *turned)
+void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, uint32_t *index,
+                       bvx_mesh_view *turned)
 {
     for (uint64_t t = 0; t < patches->triangles; t++) {
         uint32_t *const c = index + 3 * t;

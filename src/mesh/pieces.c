@@ -1,7 +1,7 @@
 /* pieces.c - the parts of a mesh that hang together through vertices.
  *
- * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; here the root of a part is its least vertex, and
- * paths are halved on every look. Guarantee: the answer follows from the mesh alone. */
+ * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; here the root of a part is
+ * its least vertex, and paths are halved on every look. Guarantee: the answer follows from the mesh alone. */
 #include "mesh/pieces.h"
 #include "mesh/view.h"
 
@@ -25,6 +25,7 @@ static void join_pieces(uint32_t *piece, uint32_t a, uint32_t b)
 void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *piece)
 {
     uint32_t c[3];
+
     for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = representative[v];
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);

@@ -1,7 +1,9 @@
-/* point_triangle_four.h - closest points on triangles, four pairs of a point and a triangle at a time. Not installed.
+/* point_triangle_four.h - closest points on triangles, four pairs of a point and a triangle at a time. Not
+ * installed.
  *
- * The evaluation is that of point_triangle.c with the same operations in the same order, its cases chosen by masks: corners and
- * edges divide the product that the case has asked already, so one division serves all of them. */
+ * The evaluation is that of point_triangle.c with the same operations in the same order, its cases chosen by
+ * masks: corners and edges divide the product that the case has asked already, so one division serves all of
+ * them. */
 #ifndef BVXI_POINT_TRIANGLE_FOUR_H
 #define BVXI_POINT_TRIANGLE_FOUR_H
 

@@ -1,18 +1,19 @@
 /* polygon.c - a polygon in space cut into triangles.
  *
- * Source: Newell's sums for the normal (Sutherland, Sproull, Schumacker. A characterization of ten hidden-surface
- * algorithms. 1974).
+ * Source: Newell's sums for the normal (Sutherland, Sproull, Schumacker. A characterization of ten
+ * hidden-surface algorithms. 1974).
  *
- * A polygon whose corners certainly all turn the same way, once round, is a fan. Any other is laid into the plane of two
- * axes, along the axis of its greatest normal component, which changes no coordinate; from then on all turns are decided
- * exactly. Corners at their predecessor's place become triangles without area and are left out; what remains is a fan where
- * it is convex, else it is swept (polygon_sweep.c), and what the sweep finds not to be simple is cut ear by ear
- * (polygon_ears.c). The plane is turned round where that makes the polygon counter-clockwise, so all have one sense.
+ * A polygon whose corners certainly all turn the same way, once round, is a fan. Any other is laid into the
+ * plane of two axes, along the axis of its greatest normal component, which changes no coordinate; from then
+ * on all turns are decided exactly. Corners at their predecessor's place become triangles without area and
+ * are left out; what remains is a fan where it is convex, else it is swept (polygon_sweep.c), and what the
+ * sweep finds not to be simple is cut ear by ear (polygon_ears.c). The plane is turned round where that makes
+ * the polygon counter-clockwise, so all have one sense.
  *
- * Coordinates are first multiplied by the power of two that brings the greatest to 2^499..2^500. What is then below 2^-448
- * (less than 2^-947 of the greatest) is rounded to a multiple of 2^-499; all else is exact. So the cut does not change
- * when the polygon is multiplied by a power of two. A polygon that is not quite flat is cut by its projection: when that is
- * simple, no two triangles overlap in it. */
+ * Coordinates are first multiplied by the power of two that brings the greatest to 2^499..2^500. What is then
+ * below 2^-448 (less than 2^-947 of the greatest) is rounded to a multiple of 2^-499; all else is exact. So
+ * the cut does not change when the polygon is multiplied by a power of two. A polygon that is not quite flat
+ * is cut by its projection: when that is simple, no two triangles overlap in it. */
 #include "mesh/polygon.h"
 #include "mesh/polygon_ring.h"
 
@@ -30,9 +31,11 @@ static void polygon_make_fan(uint32_t *triangles, uint64_t count)
 /* ---- normal and axes ---- */
 
 /* Newell's sums about the first corner, of coordinates times both factors. */
-static void polygon_normal(const double (*corner)[3], uint64_t count, const double factors[2], double normal[3])
+static void polygon_normal(const double (*corner)[3], uint64_t count, const double factors[2],
+                           double normal[3])
 {
     double first[3], d[3] = {0}, e[3];
+
     for (size_t a = 0; a < 3; a++) {
         normal[a] = 0.0;
         first[a] = corner[0][a] * factors[0] * factors[1];
@@ -56,6 +59,7 @@ static void polygon_rank_axes(const double normal[3], size_t axes[3])
 {
     double size[3];
     size_t next = 0;
+
     for (size_t a = 0; a < 3; a++) size[a] = polygon_size_of(normal[a]);
     axes[0] = size[1] > size[2] ? 1 : 2;
     if (size[0] > size[axes[0]]) axes[0] = 0;
@@ -77,6 +81,7 @@ static int polygon_is_certainly_convex(const double (*corner)[3], uint64_t count
     double normal[3];
     size_t axes[3];
     uint64_t turns = 0;
+
     polygon_normal(corner, count, as_they_are, normal);
     polygon_rank_axes(normal, axes);
     double const size = polygon_size_of(normal[axes[0]]);
@@ -87,7 +92,8 @@ static int polygon_is_certainly_convex(const double (*corner)[3], uint64_t count
         const double *const c = corner[i];
         double const side = bvxi_side_quick(a[x], a[y], b[x], b[y], c[x], c[y]);
         if (side == 0.0 || (side > 0.0) != (normal[axes[0]] > 0.0)) return 0;
-        int const came_up = a[x] != b[x] ? a[x] < b[x] : a[y] < b[y], goes_up = b[x] != c[x] ? b[x] < c[x] : b[y] < c[y];
+        int const came_up = a[x] != b[x] ? a[x] < b[x] : a[y] < b[y];
+        int const goes_up = b[x] != c[x] ? b[x] < c[x] : b[y] < c[y];
         turns += came_up != goes_up;
         a = b;
         b = c;
@@ -118,11 +124,13 @@ static double polygon_power_of_two(int32_t exponent)
 }
 
 /* Two factors whose product brings the greatest coordinate to 2^499..2^500, and two that bring it to 1..2. */
-static void polygon_scale(const double (*corner)[3], uint64_t count, double factors[2], double small_factors[2])
+static void polygon_scale(const double (*corner)[3], uint64_t count, double factors[2],
+                          double small_factors[2])
 {
     double greatest = 0.0;
     uint64_t bits;
     int32_t exponent;
+
     for (uint64_t i = 0; i < count; i++)
         for (size_t a = 0; a < 3; a++)
             if (polygon_size_of(corner[i][a]) > greatest) greatest = polygon_size_of(corner[i][a]);
@@ -143,12 +151,14 @@ static double polygon_place(double v, const double factors[2])
     return (scaled + round) - round;
 }
 
-/* Corners as places along an axis. Those at their predecessor's place become triangles without area, and the ring's
- * triangles start behind these. 0 when there are no three places in a row. */
-static int polygon_lay_flat(bvxi_ring *ring, const double (*corner)[3], uint32_t count, const double factors[2], size_t axis)
+/* Corners as places along an axis. Those at their predecessor's place become triangles without area, and the
+ * ring's triangles start behind these. 0 when there are no three places in a row. */
+static int polygon_lay_flat(bvxi_ring *ring, const double (*corner)[3], uint32_t count,
+                            const double factors[2], size_t axis)
 {
     size_t const x = (axis + 1) % 3, y = (axis + 2) % 3;
     uint32_t n = 0;
+
     ring->made = 0;
     for (uint32_t i = 0; i < count; i++) {
         double const at[2] = {polygon_place(corner[i][x], factors), polygon_place(corner[i][y], factors)};
@@ -196,14 +206,17 @@ static int polygon_is_line(const bvxi_ring *ring)
 /* ---- the ways to cut ---- */
 
 /* Scratch: places and numbers of count corners, then more bytes. */
-static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, uint64_t more, void **behind)
+static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, uint64_t more,
+                               void **behind)
 {
     uint64_t const size = count * 20 + more;
+
     if (work->block == NULL) {
         BVXI_TRY(bvxi_alloc(work->ctx, BVXI_SCRATCH, size, "the corners of a polygon", &work->block));
         work->block_size = size;
     } else if (work->block_size < size) {
-        BVXI_TRY(bvxi_resize(work->ctx, BVXI_SCRATCH, &work->block, work->block_size, size, "the corners of a polygon"));
+        BVXI_TRY(bvxi_resize(work->ctx, BVXI_SCRATCH, &work->block, work->block_size, size,
+                             "the corners of a polygon"));
         work->block_size = size;
     }
     ring->xy = work->block;
@@ -212,12 +225,15 @@ static bvx_status polygon_room(bvxi_polygon *work, bvxi_ring *ring, uint64_t cou
     return BVX_OK;
 }
 
-/* Cut a ring that is no line. sense: its turn at the lowest corner; area: the sense of its area, where that is known. */
-static bvx_status polygon_cut_ring(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, int32_t sense, int32_t area)
+/* Cut a ring that is no line. sense: its turn at the lowest corner; area:
+ * the sense of its area, where that is known. */
+static bvx_status polygon_cut_ring(bvxi_polygon *work, bvxi_ring *ring, uint64_t count, int32_t sense,
+                                   int32_t area)
 {
     uint32_t const n = ring->count;
     void *scratch;
     int touches = 1, good = 0;
+
     if (sense != 0) {
         BVXI_TRY(polygon_room(work, ring, count, (uint64_t)n * 8, &scratch));
         BVXI_TRY(bvxi_polygon_order(ring, scratch, (uint32_t *)scratch + n, &touches));
@@ -234,12 +250,14 @@ static bvx_status polygon_cut_ring(bvxi_polygon *work, bvxi_ring *ring, uint64_t
 }
 
 /* The long way. An axis along which all corners lie on one line is passed over for the next. */
-static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3], uint64_t count, uint32_t *triangles)
+static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3], uint64_t count,
+                                   uint32_t *triangles)
 {
     double factors[2], small_factors[2], normal[3];
     size_t axes[3];
     bvxi_ring ring = {0};
     void *behind;
+
     ring.ctx = work->ctx;
     BVXI_TRY(polygon_room(work, &ring, count, 0, &behind));
     polygon_scale(corner, count, factors, small_factors);
@@ -248,7 +266,8 @@ static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3]
     for (size_t a = 0; a < 3; a++) {
         double const component = normal[axes[a]];
         ring.triangles = triangles;
-        if (!polygon_lay_flat(&ring, corner, (uint32_t)count, factors, axes[a]) || polygon_is_line(&ring)) continue;
+        if (!polygon_lay_flat(&ring, corner, (uint32_t)count, factors, axes[a]) || polygon_is_line(&ring))
+            continue;
         int32_t const sense = polygon_sense(&ring);
         if (sense < 0) polygon_turn_round(&ring);
         if (polygon_ring_is_convex(&ring)) break;
@@ -258,7 +277,8 @@ static bvx_status polygon_cut_flat(bvxi_polygon *work, const double (*corner)[3]
     return BVX_OK;
 }
 
-bvx_status bvxi_polygon_cut(bvxi_polygon *work, const double (*corner)[3], uint64_t count, uint32_t *triangles)
+bvx_status bvxi_polygon_cut(bvxi_polygon *work, const double (*corner)[3], uint64_t count,
+                            uint32_t *triangles)
 {
     if (count > 3 && count <= POLYGON_MOST && !polygon_is_certainly_convex(corner, count))
         return polygon_cut_flat(work, corner, count, triangles);

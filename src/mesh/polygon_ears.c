@@ -1,14 +1,15 @@
 /* polygon_ears.c - a polygon that is not simple cut into triangles as well as can be, in bounded time.
  *
- * Source: Meisters. Polygons have ears. 1975. ElGindy, Everett, Toussaint. Slicing an ear using prune-and-search. 1993 (only
- * reflex corners can lie in an ear).
+ * Source: Meisters. Polygons have ears. 1975. ElGindy, Everett, Toussaint. Slicing an ear using
+ * prune-and-search. 1993 (only reflex corners can lie in an ear).
  *
- * Corners are cut off one after the other, going round: an ear (left-turning, no reflex corner in its triangle) or a corner
- * whose two edges fold onto each other. Corners at the same place as one of the triangle's do not count as inside, so a
- * polygon that touches itself, such as one with holes joined to its rim by bridges, comes out as if it were simple: all
- * triangles left-turning. Where a whole round finds no ear, the edges cross: then straight corners go, then left-turning
- * ones, then any. The looks at reflex corners are counted: 512 for each corner, 2^24 at most. When they are used up, what is
- * left becomes a fan. */
+ * Corners are cut off one after the other, going round: an ear (left-turning, no reflex corner in its
+ * triangle) or a corner whose two edges fold onto each other. Corners at the same place as one of the
+ * triangle's do not count as inside, so a polygon that touches itself, such as one with holes joined to its
+ * rim by bridges, comes out as if it were simple: all triangles left-turning. Where a whole round finds no
+ * ear, the edges cross: then straight corners go, then left-turning ones, then any. The looks at reflex
+ * corners are counted: 512 for each corner, 2^24 at most. When they are used up, what is left becomes a
+ * fan. */
 #include "mesh/polygon_ring.h"
 
 enum { EAR_LOOKS_EACH = 512, EAR_LOOKS_MOST = 1 << 24, EAR_ASK = 1 << 18 };
@@ -25,7 +26,8 @@ typedef struct polygon_ears {
 
 static void ear_set_state(polygon_ears *e, uint32_t v)
 {
-    if (e->state[v] == EAR_REFLEX && bvxi_ring_side(e->ring, e->previous[v], v, e->next[v]) > 0) e->state[v] = EAR_OTHER;
+    if (e->state[v] == EAR_REFLEX && bvxi_ring_side(e->ring, e->previous[v], v, e->next[v]) > 0)
+        e->state[v] = EAR_OTHER;
 }
 
 /* 1 when the two edges at v lie on one line and on the same side of v. */
@@ -38,12 +40,14 @@ static int ear_is_fold(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q
 static int ear_holds(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q, uint32_t r)
 {
     const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
+
     for (size_t k = 0; k < 2; k++) {
         double const x = xy[r][k];
         if (x < xy[p][k] && x < xy[v][k] && x < xy[q][k]) return 0;
         if (x > xy[p][k] && x > xy[v][k] && x > xy[q][k]) return 0;
     }
-    if (bvxi_place_order(xy[r], xy[p]) == 0 || bvxi_place_order(xy[r], xy[v]) == 0 || bvxi_place_order(xy[r], xy[q]) == 0)
+    if (bvxi_place_order(xy[r], xy[p]) == 0 || bvxi_place_order(xy[r], xy[v]) == 0 ||
+        bvxi_place_order(xy[r], xy[q]) == 0)
         return 0;
     return bvxi_ring_side(e->ring, p, v, r) >= 0 && bvxi_ring_side(e->ring, v, q, r) >= 0 &&
            bvxi_ring_side(e->ring, q, p, r) >= 0;
@@ -88,17 +92,20 @@ static void ear_cut(polygon_ears *e, uint32_t v)
 
 static void ear_make_fan(polygon_ears *e, uint32_t v)
 {
-    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b]) bvxi_ring_triangle(e->ring, v, a, b);
+    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b])
+        bvxi_ring_triangle(e->ring, v, a, b);
 }
 
 static void ears_prepare(polygon_ears *e, void *scratch)
 {
     uint32_t const n = e->ring->count;
+
     e->next = scratch;
     e->previous = e->next + n;
     e->reflex = e->previous + n;
     e->state = (uint8_t *)(e->reflex + n);
-    e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH : EAR_LOOKS_MOST;
+    e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH
+                                                                  : EAR_LOOKS_MOST;
     for (uint32_t i = 0; i < n; i++) {
         e->next[i] = bvxi_ring_next(e->ring, i);
         e->previous[i] = bvxi_ring_previous(e->ring, i);
@@ -116,12 +123,14 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
 {
     uint32_t v = 0, left = ring->count, vain = 0, round = 0;
     polygon_ears e = {0};
+
     e.ring = ring;
     e.ask = EAR_ASK;
     ears_prepare(&e, scratch);
     while (left > 3 && e.looks < e.looks_left) {
         if (e.looks >= e.ask) {
-            BVXI_TRY(bvxi_progress(ring->ctx, "cut polygon", 0.7 + 0.3 * (double)e.looks / (double)e.looks_left));
+            BVXI_TRY(
+                bvxi_progress(ring->ctx, "cut polygon", 0.7 + 0.3 * (double)e.looks / (double)e.looks_left));
             e.ask += EAR_ASK;
         }
         e.looks++;

@@ -1,11 +1,13 @@
-/* polygon_ring.h - a polygon laid into a plane, and the ways to cut it. Only the polygon files include this. */
+/* polygon_ring.h - a polygon laid into a plane, and the ways to cut it. Only the polygon files include
+ * this. */
 #ifndef BVXI_POLYGON_RING_H
 #define BVXI_POLYGON_RING_H
 
 #include "core/core.h"
 
-/* Corners in the order of the polygon, counter-clockwise, no two neighbours at one place. Places are scaled so that all
- * are below 2^500 and multiples of 2^-500: no product of two of them, nor its rounding error, leaves the range of doubles. */
+/* Corners in the order of the polygon, counter-clockwise, no two neighbours at one
+ * place. Places are scaled so that all are below 2^500 and multiples of 2^-500: no
+ * product of two of them, nor its rounding error, leaves the range of doubles. */
 typedef struct bvxi_ring {
     bvx_context *ctx;
     double (*xy)[2];
@@ -19,8 +21,8 @@ enum { BVXI_RING_ASKS = 1 << 16 }; /* corners from which on progress is asked */
 
 /* ---- polygon_side.c ---- */
 
-/* Twice the area of the triangle when its sign is certain, 0 when it is not. No underflow matters: a sum that is not
- * well above what small numbers lose is not certain. */
+/* Twice the area of the triangle when its sign is certain, 0 when it is not. No underflow matters: a sum that
+ * is not well above what small numbers lose is not certain. */
 static inline double bvxi_side_quick(double ax, double ay, double bx, double by, double cx, double cy)
 {
     double const left = (ax - cx) * (by - cy), right = (ay - cy) * (bx - cx);

@@ -1,12 +1,15 @@
 /* polygon_side.c - on which side of a line a point lies, without any rounding.
  *
- * Source: Dekker. A floating-point technique for extending the available precision. 1971 (products without error).
+ * Source: Dekker. A floating-point technique for extending the available precision. 1971 (products without
+ * error).
  *         Shewchuk. Adaptive precision floating-point arithmetic and fast robust geometric predicates. 1997.
  *
- * Where the differences of coordinates are exact, as on whole numbers, two products with their errors are compared.
- * Otherwise the determinant is written as six products of coordinates, and their twelve parts are summed without error.
- * Guarantee: the right sign for coordinates below 2^500 that are multiples of 2^-500: sums and products stay below 2^1023,
- * and every error is a multiple of 2^-1000. Only + - * of doubles rounded to nearest; no contraction. */
+ * Where the differences of coordinates are exact, as on whole numbers, two products with their errors are
+ * compared. Otherwise the determinant is written as six products of coordinates, and their twelve parts are
+ * summed without error.
+ * Guarantee: the right sign for coordinates below 2^500 that are multiples of 2^-500: sums and products stay
+ * below 2^1023, and every error is a multiple of 2^-1000. Only + - * of doubles rounded to nearest; no
+ * contraction. */
 #include "mesh/polygon_ring.h"
 
 enum { SIDE_TERMS = 12 };
@@ -46,9 +49,11 @@ static void side_grow(double *parts, int count, double value)
 
 static int32_t side_of_products(const double a[2], const double b[2], const double c[2])
 {
-    const double factors[6][2] = {{a[0], b[1]}, {-a[1], b[0]}, {b[0], c[1]}, {-b[1], c[0]}, {c[0], a[1]}, {-c[1], a[0]}};
+    const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
+                                  {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
     double parts[SIDE_TERMS] = {0};
     int n = 0;
+
     for (size_t i = 0; i < 6; i++, n += 2) {
         double high, low;
         side_product(factors[i][0], factors[i][1], &high, &low);
@@ -62,12 +67,15 @@ static int32_t side_of_products(const double a[2], const double b[2], const doub
 int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
 {
     double ac[2], bc[2], rest[4], left, left_low, right, right_low;
+
     for (size_t k = 0; k < 2; k++) {
         side_sum(a[k], -c[k], &ac[k], &rest[k]);
         side_sum(b[k], -c[k], &bc[k], &rest[k + 2]);
     }
-    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0) return side_of_products(a, b, c);
-    side_product(ac[0], bc[1], &left, &left_low); /* rounding keeps order, so the errors decide only between equals */
+    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0)
+        return side_of_products(a, b, c);
+    /* rounding keeps order, so the errors decide only between equals */
+    side_product(ac[0], bc[1], &left, &left_low);
     side_product(ac[1], bc[0], &right, &right_low);
     if (left != right) return left > right ? 1 : -1;
     return left_low > right_low ? 1 : left_low < right_low ? -1 : 0;

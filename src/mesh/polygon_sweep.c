@@ -3,16 +3,17 @@
  * Source: Hertel, Mehlhorn. Fast triangulation of the plane with respect to simple polygons. 1985.
  *         Sleator, Tarjan. Self-adjusting binary search trees. 1985 (top-down splaying).
  *
- * A line sweeps over the corners in order of x, then y. Where it is inside the polygon it is cut into intervals, each
- * between a floor edge and a roof edge. What is not yet cut on an interval's left ends in a chain of corners from the
- * floor's start to the roof's start, and the chain bends to the right alone: no three of its corners can be cut off. A new
- * corner is added to the chain (at an end, or in its front where the interval splits), and from there on triangles are cut
- * off as long as the chain's next corner can be seen. Each triangle takes one corner out of a chain, so all walks together
- * are linear; intervals lie in a splay tree, so no order of corners makes finding them dear.
+ * A line sweeps over the corners in order of x, then y. Where it is inside the polygon it is cut into
+ * intervals, each between a floor edge and a roof edge. What is not yet cut on an interval's left ends in a
+ * chain of corners from the floor's start to the roof's start, and the chain bends to the right alone: no
+ * three of its corners can be cut off. A new corner is added to the chain (at an end, or in its front where
+ * the interval splits), and from there on triangles are cut off as long as the chain's next corner can be
+ * seen. Each triangle takes one corner out of a chain, so all walks together are linear; intervals lie in a
+ * splay tree, so no order of corners makes finding them dear.
  *
- * Guarantee: every triangle is left-turning by an exact test (the last ones of an interval may have no area), the pieces of
- * chain match, and there are count - 2: for a simple polygon that is a triangulation. A polygon for which this does not
- * come out is reported as not simple. Cost: O(count log count), also then. */
+ * Guarantee: every triangle is left-turning by an exact test (the last ones of an interval may have no area),
+ * the pieces of chain match, and there are count - 2: for a simple polygon that is a triangulation. A polygon
+ * for which this does not come out is reported as not simple. Cost: O(count log count), also then. */
 #include "mesh/polygon_ring.h"
 
 enum { SWEEP_NONE = 0, SWEEP_ASK = 1 << 14 };
@@ -23,16 +24,16 @@ typedef struct chain_link {
 
 /* Edge e runs from corner e of the ring to the next: floors to the right, roofs to the left. */
 typedef struct sweep_interval {
-    uint32_t left, right;        /* the tree: lower intervals, higher intervals */
+    uint32_t left, right; /* the tree: lower intervals, higher intervals */
     uint32_t floor, roof;
     uint32_t bottom, top, front; /* links: the chain's ends, and its rightmost */
 } sweep_interval;
 
 typedef struct polygon_sweep {
     bvxi_ring *ring;
-    uint32_t *rank;          /* of each corner in the order of the sweep */
-    uint32_t *interval_of;   /* of each edge that bounds one */
-    chain_link *links;       /* from 1 on */
+    uint32_t *rank;            /* of each corner in the order of the sweep */
+    uint32_t *interval_of;     /* of each edge that bounds one */
+    chain_link *links;         /* from 1 on */
     sweep_interval *intervals; /* from 1 on; number 0 is the tree's scratch */
     uint32_t link_count, interval_count, root;
     int good;
@@ -50,14 +51,17 @@ bvx_status bvxi_polygon_order(const bvxi_ring *ring, uint32_t *order, uint32_t *
 {
     uint32_t const n = ring->count;
     uint32_t *from = order, *to = other;
+
     for (uint32_t i = 0; i < n; i++) order[i] = i;
     for (uint32_t width = 1; width < n; width *= 2) { /* merge runs of this width */
         BVXI_TRY(bvxi_ring_ask(ring, 0.4 * (double)width / (double)n));
         for (uint32_t low = 0; low < n; low += 2 * width) {
-            uint32_t const middle = n - low < width ? n : low + width, high = n - low < 2 * width ? n : low + 2 * width;
+            uint32_t const middle = n - low < width ? n : low + width;
+            uint32_t const high = n - low < 2 * width ? n : low + 2 * width;
             uint32_t a = low, b = middle;
             for (uint32_t i = low; i < high; i++)
-                to[i] = a < middle && (b == high || sweep_comes_first(ring, from[a], from[b])) ? from[a++] : from[b++];
+                to[i] = a < middle && (b == high || sweep_comes_first(ring, from[a], from[b])) ? from[a++]
+                                                                                               : from[b++];
         }
         uint32_t *const swap = from;
         from = to;
@@ -79,17 +83,20 @@ static int sweep_is_above(const polygon_sweep *s, uint32_t interval, uint32_t co
     return bvxi_ring_side(s->ring, floor, bvxi_ring_next(s->ring, floor), corner) >= 0;
 }
 
-/* Bring the end of the search for a corner to the root of a subtree that is not empty; with highest 1 its last interval. */
+/* Bring the end of the search for a corner to the root of a subtree that is
+ * not empty; with highest 1 its last interval. */
 static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corner, int highest)
 {
     sweep_interval *const v = s->intervals;
     uint32_t low = SWEEP_NONE, high = SWEEP_NONE; /* where what is left and right of the path is hung */
+
     v[SWEEP_NONE].left = v[SWEEP_NONE].right = SWEEP_NONE;
     for (;;) {
         int const up = highest || sweep_is_above(s, root, corner);
         uint32_t const child = up ? v[root].right : v[root].left;
         if (child == SWEEP_NONE) break;
-        if ((highest || sweep_is_above(s, child, corner)) == up) { /* twice the same way: turn the two round */
+        /* twice the same way: turn the two round */
+        if ((highest || sweep_is_above(s, child, corner)) == up) {
             if (up) {
                 v[root].right = v[child].left;
                 v[child].left = root;
@@ -122,6 +129,7 @@ static uint32_t sweep_find(polygon_sweep *s, uint32_t corner)
 {
     sweep_interval *const v = s->intervals;
     uint32_t found;
+
     if (s->root == SWEEP_NONE) return SWEEP_NONE;
     s->root = sweep_splay(s, s->root, corner, 0);
     if (sweep_is_above(s, s->root, corner)) return s->root;
@@ -148,6 +156,7 @@ static void sweep_remove(polygon_sweep *s, uint32_t interval, uint32_t corner)
 {
     sweep_interval *const v = s->intervals;
     uint32_t rest;
+
     if (sweep_find(s, corner) != interval) {
         s->good = 0;
         return;
@@ -176,6 +185,7 @@ static uint32_t sweep_link(polygon_sweep *s, uint32_t corner)
 static int sweep_cut(polygon_sweep *s, uint32_t below, uint32_t above, uint32_t corner, int32_t wanted)
 {
     uint32_t const a = s->links[below].corner, b = s->links[above].corner;
+
     if (bvxi_ring_side(s->ring, a, corner, b) < wanted) return 0;
     if (s->ring->made == s->ring->count - 2) {
         s->good = 0;
@@ -229,7 +239,8 @@ static void sweep_bound(polygon_sweep *s, uint32_t interval, uint32_t floor, uin
     s->interval_of[floor] = s->interval_of[roof] = interval;
 }
 
-/* The interval that an edge bounds as its floor, or as its roof; SWEEP_NONE in a polygon that is not simple. */
+/* The interval that an edge bounds as its floor, or as its roof; SWEEP_NONE in a polygon that is not
+ * simple. */
 static uint32_t sweep_with_floor(polygon_sweep *s, uint32_t edge)
 {
     uint32_t const i = s->interval_of[edge];
@@ -260,6 +271,7 @@ static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
     uint32_t const found = sweep_find(s, corner);
     uint32_t made, front, copy, roof;
     sweep_interval *lower, *upper;
+
     if (found == SWEEP_NONE) {
         s->good = 0;
         return;
@@ -287,6 +299,7 @@ static void sweep_end(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const i = sweep_with_floor(s, before);
     uint32_t next;
+
     if (i == SWEEP_NONE || sweep_with_roof(s, corner) != i) {
         s->good = 0;
         return;
@@ -304,6 +317,7 @@ static void sweep_merge(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const low = sweep_with_roof(s, corner), high = sweep_with_floor(s, before);
     sweep_interval *lower, *upper;
+
     if (!s->good || low == high) {
         s->good = 0;
         return;
@@ -321,8 +335,9 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
 {
     const bvxi_ring *const ring = s->ring;
     uint32_t const before = bvxi_ring_previous(ring, corner), after = bvxi_ring_next(ring, corner);
-    int const from_left = s->rank[before] < s->rank[corner], to_right = s->rank[after] > s->rank[corner];
+    int const from_left = s->rank[before]<s->rank[corner], to_right = s->rank[after]> s->rank[corner];
     uint32_t i;
+
     if (from_left && to_right) {
         if ((i = sweep_with_floor(s, before)) == SWEEP_NONE) return;
         sweep_bound(s, i, corner, s->intervals[i].roof);
@@ -341,7 +356,8 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
     }
 }
 
-/* A corner adds one link, or three where an interval splits: then one of its neighbours adds one interval and no more. */
+/* A corner adds one link, or three where an interval splits: then one of
+ * its neighbours adds one interval and no more. */
 uint64_t bvxi_polygon_sweep_size(uint32_t count)
 {
     uint64_t const n = count;
@@ -352,6 +368,7 @@ bvx_status bvxi_polygon_sweep(bvxi_ring *ring, const uint32_t *order, void *scra
 {
     uint32_t const n = ring->count;
     polygon_sweep s = {0};
+
     s.ring = ring;
     s.rank = scratch;
     s.interval_of = s.rank + n;

@@ -1,13 +1,14 @@
 /* radix.c - least significant digit first, eight bits a digit.
  *
- * One pass counts all eight digits of all keys; a digit that is the same everywhere is skipped. Each further pass
- * moves elements between two pairs of arrays without changing the order of equal digits.
+ * One pass counts all eight digits of all keys; a digit that is the same everywhere is skipped. Each further
+ * pass moves elements between two pairs of arrays without changing the order of equal digits.
  * Cost: O(count) for each digit that differs. */
 #include "mesh/radix.h"
 
 enum { RADIX_DIGITS = 8, RADIX_VALUES = 256 };
 
-static void count_radix_digits(const uint64_t *keys, uint64_t count, uint32_t table[RADIX_DIGITS][RADIX_VALUES])
+static void count_radix_digits(const uint64_t *keys, uint64_t count,
+                               uint32_t table[RADIX_DIGITS][RADIX_VALUES])
 {
     memset(table, 0, sizeof table[0] * RADIX_DIGITS);
     for (uint64_t i = 0; i < count; i++)
@@ -18,6 +19,7 @@ static void count_radix_digits(const uint64_t *keys, uint64_t count, uint32_t ta
 static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
 {
     uint32_t sum = 0;
+
     for (int v = 0; v < RADIX_VALUES; v++) {
         uint32_t const n = table[v];
         if (n == count) return 0;
@@ -33,6 +35,7 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     uint64_t *spare_keys, *key_from = keys, *key_to, *key_swap;
     uint32_t *spare_numbers, *number_from = numbers, *number_to, *number_swap;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers);
     if (status != BVX_OK) {

@@ -2,11 +2,13 @@
 #ifndef BVXI_SCALE_H
 #define BVXI_SCALE_H
 
-/* The power of two that brings the largest coordinate of a box into [0.5, 1), or as near as 1000 doublings come.
- * Multiplying by it is exact, so it changes no result but those that would overflow or vanish on the way. */
+/* The power of two that brings the largest coordinate of a box into [0.5,
+ * 1), or as near as 1000 doublings come. Multiplying by it is exact, so it
+ * changes no result but those that would overflow or vanish on the way. */
 static inline double bvxi_unit_scale(const double low[3], const double high[3])
 {
     double largest = 0.0, s = 1.0;
+
     for (int a = 0; a < 3; a++) {
         largest = high[a] > largest ? high[a] : largest;
         largest = -low[a] > largest ? -low[a] : largest;

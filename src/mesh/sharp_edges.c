@@ -1,7 +1,8 @@
 /* sharp_edges.c - has a mesh sharp edges, as machine parts have?
  *
- * Measured is length: of the edges between two triangles, of those whose facets meet at an angle, and of those that are merely bent.
- * A part of planes has much of the first and little of the second; a scan, a coarse ball or terrain have bent edges of all angles. */
+ * Measured is length: of the edges between two triangles, of those whose facets meet at an angle, and of
+ * those that are merely bent. A part of planes has much of the first and little of the second; a scan, a
+ * coarse ball or terrain have bent edges of all angles. */
 #include "mesh/sharp_edges.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
@@ -12,25 +13,28 @@ enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */
 
 /* Edges whose facets meet at more than 40 degrees are sharp, at more than 15 bent: cosines. */
 #define SHARP_COSINE 0.766
-#define BENT_COSINE 0.966
+#define BENT_COSINE  0.966
 
-/* Of the length of all edges: enough where few are bent, and enough anyhow (machine parts of coarse cylinders). To one of bent ones. */
-#define SHARP_SHARE 0.01
+/* Of the length of all edges: enough where few are bent, and enough anyhow
+ * (machine parts of coarse cylinders). To one of bent ones. */
+#define SHARP_SHARE        0.01
 #define SHARP_SHARE_ANYHOW 0.1
-#define SHARP_TO_BENT 2.0
+#define SHARP_TO_BENT      2.0
 
 /* Lengths of the edges between two triangles: of all, of those that are bent, of those that are sharp. */
 typedef struct edge_lengths {
     double all, bent, sharp;
 } edge_lengths;
 
-static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *representative, uint64_t t, uint32_t v[3])
+static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *representative, uint64_t t,
+                            uint32_t v[3])
 {
     bvxi_view_triangle(mesh, t, v);
     for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
 }
 
-/* Corners and the normal of length 1 of a triangle, and twice its area, which is 0 where there is no normal. */
+/* Corners and the normal of length 1 of a triangle, and twice its area, which is 0 where there is no
+ * normal. */
 static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
 {
     double size;
@@ -42,7 +46,8 @@ static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[
 }
 
 /* Two sides (3 * triangle + k: from corner k to the next) of one edge. */
-static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, uint32_t one, uint32_t other, edge_lengths *sum)
+static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, uint32_t one, uint32_t other,
+                     edge_lengths *sum)
 {
     double p[3][3], q[3][3], n[3], m[3], length = 0, cosine;
     uint32_t v[3], w[3];
@@ -59,14 +64,12 @@ static void add_edge(const bvx_mesh_view *mesh, const uint32_t *representative, 
     length = sqrt(length);
 
     sum->all += length;
-    if (cosine < SHARP_COSINE)
-        sum->sharp += length;
-    else if (cosine < BENT_COSINE)
-        sum->bent += length;
+    if (cosine < SHARP_COSINE) sum->sharp += length;
+    else if (cosine < BENT_COSINE) sum->bent += length;
 }
 
-static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *representative, uint64_t *keys,
-                                uint32_t *side, edge_lengths *sum)
+static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *representative,
+                                uint64_t *keys, uint32_t *side, edge_lengths *sum)
 {
     uint64_t const n = 3 * mesh->triangle_count;
 
@@ -90,7 +93,8 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
     return BVX_OK;
 }
 
-static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, int32_t *sharp, double *share)
+static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                              int32_t *sharp, double *share)
 {
     uint64_t const bytes = view->triangle_count * 36;
     edge_lengths sum = {0, 0, 0};
@@ -107,7 +111,8 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     return status;
 }
 
-bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative, int32_t *sharp, double *share)
+bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                            int32_t *sharp, double *share)
 {
     uint64_t const bytes = view->vertex_count * 4;
     uint32_t *found = NULL;

@@ -1,29 +1,33 @@
 /* topology.c - closed, manifold, oriented, how many pieces: from vertex numbers alone.
  *
- * Half-edges are put into buckets by their lower vertex and sorted by their higher vertex there (a radix sort whose
- * first digit is the vertex), so the half-edges of an edge lie side by side. Each gets a link to the next half-edge
- * of its edge, in a ring. Along the rings: pieces by union-find over triangles, fans by walking round vertices.
- * Guarantee: the counts are exact for any triangles, also for soups. Cost: O(triangles), the largest fan's logarithm
- * on top where fans are large.
+ * Half-edges are put into buckets by their lower vertex and sorted by their higher vertex there (a radix sort
+ * whose first digit is the vertex), so the half-edges of an edge lie side by side. Each gets a link to the
+ * next half-edge of its edge, in a ring. Along the rings: pieces by union-find over triangles, fans by
+ * walking round vertices.
+ * Guarantee: the counts are exact for any triangles, also for soups. Cost: O(triangles), the largest fan's
+ * logarithm on top where fans are large.
  *
- * Numbers: half-edge h = 3 t + k runs from corner k to corner k + 1 of triangle t and stands for corner k too. */
+ * Numbers: half-edge h = 3 t + k runs from corner k to corner k + 1 of triangle t and stands for corner k
+ * too. */
 #include "mesh/topology.h"
 
 enum { TOPOLOGY_ASKS = 1 << 20 }; /* vertices or corners between asking progress */
-enum { TOPOLOGY_INSERTION_LIMIT = 32 }; /* larger buckets are heap-sorted: a fan of a million triangles is harmless */
+/* larger buckets are heap-sorted: a fan of a million triangles is harmless */
+enum { TOPOLOGY_INSERTION_LIMIT = 32 };
 
 typedef struct topology {
     bvx_context *ctx;
     const uint32_t *corners;
     uint64_t triangle_count, vertex_count;
     uint32_t *bucket_end; /* [Size: vertex_count] */
-    uint64_t *entries;    /* half-edges in buckets: higher vertex << 32 | half-edge [Size: triangle_count * 3] */
-    uint32_t *ring;       /* next half-edge of the same edge [Size: triangle_count * 3] */
-    uint32_t *parent;     /* union-find over triangles [Size: triangle_count] */
-    uint64_t *broken;     /* bit v: no fan, as an edge at v has three triangles or v has two fans */
-    uint64_t *seen;       /* bit v: a fan at v was walked, or v is known to be broken; v is counted */
-    uint64_t *walked;     /* bit h: the fan of this corner was walked */
-    int edges_alone;      /* 1: no pieces, no fans */
+    /* half-edges in buckets: higher vertex << 32 | half-edge [Size: triangle_count * 3] */
+    uint64_t *entries;
+    uint32_t *ring;   /* next half-edge of the same edge [Size: triangle_count * 3] */
+    uint32_t *parent; /* union-find over triangles [Size: triangle_count] */
+    uint64_t *broken; /* bit v: no fan, as an edge at v has three triangles or v has two fans */
+    uint64_t *seen;   /* bit v: a fan at v was walked, or v is known to be broken; v is counted */
+    uint64_t *walked; /* bit h: the fan of this corner was walked */
+    int edges_alone;  /* 1: no pieces, no fans */
     bvx_certificate *result;
 } topology;
 
@@ -57,6 +61,7 @@ static uint32_t half_edge_before(uint32_t h)
 static void entries_sift(uint64_t *e, size_t at, size_t n)
 {
     uint64_t const value = e[at];
+
     for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
         if (child + 1 < n && e[child + 1] > e[child]) child++;
         if (e[child] <= value) break;
@@ -92,13 +97,15 @@ static void fill_edge_buckets(topology *c)
     uint64_t const half_edges = 3 * c->triangle_count;
     uint32_t sum = 0;
     const uint32_t *t = c->corners;
+
     memset(c->bucket_end, 0, (size_t)c->vertex_count * sizeof *c->bucket_end);
     for (uint64_t h = 0; h < half_edges; h += 3, t += 3) {
         c->bucket_end[t[0] < t[1] ? t[0] : t[1]]++;
         c->bucket_end[t[1] < t[2] ? t[1] : t[2]]++;
         c->bucket_end[t[2] < t[0] ? t[2] : t[0]]++;
     }
-    for (uint64_t v = 0; v < c->vertex_count; v++) { /* ends as they are before anything is filled in: the starts */
+    /* ends as they are before anything is filled in: the starts */
+    for (uint64_t v = 0; v < c->vertex_count; v++) {
         uint32_t const n = c->bucket_end[v];
         c->bucket_end[v] = sum;
         sum += n;
@@ -130,12 +137,13 @@ static void join_triangles(topology *c, uint32_t s, uint32_t t)
     c->result->components--;
 }
 
-/* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the edge of
- * its two least vertices. The entries' lower halves are reordered. */
+/* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
+ * edge of its two least vertices. The entries' lower halves are reordered. */
 static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, uint32_t higher)
 {
     uint64_t count = 0;
     size_t kept = 0;
+
     for (size_t i = 0; i < n; i++) {
         uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
         if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
@@ -152,6 +160,7 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
     bvx_certificate *const r = c->result;
     uint32_t const higher = (uint32_t)(e[0] >> 32), first = (uint32_t)e[0];
     uint64_t upwards = 0;
+
     r->edges++;
     if (n == 1) {
         c->ring[first] = first;
@@ -177,12 +186,14 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
 static bvx_status check_edges(topology *c)
 {
     uint64_t begin = 0;
+
     for (uint64_t t = 0; t < c->triangle_count; t++) c->parent[t] = (uint32_t)t;
     c->result->components = c->edges_alone ? 0 : c->triangle_count;
     c->result->oriented = 1;
     for (uint64_t v = 0; v < c->vertex_count; v++) {
         uint64_t const end = c->bucket_end[v];
-        if (v % TOPOLOGY_ASKS == 0) BVXI_TRY(bvxi_progress(c->ctx, "check", 0.4 + 0.4 * (double)v / (double)c->vertex_count));
+        if (v % TOPOLOGY_ASKS == 0)
+            BVXI_TRY(bvxi_progress(c->ctx, "check", 0.4 + 0.4 * (double)v / (double)c->vertex_count));
         entries_sort(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint64_t stop = begin + 1;
@@ -196,8 +207,9 @@ static bvx_status check_edges(topology *c)
 
 /* ---- vertices ---- */
 
-/* Walk round vertex v away over half-edge h (one of the two at v in its triangle), marking corners, until the fan
- * ends or comes back to the corner from. Edges at v have at most two triangles. Returns 1 when it came back. */
+/* Walk round vertex v away over half-edge h (one of the two at v in its
+ * triangle), marking corners, until the fan ends or comes back to the corner
+ * from. Edges at v have at most two triangles. Returns 1 when it came back. */
 static int walk_fan(topology *c, uint32_t v, uint32_t h, uint32_t from)
 {
     for (;;) {
@@ -221,9 +233,11 @@ static bvx_status check_vertices(topology *c)
 {
     bvx_certificate *const r = c->result;
     uint64_t const half_edges = 3 * c->triangle_count;
+
     for (uint64_t h = 0; h < half_edges; h++) {
         uint32_t const v = c->corners[h];
-        if (h % TOPOLOGY_ASKS == 0) BVXI_TRY(bvxi_progress(c->ctx, "check", 0.8 + 0.2 * (double)h / (double)half_edges));
+        if (h % TOPOLOGY_ASKS == 0)
+            BVXI_TRY(bvxi_progress(c->ctx, "check", 0.8 + 0.2 * (double)h / (double)half_edges));
         if (topology_bit_is_set(c->broken, v)) { /* known already, or counted now */
             if (!topology_bit_is_set(c->seen, v)) {
                 topology_bit_set(c->seen, v);
@@ -241,7 +255,8 @@ static bvx_status check_vertices(topology *c)
         topology_bit_set(c->seen, v);
         r->vertices++;
         topology_bit_set(c->walked, h);
-        if (!walk_fan(c, v, (uint32_t)h, (uint32_t)h)) walk_fan(c, v, half_edge_before((uint32_t)h), (uint32_t)h);
+        if (!walk_fan(c, v, (uint32_t)h, (uint32_t)h))
+            walk_fan(c, v, half_edge_before((uint32_t)h), (uint32_t)h);
     }
     return BVX_OK;
 }
@@ -253,6 +268,7 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
     uint64_t const half_edges = 3 * c->triangle_count;
     uint64_t const vertex_bits = topology_bit_words(c->vertex_count) * 8;
     uint64_t const corner_bits = topology_bit_words(half_edges) * 8;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->broken));
@@ -265,6 +281,7 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
 static void free_topology(bvx_context *ctx, topology *c)
 {
     uint64_t const half_edges = 3 * c->triangle_count;
+
     bvxi_free(ctx, c->entries, half_edges * 8);
     bvxi_free(ctx, c->parent, c->triangle_count * 4);
     bvxi_free(ctx, c->walked, topology_bit_words(half_edges) * 8);
@@ -284,11 +301,12 @@ static void conclude_topology(topology *c)
     r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c->triangle_count;
 }
 
-bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count, uint64_t vertex_count, int edges_alone,
-                         bvx_certificate *certificate)
+bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
+                         uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
     topology c;
     bvx_status status;
+
     memset(&c, 0, sizeof c);
     c.ctx = ctx;
     c.corners = corners;

@@ -4,18 +4,19 @@
 
 #include "core/core.h"
 
-/* Fill the counts and flags of a certificate that do not ask for positions, zero before: all but triangles, collapsed,
- * degenerate, area, volume and bounds, which stay as they are.
- * corners [Size: triangle_count * 3], numbers below vertex_count, three different ones a triangle, triangle_count
- * below 2^32 / 3. edges_alone: 1: vertices, pieces and what follows from them are left out. Progress is asked every so
- * many vertices and corners, from 0.4 of "check" on.
+/* Fill the counts and flags of a certificate that do not ask for positions, zero before: all but triangles,
+ * collapsed, degenerate, area, volume and bounds, which stay as they are.
+ * corners [Size: triangle_count * 3], numbers below vertex_count, three different ones a triangle,
+ * triangle_count below 2^32 / 3. edges_alone: 1: vertices, pieces and what follows from them are left out.
+ * Progress is asked every so many vertices and corners, from 0.4 of "check" on.
  * Scratch: 40.4 bytes a triangle and 4.3 a vertex. */
-bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count, uint64_t vertex_count, int edges_alone,
-                         bvx_certificate *certificate);
+bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
+                         uint64_t vertex_count, int edges_alone, bvx_certificate *certificate);
 
-/* check.c: what bvx_mesh_check tells of a mesh within bounds (bvxi_view_bounds) that is welded by representative (weld.h; different:
- * how many there are); edges_alone as above. */
-bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const double low[3], const double high[3],
-                             const uint32_t *representative, uint64_t different, int edges_alone, bvx_certificate *certificate);
+/* check.c: what bvx_mesh_check tells of a mesh within bounds (bvxi_view_bounds) that is welded by
+ * representative (weld.h; different: how many there are); edges_alone as above. */
+bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                             const double low[3], const double high[3], const uint32_t *representative,
+                             uint64_t different, int edges_alone, bvx_certificate *certificate);
 
 #endif

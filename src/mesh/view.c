@@ -1,10 +1,10 @@
 /* view.c - is a caller's mesh well formed, and where does it lie.
  *
- * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so packed floats
- * with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with them the number
- * of one vertex that touches each of the six sides. When the indices mention all six, these are the bounds of the
- * used vertices too. When one is missing (unused vertices stick out) the plain loop, which is the specification,
- * decides. */
+ * Bounds are those of the vertices that triangles use. Gathering three vertices a triangle is slow, so packed
+ * floats with packed 32-bit indices go another way: bounds of all vertices, in the order of memory, and with
+ * them the number of one vertex that touches each of the six sides. When the indices mention all six, these
+ * are the bounds of the used vertices too. When one is missing (unused vertices stick out) the plain loop,
+ * which is the specification, decides. */
 #include "core/hash.h"
 #include "mesh/view.h"
 
@@ -14,51 +14,58 @@ bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bv
     int k = 0;
     bvxi_view_raw_triangle(view, t, c);
     while (k < 2 && c[k] < view->vertex_count) k++;
-    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: triangle %i has vertex number %u, but there are %u vertices", function, t,
-                     c[k], view->vertex_count);
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                         "%s: triangle %i has vertex number %u, but there are %u vertices", function, t, c[k],
+                         view->vertex_count);
 }
 
-bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const bvx_mesh_view *view, uint64_t vertex)
+bvx_status bvxi_view_fail_finite(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                 uint64_t vertex)
 {
     static const char *const axis_name[3] = {"x", "y", "z"};
     double p[3];
     int k = 0;
     bvxi_view_position(view, vertex, p);
     while (k < 2 && p[k] - p[k] == 0.0) k++;
-    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i has %s = %g, which is not finite", function, vertex,
-                     axis_name[k], p[k]);
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                         "%s: vertex %i has %s = %g, which is not finite", function, vertex, axis_name[k],
+                         p[k]);
 }
 
 static bvx_status check_view_positions(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
 {
     uint32_t const least = v->position_type == BVX_F32 ? 12 : 24;
+
     if (v->position_type != BVX_F32 && v->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)",
-                         function, (uint64_t)v->position_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
+                         (uint64_t)v->position_type);
     if (v->position_stride != 0 && v->position_stride < least)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.position_stride is %u, less than the %u bytes of a vertex",
-                         function, (uint64_t)v->position_stride, (uint64_t)least);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_stride is %u, less than the %u bytes of a vertex", function,
+                         (uint64_t)v->position_stride, (uint64_t)least);
     if (v->vertex_count > UINT32_MAX)
         return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
                          v->vertex_count);
     if (v->positions == NULL && v->vertex_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u", function,
-                         v->vertex_count);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u",
+                         function, v->vertex_count);
     if (v->vertex_count * bvxi_view_position_stride(v) > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, more than memory can hold", function,
-                         v->vertex_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, more than memory can hold",
+                         function, v->vertex_count);
     return BVX_OK;
 }
 
 static bvx_status check_view_indices(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
 {
     if (v->triangle_count > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit is below 2^31", function,
-                         v->triangle_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit is below 2^31",
+                         function, v->triangle_count);
     if (v->indices == NULL) {
         if (3 * v->triangle_count > v->vertex_count)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.indices is NULL, so %u triangles need %u vertices, not %u",
-                             function, v->triangle_count, 3 * v->triangle_count, v->vertex_count);
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: mesh.indices is NULL, so %u triangles need %u vertices, not %u", function,
+                             v->triangle_count, 3 * v->triangle_count, v->vertex_count);
         return BVX_OK;
     }
     if (v->index_type < BVX_U16 || v->index_type > BVX_U64)
@@ -66,11 +73,12 @@ static bvx_status check_view_indices(bvx_context *ctx, const char *function, con
                          "%s: mesh.index_type is %u, not BVX_U16 (1), BVX_U32 (2) or BVX_U64 (3)", function,
                          (uint64_t)v->index_type);
     if (v->index_stride != 0 && v->index_stride < (uint32_t)6 << (v->index_type - BVX_U16))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.index_stride is %u, less than the %u bytes of a triangle",
-                         function, (uint64_t)v->index_stride, (uint64_t)6 << (v->index_type - BVX_U16));
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.index_stride is %u, less than the %u bytes of a triangle", function,
+                         (uint64_t)v->index_stride, (uint64_t)6 << (v->index_type - BVX_U16));
     if (v->triangle_count * bvxi_view_index_stride(v) > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, more than memory can hold", function,
-                         v->triangle_count);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, more than memory can hold",
+                         function, v->triangle_count);
     return BVX_OK;
 }
 
@@ -106,6 +114,7 @@ static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3]
 {
     uint32_t c[3];
     double p[3];
+
     bvxi_view_triangle(v, 0, c);
     bvxi_view_position(v, c[0], low);
     bvxi_view_position(v, c[0], high);
@@ -124,7 +133,8 @@ static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3]
 /* ---- packed floats with packed 32-bit indices ---- */
 
 enum {
-    VIEW_LANES = 96,         /* coordinates side by side: x, y, z of 32 vertices, a loop that becomes vectors */
+    /* coordinates side by side: x, y, z of 32 vertices, a loop that becomes vectors */
+    VIEW_LANES = 96,
     VIEW_VERTEX_BLOCK = 512, /* vertices whose bounds are compared at once */
     VIEW_INDEX_BLOCK = 3072  /* numbers looked through while they are in the nearest cache */
 };
@@ -135,7 +145,8 @@ typedef struct view_extremes {
 } view_extremes;
 
 /* Take one more row of lanes into account. Comparisons keep the older value on NaN, which x * 0 finds. */
-static void take_lanes(const unsigned char *at, float low[VIEW_LANES], float high[VIEW_LANES], float zero[VIEW_LANES])
+static void take_lanes(const unsigned char *at, float low[VIEW_LANES], float high[VIEW_LANES],
+                       float zero[VIEW_LANES])
 {
     float f;
     for (int k = 0; k < VIEW_LANES; k++) {
@@ -152,6 +163,7 @@ static int bounds_of_block(const unsigned char *at, size_t n, float low[3], floa
     float lo[VIEW_LANES], hi[VIEW_LANES], zero[VIEW_LANES], f, sum = 0.0f;
     size_t const lanes = 3 * n < VIEW_LANES ? 3 * n : VIEW_LANES;
     size_t i = lanes;
+
     memcpy(lo, at, 4 * lanes);
     memcpy(hi, at, 4 * lanes);
     for (size_t k = 0; k < lanes; k++) zero[k] = lo[k] * 0.0f;
@@ -174,8 +186,10 @@ static int bounds_of_all(const bvx_mesh_view *v, view_extremes *e)
 {
     const unsigned char *const p = v->positions;
     int finite = 1;
+
     for (uint64_t first = 0; first < v->vertex_count; first += VIEW_VERTEX_BLOCK) {
-        uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first : VIEW_VERTEX_BLOCK;
+        uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first
+                                                                       : VIEW_VERTEX_BLOCK;
         float low[3], high[3];
         finite &= bounds_of_block(p + 12 * (size_t)first, (size_t)n, low, high);
         for (int a = 0; a < 3; a++) {
@@ -207,6 +221,7 @@ static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int ax
 static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
+
     if (n == VIEW_INDEX_BLOCK) {
         for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
             memcpy(&c, at + 4 * i, sizeof c);
@@ -225,6 +240,7 @@ static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
 static int indices_within(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
+
     if (n == VIEW_INDEX_BLOCK) {
         for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
             memcpy(&c, at + 4 * i, sizeof c);
@@ -239,12 +255,13 @@ static int indices_within(const unsigned char *at, size_t n, uint32_t last)
     return beyond == 0;
 }
 
-/* Look through all triangles: *within tells whether every number is a vertex, the result whether each of the wanted
- * vertices is used. */
+/* Look through all triangles: *within tells whether every number is a
+ * vertex, the result whether each of the wanted vertices is used. */
 static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *within)
 {
     const unsigned char *const p = v->indices;
     int missing = 6;
+
     *within = 1;
     for (uint64_t first = 0; first < 3 * v->triangle_count && *within; first += VIEW_INDEX_BLOCK) {
         uint64_t const left = 3 * v->triangle_count - first;
@@ -263,6 +280,7 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
     view_extremes e;
     uint32_t want[6];
     int within;
+
     if (!bvxi_view_packed_f32(v) || !bvxi_view_packed_u32(v) || v->vertex_count == 0) return 0;
     if (!bounds_of_all(v, &e)) return 0;
     for (int a = 0; a < 3; a++) {
@@ -278,7 +296,9 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
                             double high[3])
 {
     double lo[3], hi[3];
-    if (view->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
+
+    if (view->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
@@ -291,7 +311,8 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     return BVX_OK;
 }
 
-bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view, bvx_mesh_view *points)
+bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                 bvx_mesh_view *points)
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "points");
     *points = *view;
@@ -301,9 +322,11 @@ bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const b
     return bvxi_view_check(ctx, function, points);
 }
 
-bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3], double high[3])
+bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                  double low[3], double high[3])
 {
     double p[3], lo[3], hi[3];
+
     if (view->vertex_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: there are no points", function);
     BVXI_TRY(check_every_position(ctx, function, view));
     bvxi_view_position(view, 0, lo);
@@ -330,19 +353,27 @@ static uint64_t view_bytes(uint64_t count, uint64_t stride, uint64_t last)
     return ok ? bytes : UINT64_MAX;
 }
 
-bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_mesh *result)
+bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                           const bvx_mesh *result)
 {
     uint64_t const position = result->position_type == BVX_F64 ? 24 : 12;
-    uint64_t const to_bytes[2] = {view_bytes(result->vertex_capacity, position, position), view_bytes(result->triangle_capacity, 12, 12)};
-    uint64_t const from_bytes[2] = {
-        view_bytes(view->vertex_count, bvxi_view_position_stride(view), view->position_type == BVX_F64 ? 24 : 12),
-        view->indices == NULL ? 0 : view_bytes(view->triangle_count, bvxi_view_index_stride(view), (uint64_t)6 << (view->index_type - BVX_U16))};
-    const void *const to[2] = {result->positions, result->triangles}, *const from[2] = {view->positions, view->indices};
+    uint64_t const to_bytes[2] = {view_bytes(result->vertex_capacity, position, position),
+                                  view_bytes(result->triangle_capacity, 12, 12)};
+    uint64_t const from_bytes[2] = {view_bytes(view->vertex_count, bvxi_view_position_stride(view),
+                                               view->position_type == BVX_F64 ? 24 : 12),
+                                    view->indices == NULL
+                                        ? 0
+                                        : view_bytes(view->triangle_count, bvxi_view_index_stride(view),
+                                                     (uint64_t)6 << (view->index_type - BVX_U16))};
+    const void *const to[2] = {result->positions, result->triangles};
+    const void *const from[2] = {view->positions, view->indices};
+
     for (int32_t i = 0; i < 2; i++)
         for (int32_t k = 0; k < 2; k++)
             if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the result's %s lie in the mesh's own arrays; it needs others", function,
-                                 i == 0 ? "positions" : "triangles");
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                                 "%s: the result's %s lie in the mesh's own arrays; it needs others",
+                                 function, i == 0 ? "positions" : "triangles");
     return BVX_OK;
 }
 

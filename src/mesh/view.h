@@ -1,7 +1,7 @@
 /* view.h - reading a caller's mesh: any position and index type, any stride, any alignment. Not installed.
  *
- * bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by one as
- * they are read, or all at once by bvxi_view_bounds. */
+ * bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by
+ * one as they are read, or all at once by bvxi_view_bounds. */
 #ifndef BVXI_VIEW_H
 #define BVXI_VIEW_H
 
@@ -11,9 +11,10 @@
  * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */
 bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
 
-/* Bounds of the vertices that triangles use, -0 given as 0; checks all indices and all coordinates on its way.
- * BVX_ERR_EMPTY without triangles, BVX_ERR_RANGE for an index beyond the vertices (names the triangle) or else for a
- * coordinate that is not finite (names the vertex; unused vertices must be finite too). Needs no memory. */
+/* Bounds of the vertices that triangles use, -0 given as 0; checks all indices and all coordinates on its
+ * way. BVX_ERR_EMPTY without triangles, BVX_ERR_RANGE for an index beyond the vertices (names the triangle)
+ * or else for a coordinate that is not finite (names the vertex; unused vertices must be finite too). Needs
+ * no memory. */
 bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3],
                             double high[3]);
 
@@ -23,15 +24,19 @@ uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner
 /* area.c: of all triangles. Trusts the indices. */
 double bvxi_view_area(const bvx_mesh_view *view);
 
-/* Refuse a result whose positions or triangles lie in the arrays of a checked view: the view is read after the result is begun. */
-bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_mesh *result);
+/* Refuse a result whose positions or triangles lie in the arrays of a
+ * checked view: the view is read after the result is begun. */
+bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                           const bvx_mesh *result);
 
 /* The view's vertices alone, checked as bvxi_view_check does. */
-bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view, bvx_mesh_view *points);
+bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                 bvx_mesh_view *points);
 
-/* Bounds of all vertices, -0 given as 0; triangles are not looked at. BVX_ERR_EMPTY without vertices, BVX_ERR_RANGE for a
- * coordinate that is not finite (names the vertex). */
-bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view, double low[3], double high[3]);
+/* Bounds of all vertices, -0 given as 0; triangles are not looked at. BVX_ERR_EMPTY without vertices,
+ * BVX_ERR_RANGE for a coordinate that is not finite (names the vertex). */
+bvx_status bvxi_view_point_bounds(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                  double low[3], double high[3]);
 
 /* The refusal of a triangle that bvxi_view_triangle did not accept, and of a vertex that is not finite. */
 BVXI_COLD bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
@@ -60,7 +65,8 @@ static inline const unsigned char *bvxi_view_index_at(const bvx_mesh_view *v, ui
     return (const unsigned char *)v->indices + (size_t)t * bvxi_view_index_stride(v);
 }
 
-/* 1 when vertices are three floats, or triangles three uint32_t, with nothing between them (of any alignment). */
+/* 1 when vertices are three floats, or triangles three uint32_t, with
+ * nothing between them (of any alignment). */
 static inline int bvxi_view_packed_f32(const bvx_mesh_view *v)
 {
     return v->position_type == BVX_F32 && bvxi_view_position_stride(v) == 12;

@@ -1,8 +1,8 @@
 /* weld.c - which vertices stand at the same position.
  *
- * Vertices enter an open table in the order of their numbers, so the one found there is always the least of its
- * position, whatever the table looks like. Positions are compared, never their hashes alone. Where the table searches too
- * long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
+ * Vertices enter an open table in the order of their numbers, so the one found there is always the least of
+ * its position, whatever the table looks like. Positions are compared, never their hashes alone. Where the
+ * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
  * Cost: O(vertices). */
 #include "mesh/weld.h"
 #include "core/key_tree.h"
@@ -12,7 +12,8 @@ enum { WELD_ASKS = 1 << 20 }; /* vertices between asking progress */
 
 static inline bvx_status weld_ask(bvx_context *ctx, const bvx_mesh_view *v, uint64_t i)
 {
-    if (BVXI_UNLIKELY(i % WELD_ASKS == WELD_ASKS - 1)) return bvxi_progress(ctx, "weld", (double)i / (double)v->vertex_count);
+    if (BVXI_UNLIKELY(i % WELD_ASKS == WELD_ASKS - 1))
+        return bvxi_progress(ctx, "weld", (double)i / (double)v->vertex_count);
     return BVX_OK;
 }
 
@@ -21,6 +22,7 @@ static uint32_t weld_hash(const double p[3])
 {
     uint64_t h = 0, bits;
     double x;
+
     for (int a = 0; a < 3; a++) {
         x = p[a] + 0.0;
         memcpy(&bits, &x, sizeof bits);
@@ -37,12 +39,13 @@ static uint64_t weld_table_size(uint64_t vertices)
 }
 
 /* table[slot] is a vertex number plus 1, or 0. *different becomes 0 when it was searched too long. */
-static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *table, uint64_t size, uint32_t *representative,
-                            uint64_t *different)
+static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *table, uint64_t size,
+                            uint32_t *representative, uint64_t *different)
 {
     uint64_t const limit = bvxi_probe_limit(v->vertex_count);
     uint64_t found = 0, probes = 0;
     double p[3], q[3];
+
     *different = 0;
     for (uint64_t i = 0; i < v->vertex_count; i++) {
         BVXI_TRY(weld_ask(ctx, v, i));
@@ -77,10 +80,12 @@ static void weld_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
     memcpy(key, p, sizeof p);
 }
 
-static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative, uint64_t *different)
+static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
+                               uint64_t *different)
 {
     bvx_status status = BVX_OK;
     bvxi_key_tree tree;
+
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
     for (uint64_t i = 0; i < view->vertex_count && status == BVX_OK; i++) {
         status = weld_ask(ctx, view, i);
@@ -91,11 +96,13 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
     return status;
 }
 
-bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative, uint64_t *different)
+bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
+                     uint64_t *different)
 {
     uint64_t const size = weld_table_size(view->vertex_count);
     uint32_t *table;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
     status = weld_into(ctx, view, table, size, representative, different);
     bvxi_free(ctx, table, size * sizeof *table);

@@ -4,10 +4,11 @@
 
 #include "core/core.h"
 
-/* representative[v] becomes the least number of a vertex at the position of v; -0 equals 0. *different counts the
- * positions. Progress is asked every so many vertices. The view is checked and its coordinates are finite.
- * representative [Size: vertex_count]. Scratch: 6 bytes a vertex, 8 where hashes collide on
+/* representative[v] becomes the least number of a vertex at the position of v; -0 equals 0. *different counts
+ * the positions. Progress is asked every so many vertices. The view is checked and its coordinates are
+ * finite. representative [Size: vertex_count]. Scratch: 6 bytes a vertex, 8 where hashes collide on
  * purpose. */
-bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative, uint64_t *different);
+bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
+                     uint64_t *different);
 
 #endif

@@ -1,9 +1,10 @@
 /* boolean.c - union, intersection, difference and xor of two meshes: bvx_boolean.
  *
- * Two exact solids on one lattice, a word operation, marching cubes. A crossed edge of the result is crossed by a, by b or by both,
- * and only the ends of edges that a body crosses are measured to it: its own surface, nowhere mixed with the other's. Where both
- * cross, a union has the outer of the two cuts, the others the inner one (of xor no edge is crossed by both). Walls of a body that
- * the lattice loses are widened in its solid (thicken.c) and put back to its mesh in the result (flatten.c). */
+ * Two exact solids on one lattice, a word operation, marching cubes. A crossed edge of the result is crossed
+ * by a, by b or by both, and only the ends of edges that a body crosses are measured to it: its own surface,
+ * nowhere mixed with the other's. Where both cross, a union has the outer of the two cuts, the others the
+ * inner one (of xor no edge is crossed by both). Walls of a body that the lattice loses are widened in its
+ * solid (thicken.c) and put back to its mesh in the result (flatten.c). */
 #include "field/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/pieces.h"
@@ -19,7 +20,8 @@
 static const char boolean_name[] = "bvx_boolean";
 
 static const bvx_boolean_options boolean_defaults = {
-    0, NULL, 256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0, {0}, BVX_THIN_KEEP, 0};
+    0,   NULL,          256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0,
+    {0}, BVX_THIN_KEEP, 0};
 
 void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 {
@@ -31,10 +33,10 @@ typedef struct boolean_body {
     const bvx_mesh_view *mesh;
     bvx_grid solid, where;
     bvxi_thin thin;
-    uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
-    double *vectors;     /* [Size: count * 3] */
+    uint64_t *first; /* number of each row's first value [Size: rows + 1] */
+    double *vectors; /* [Size: count * 3] */
     double *distances;
-    uint32_t *triangles; /* sharp */
+    uint32_t *triangles;  /* sharp */
     uint64_t count, room; /* values; those that the arrays hold */
 } boolean_body;
 
@@ -68,11 +70,14 @@ static const bvxi_option boolean_rows[] = {
 static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, const bvx_boolean_options *o)
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown", boolean_name, (int64_t)operation);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
+                             boolean_name, (int64_t)operation);
     BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: resolution is %d; 1 to %d are possible", boolean_name, (int64_t)o->resolution, (int64_t)1 << 24);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: resolution is %d; 1 to %d are possible", boolean_name,
+                             (int64_t)o->resolution, (int64_t)1 << 24);
     return BVX_OK;
 }
 
@@ -85,10 +90,13 @@ static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *resul
 {
     for (int32_t i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
-        BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low, job->box[i].high));
+        BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low,
+                                  job->box[i].high));
         BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
     }
-    if (job->options->lattice == NULL) return bvxi_boolean_lattice(job->ctx, job->operation, job->options->resolution, job->box, &job->lattice);
+    if (job->options->lattice == NULL)
+        return bvxi_boolean_lattice(job->ctx, job->operation, job->options->resolution, job->box,
+                                    &job->lattice);
     job->lattice = *job->options->lattice;
     return BVX_OK;
 }
@@ -103,9 +111,12 @@ static bvx_status open_boolean_grid(boolean_job *job, const char *what, bvx_grid
 static bvx_status open_boolean_grids(boolean_job *job)
 {
     uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
+
     if (words == 0 || words > SIZE_MAX / 8)
-        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
-                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1], (int64_t)job->lattice.dims[2]);
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
+                         "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
+                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
+                         (int64_t)job->lattice.dims[2]);
     job->grid_bytes = words * 8;
     job->rows = (uint64_t)job->lattice.dims[1] * (uint64_t)job->lattice.dims[2];
     for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
@@ -143,7 +154,8 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     return status;
 }
 
-/* A body without a voxel: as many as show its thin walls, and the thinnest side of its box in any case; 0 where it encloses nothing. */
+/* A body without a voxel: as many as show its thin walls, and the thinnest
+ * side of its box in any case; 0 where it encloses nothing. */
 static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double shortest)
 {
     const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
@@ -163,17 +175,20 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
     if (voxels == 0 && sides.whole) {
         int32_t advised;
 
-        if (!r->thin_checked) BVXI_TRY(keep_thin_walls(job, i)); /* they were not asked for; what would show them is */
+        /* they were not asked for; what would show them is */
+        if (!r->thin_checked) BVXI_TRY(keep_thin_walls(job, i));
         advised = resolution_of_lost_body(job, i, sides.shortest);
         if (advised == 0)
-            return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
-                             "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any resolution would "
-                             "show; repair it first",
-                             boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY,
-                         "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
-                         "take a resolution of %d or more, or repair it first",
-                         boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2], (int64_t)advised);
+            return bvxi_fail(
+                job->ctx, BVX_ERR_EMPTY,
+                "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any resolution would "
+                "show; repair it first",
+                boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
+        return bvxi_fail(
+            job->ctx, BVX_ERR_EMPTY,
+            "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
+            "take a resolution of %d or more, or repair it first",
+            boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2], (int64_t)advised);
     }
 
     if (voxels == 0 && sides.longest > 0.0) {
@@ -211,8 +226,9 @@ static bvx_status fill_boolean(boolean_job *job)
     o.check_thin = 0; /* they are looked for below */
     for (int32_t i = 0; i < 2; i++) {
         o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i, 0.4 * i + 0.1,
-                            bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid)));
+        BVXI_TRY(BVXI_SHARE(
+            job->ctx, 0.4 * i, 0.4 * i + 0.1,
+            bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid)));
         if (job->options->thin == BVX_THIN_KEEP || job->options->report != NULL)
             BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i + 0.1, 0.4 * (i + 1), keep_thin_walls(job, i)));
     }
@@ -238,7 +254,8 @@ static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
         uint64_t different;
         bvx_status status;
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "a mesh's pieces", &piece[i]));
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places", &representative));
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places",
+                            &representative));
         status = bvxi_weld(job->ctx, mesh, representative, &different);
         if (status == BVX_OK) bvxi_pieces(mesh, representative, piece[i]);
         bvxi_free(job->ctx, representative, mesh->vertex_count * 4);
@@ -255,8 +272,9 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
 
     for (int32_t empty = 0; empty < 2 && status == BVX_OK; empty++) {
         uint64_t crumbs = 0;
-        status = BVXI_SHARE(job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
-                            bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs));
+        status = BVXI_SHARE(
+            job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
+            bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs));
         job->report.crumbs += crumbs;
     }
     for (int32_t i = 2; i-- > 0;) bvxi_free(job->ctx, piece[i], job->body[i].mesh->vertex_count * 4);
@@ -287,19 +305,26 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 static bvx_status measure_body(boolean_job *job, boolean_body *b)
 {
     bvx_context *const ctx = job->ctx;
-    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6); /* ends of edges that the body crosses */
+    /* ends of edges that the body crosses */
+    double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6);
     double const from = 0.05, part = 0.35;
     bvxi_nearest_values out;
     bvxi_nearest *nearest = NULL;
     bvx_status status;
+
     BVXI_TRY(open_boolean_grid(job, "the centres that are measured", &b->where));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->where)));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "the rows of centres beside the surface", &b->first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "the rows of centres beside the surface",
+                        &b->first));
     b->count = bvxi_ends_number(&b->where, b->first);
     b->room = b->count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "the vectors of centres beside the surface", &b->vectors));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "the distances of centres beside the surface", &b->distances));
-    if (job->report.sharp) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "the triangles of centres beside the surface", &b->triangles));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "the vectors of centres beside the surface",
+                        &b->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "the distances of centres beside the surface",
+                        &b->distances));
+    if (job->report.sharp)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "the triangles of centres beside the surface",
+                            &b->triangles));
     if (b->count == 0) return BVX_OK;
     memset(&out, 0, sizeof out);
     out.value_type = BVX_F64;
@@ -344,6 +369,7 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
     bvx_field_surface_options o;
     bvxi_edge_values values[2];
+
     for (int32_t i = 0; i < 2; i++) take_body_values(&job->body[i], &values[i]);
     values[0].second = &values[1];
     values[0].outer = job->operation == BVX_BOOLEAN_UNION;
@@ -359,7 +385,8 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 
 static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
 {
-    bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid}, {&job->body[1].thin, &job->body[1].solid}};
+    bvxi_flat_body const bodies[BVXI_FLAT_BODIES] = {{&job->body[0].thin, &job->body[0].solid},
+                                                     {&job->body[1].thin, &job->body[1].solid}};
 
     return bvxi_flatten(job->ctx, boolean_name, bodies, BVXI_FLAT_BODIES, result);
 }
@@ -399,6 +426,7 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     boolean_job job;
     bvx_status status;
     int mine;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
@@ -418,8 +446,8 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     return status;
 }
 
-bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
-                       const bvx_boolean_options *options, bvx_mesh *result)
+bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                       int32_t operation, const bvx_boolean_options *options, bvx_mesh *result)
 {
     return BVXI_CALL(context, run_boolean(context, a, b, operation, options, result));
 }

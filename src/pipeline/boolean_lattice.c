@@ -1,7 +1,8 @@
 /* boolean_lattice.c - where an operation on two bodies needs voxels, and how many it needs.
  *
- * A half-space that cuts a part is a box a hundred times as large; a lattice around both would leave a few voxels to the part. What is
- * left of a difference lies within a, of an intersection within both boxes: only there the lattice has to be. */
+ * A half-space that cuts a part is a box a hundred times as large; a lattice around both would leave a few
+ * voxels to the part. What is left of a difference lies within a, of an intersection within both boxes: only
+ * there the lattice has to be. */
 #include "pipeline/boolean_lattice.h"
 #include "lattice/lattice.h"
 
@@ -38,17 +39,22 @@ static void give_way(const bvxi_body_box box[2], bvx_lattice *l)
 
     for (int i = 0; i < 2; i++)
         for (int a = 0; a < 3; a++) {
-            double const below = (l->origin[a] - box[i].low[a]) / l->spacing[a], above = (box[i].high[a] - l->origin[a]) / l->spacing[a];
+            double const below = (l->origin[a] - box[i].low[a]) / l->spacing[a];
+            double const above = (box[i].high[a] - l->origin[a]) / l->spacing[a];
             farthest = below > farthest ? below : farthest;
             farthest = above > farthest ? above : farthest;
         }
-    while (l->fraction_bits > BVXI_MIN_FRACTION && farthest * (double)((int64_t)1 << l->fraction_bits) > 0.5 * BVXI_FIXED_LIMIT)
+    while (l->fraction_bits > BVXI_MIN_FRACTION &&
+           farthest * (double)((int64_t)1 << l->fraction_bits) > 0.5 * BVXI_FIXED_LIMIT)
         l->fraction_bits--;
 }
 
-bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution, const bvxi_body_box box[2], bvx_lattice *lattice)
+bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
+                                const bvxi_body_box box[2], bvx_lattice *lattice)
 {
-    bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE ? box[0] : operation == BVX_BOOLEAN_INTERSECTION ? common_box(box) : joined_boxes(box);
+    bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE     ? box[0]
+                              : operation == BVX_BOOLEAN_INTERSECTION ? common_box(box)
+                                                                      : joined_boxes(box);
     bvx_lattice_options o;
 
     bvx_lattice_options_init(&o, sizeof o);

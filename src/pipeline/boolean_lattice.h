@@ -1,4 +1,5 @@
-/* boolean_lattice.h - the lattice that fits an operation on two boxes, and whether it is fine enough for them. Not installed. */
+/* boolean_lattice.h - the lattice that fits an operation on two boxes, and
+ * whether it is fine enough for them. Not installed. */
 #ifndef BVXI_BOOLEAN_LATTICE_H
 #define BVXI_BOOLEAN_LATTICE_H
 
@@ -8,11 +9,13 @@ typedef struct bvxi_body_box {
     double low[3], high[3];
 } bvxi_body_box;
 
-/* Around what can be left: of a difference the box of a, of an intersection what both have in common, else both. An empty voxel on every
- * side. Boxes that stick out take fraction bits, down to 4. */
-bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution, const bvxi_body_box box[2], bvx_lattice *lattice);
+/* Around what can be left: of a difference the box of a, of an intersection what both have in common, else
+ * both. An empty voxel on every side. Boxes that stick out take fraction bits, down to 4. */
+bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
+                                const bvxi_body_box box[2], bvx_lattice *lattice);
 
-/* Of the part of a box that lies on the lattice: its longest and its shortest side, 0 when there is none. [Units: voxels] */
+/* Of the part of a box that lies on the lattice: its longest and its
+ * shortest side, 0 when there is none. [Units: voxels] */
 typedef struct bvxi_box_sides {
     double longest, shortest;
     int32_t whole; /* 1: all of the box lies on the lattice */

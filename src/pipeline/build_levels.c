@@ -2,8 +2,8 @@
  *
  * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing
  * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
- * hundredth of a voxel from the mesh and has its guarantee. So is a mesh that would exceed the memory limit. Sheets are simplified as they are too where their
- * borders are to stay. */
+ * hundredth of a voxel from the mesh and has its guarantee. So is a mesh that would exceed the memory limit.
+ * Sheets are simplified as they are too where their borders are to stay. */
 #include "mesh/mesh.h"
 #include "mesh/pieces.h"
 #include "mesh/radix.h"
@@ -18,7 +18,7 @@ enum {
     PLAN_RATIO = 16,  /* triangles of the measured surface to one of the finest level */
     PLAN_LEAST = 256, /* voxels along the longest axis */
     PLAN_MOST = 320,
-    PLAN_LOWEST = 32, /* that a memory limit leaves */
+    PLAN_LOWEST = 32,    /* that a memory limit leaves */
     SCAN_LEAST = 500000, /* meshes of more triangles are scans */
     SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
@@ -223,8 +223,8 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
     bvxi_pieces(&view, same, piece);
     pieces = piece_volumes(&view, piece, volume, &total);
     if (pieces > job->report.before.components)
-        status =
-            mark_crumbs(job, piece, vertices, pieces, CRUMB_SHARE * total, volume, keys, piece + vertices);
+        status = mark_crumbs(job, piece, vertices, pieces, CRUMB_SHARE * total, volume, keys,
+                             piece + vertices);
     if (status == BVX_OK && job->report.crumbs != 0) drop_pieces(surface, piece, volume);
     bvxi_free(job->ctx, block, bytes);
     return status;
@@ -283,8 +283,9 @@ static int is_better_without(const bvx_repair_report *with, const bvx_repair_rep
            bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
 }
 
-/* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs a small level more than such
- * walls are worth: without them it is measured once more where that may be so. */
+/* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs
+ * a small level more than such walls are worth: without them it is measured once more where that may be
+ * so. */
 static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
 {
     bvx_repair_report *const report = &job->report.repair;
@@ -347,8 +348,8 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
     return status;
 }
 
-/* Where a memory limit refuses the lattice that was planned, a coarser one may fit: what fits is found out by trying, since what the
- * mesh itself takes is the same for all. */
+/* Where a memory limit refuses the lattice that was planned, a coarser one may fit: what fits is found out by
+ * trying, since what the mesh itself takes is the same for all. */
 static bvx_status simplify_measured(levels_job *job)
 {
     const bvx_levels_options *const o = job->options;
@@ -359,7 +360,8 @@ static bvx_status simplify_measured(levels_job *job)
     if (!is_given) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &resolution));
     job->report.planned_resolution = resolution;
 
-    while ((status = simplify_measured_at(job, resolution)) == BVX_ERR_BUDGET && !is_given && resolution > PLAN_LOWEST)
+    while ((status = simplify_measured_at(job, resolution)) == BVX_ERR_BUDGET && !is_given &&
+           resolution > PLAN_LOWEST)
         resolution = resolution * 4 / 5 > PLAN_LOWEST ? resolution * 4 / 5 : PLAN_LOWEST;
     job->report.resolution = resolution;
     return status;
@@ -411,8 +413,8 @@ static void report_refused(levels_job *job, const bvx_mesh_view *welded, const b
         bvxi_view_position(welded, sheets->edge[i], job->report.refused_edge[i]);
 }
 
-/* The mesh as it is, with its borders, where nobody asked for shells and it can be taken so; else the reason to
- * measure it stays. It may cross itself: closed levels are not what is wanted. */
+/* The mesh as it is, with its borders, where nobody asked for shells and it can be taken so; else the reason
+ * to measure it stays. It may cross itself: closed levels are not what is wanted. */
 static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {
     int32_t const open = job->options->open;
@@ -444,10 +446,8 @@ static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
         bvx_mesh_view_of(&job->chain.levels[i], &level);
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.85, 1.0, bvx_mesh_crossings(job->ctx, &level, &crossings, NULL, 0)));
     }
-    if (crossings == 0)
-        job->report.reason = BVX_MEASURED_NOT;
-    else
-        bvxi_levels_drop(job->ctx, job->chain.levels, job->chain.count);
+    if (crossings == 0) job->report.reason = BVX_MEASURED_NOT;
+    else bvxi_levels_drop(job->ctx, job->chain.levels, job->chain.count);
     return BVX_OK;
 }
 
@@ -464,8 +464,10 @@ static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_
     double chosen;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded)));
-    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25 : 0.05;
-    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c)))) BVXI_TRY(keep_sheets(job, welded, corner));
+    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25
+                                                                                                    : 0.05;
+    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
+        BVXI_TRY(keep_sheets(job, welded, corner));
 
     if (job->report.reason == BVX_MEASURED_CROSSINGS)
         return BVXI_SHARE(job->ctx, chosen, 0.6, try_as_it_is(job, welded));
@@ -474,10 +476,12 @@ static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_
     return BVX_OK;
 }
 
-/* A mesh too large for the memory limit may have a measured surface that fits, unless it was to be taken as it is. */
+/* A mesh too large for the memory limit may have a measured surface that
+ * fits, unless it was to be taken as it is. */
 static int may_go_over(const levels_job *job, bvx_status status)
 {
-    return status == BVX_ERR_BUDGET && job->options->source == BVX_LEVELS_AUTO && job->options->open == BVX_OPEN_SHELL;
+    return status == BVX_ERR_BUDGET && job->options->source == BVX_LEVELS_AUTO &&
+           job->options->open == BVX_OPEN_SHELL;
 }
 
 static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
@@ -497,7 +501,8 @@ static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t 
     } else if (status != BVX_OK || job->report.reason == BVX_MEASURED_NOT) {
         return status;
     }
-    return BVXI_SHARE(job->ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : 0.05, 1.0, simplify_measured(job));
+    return BVXI_SHARE(job->ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : 0.05, 1.0,
+                      simplify_measured(job));
 }
 
 /* ---- What is needed ---- */
@@ -523,9 +528,11 @@ static bvx_status explain_budget(const levels_job *job, uint64_t used)
 
     if (job->report.reason != BVX_MEASURED_NOT && !measured) return BVX_ERR_BUDGET;
     if (limit >= needed) return BVX_ERR_BUDGET; /* something else was in the way: its message stays */
-    return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET, "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s", levels_name,
-                     limit, job->mesh->triangle_count, needed,
-                     measured ? ", and their measured surface on the coarsest lattice does not fit either" : "");
+    return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET,
+                         "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s",
+                         levels_name, limit, job->mesh->triangle_count, needed,
+                         measured ? ", and their measured surface on the coarsest lattice does not fit either"
+                                  : "");
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -541,11 +548,13 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->error_kind = o->error_kind;
     c->strict = o->strict;
     c->measure_samples = o->measure_samples;
-    c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type : (int32_t)job->mesh->position_type;
+    c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type
+                                                                      : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
     c->collapse.colour_weight = o->colour_weight;
     c->collapse.lenient = o->source == BVX_LEVELS_MESH;
-    c->collapse.simple = 1; /* where it is not lenient, which is asked of the mesh, and true of measured surfaces */
+    /* where it is not lenient, which is asked of the mesh, and true of measured surfaces */
+    c->collapse.simple = 1;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;
@@ -574,10 +583,11 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
                          "source is BVX_LEVELS_MESH",
                          levels_name);
     if (o.open != BVX_OPEN_SHELL && (o.source == BVX_LEVELS_MEASURED || wants_measured(&o)))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
-                         "lattice, a resolution, a sign, least_part, least_cavity and outer",
-                         levels_name, (int64_t)o.open);
+        return bvxi_fail(
+            context, BVX_ERR_ARGUMENT,
+            "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
+            "lattice, a resolution, a sign, least_part, least_cavity and outer",
+            levels_name, (int64_t)o.open);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));

@@ -1,11 +1,13 @@
 /* crumbs.c - small parts of a solid that the meshes it was made from have no part for.
  *
- * Where a body runs out in an acute edge, thinner than a voxel, centres lie inside here and there: parts of a few voxels float beside
- * the body. In a narrow groove pockets are left in the same way. Such a part is small, and it has no core, no voxel with
- * six neighbours of its own. A small part of the mesh looks the same, so the mesh is asked: the piece that is nearest to the part
- * belongs to something larger where behind most of its triangles there are voxels that are not of small parts; else the largest of its
- * small parts is the piece itself, and stays.
- * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece have equally many voxels. */
+ * Where a body runs out in an acute edge, thinner than a voxel, centres lie inside here and there: parts of a
+ * few voxels float beside the body. In a narrow groove pockets are left in the same way. Such a part is
+ * small, and it has no core, no voxel with six neighbours of its own. A small part of the mesh looks the
+ * same, so the mesh is asked: the piece that is nearest to the part belongs to something larger where behind
+ * most of its triangles there are voxels that are not of small parts; else the largest of its small parts is
+ * the piece itself, and stays.
+ * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece
+ * have equally many voxels. */
 #include "pipeline/crumbs.h"
 #include "grid/spaces.h"
 #include "mesh/closest_query.h"
@@ -37,9 +39,9 @@ typedef struct crumb_job {
     int32_t empty, sources;
     const bvxi_crumb_source *source;
     bvxi_spaces spaces;
-    crumb_part *part;      /* [Size: spaces.count] */
+    crumb_part *part; /* [Size: spaces.count] */
     uint64_t small_parts;
-    bvx_grid small;        /* voxels of small parts */
+    bvx_grid small; /* voxels of small parts */
     uint64_t grid_bytes;
     crumb_piece *piece[BVXI_CRUMB_SOURCES]; /* [Size: the mesh's vertices] */
 } crumb_job;
@@ -60,10 +62,11 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
 static uint64_t crumb_cores(const crumb_job *job, int32_t k, int32_t y, int32_t z)
 {
     uint64_t const w = crumb_word(job, k, y, z);
-    uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63, right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
+    uint64_t const left = w << 1 | crumb_word(job, k - 1, y, z) >> 63;
+    uint64_t const right = w >> 1 | crumb_word(job, k + 1, y, z) << 63;
 
-    return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) & crumb_word(job, k, y, z - 1) &
-           crumb_word(job, k, y, z + 1);
+    return w & left & right & crumb_word(job, k, y - 1, z) & crumb_word(job, k, y + 1, z) &
+           crumb_word(job, k, y, z - 1) & crumb_word(job, k, y, z + 1);
 }
 
 static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
@@ -85,8 +88,8 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
 static void mark_small_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
-    uint64_t *const row = job->small.words +
-                          ((size_t)z * (size_t)job->small.size[1] + (size_t)y) * (size_t)job->small.words_per_row;
+    uint64_t *const row = job->small.words + ((size_t)z * (size_t)job->small.size[1] + (size_t)y) *
+                                                 (size_t)job->small.words_per_row;
 
     if (!job->part[space].small) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] |= bvxi_run_mask(begin, end, k);
@@ -120,7 +123,9 @@ static int crumb_at(const crumb_job *job, const double at[3])
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)job->inside->size[a])) return job->empty;
     bit = UINT64_C(1) << ((size_t)at[0] & 63);
-    word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) * (size_t)job->inside->words_per_row + ((size_t)at[0] >> 6);
+    word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) *
+               (size_t)job->inside->words_per_row +
+           ((size_t)at[0] >> 6);
     if (((job->inside->words[word] & bit) != 0) == (job->empty != 0)) return 0;
     return (job->small.words[word] & bit) != 0 ? 2 : 1;
 }
@@ -138,7 +143,8 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
         double at[3];
         int found;
         for (int a = 0; a < 3; a++)
-            at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) / l->spacing[a] -
+            at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
+                        l->spacing[a] -
                     (double)job->inside->low[a];
         found = crumb_at(job, at);
         if (found != 0) return found;
@@ -185,14 +191,16 @@ static void count_beside(crumb_job *job, int32_t s, uint64_t enough)
 }
 
 /* The piece of a mesh that is nearest to a part's first voxel; *distance is known already of another mesh. */
-static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest *closest, crumb_part *p, uint32_t *hint, double *distance)
+static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest *closest, crumb_part *p,
+                              uint32_t *hint, double *distance)
 {
     const bvx_lattice *const l = &job->inside->lattice;
     bvx_closest_point found;
     double centre[3];
     uint32_t v[3];
 
-    for (int a = 0; a < 3; a++) centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
+    for (int a = 0; a < 3; a++)
+        centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
     bvxi_closest_ask(closest, centre, hint, &found);
     if (s > 0 && !(found.distance < *distance)) return;
     *distance = found.distance;
@@ -252,8 +260,8 @@ static uint64_t judge_crumbs(crumb_job *job)
 static void flip_crumb_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     crumb_job *const job = user;
-    uint64_t *const row = job->inside->words +
-                          ((size_t)z * (size_t)job->inside->size[1] + (size_t)y) * (size_t)job->inside->words_per_row;
+    uint64_t *const row = job->inside->words + ((size_t)z * (size_t)job->inside->size[1] + (size_t)y) *
+                                                   (size_t)job->inside->words_per_row;
 
     if (!job->part[space].dropped) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
@@ -265,7 +273,8 @@ static bvx_status find_pieces(crumb_job *job)
 
     if (find_only_piece(job, &only)) {
         for (uint64_t n = 0; n < job->spaces.count; n++) job->part[n].piece = only;
-        count_beside(job, 0, job->source[0].mesh->triangle_count / 2 + 1); /* more than the small ones can have */
+        /* more than the small ones can have */
+        count_beside(job, 0, job->source[0].mesh->triangle_count / 2 + 1);
         return BVX_OK;
     }
     for (int32_t s = 0; s < job->sources; s++) count_beside(job, s, UINT64_MAX);
@@ -281,8 +290,9 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
     status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words);
     for (int32_t s = 0; s < job->sources && status == BVX_OK; s++)
-        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->source[s].mesh->vertex_count * sizeof *job->piece[s], "the meshes' pieces",
-                                 &job->piece[s]);
+        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH,
+                                 job->source[s].mesh->vertex_count * sizeof *job->piece[s],
+                                 "the meshes' pieces", &job->piece[s]);
     if (status == BVX_OK) {
         bvxi_spaces_each(&job->spaces, mark_small_run, job);
         status = find_pieces(job);
@@ -295,10 +305,15 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     return status;
 }
 
-bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty, const bvxi_crumb_source *source,
-                            int32_t sources, uint64_t *dropped)
+bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty,
+                            const bvxi_crumb_source *source, int32_t sources, uint64_t *dropped)
 {
-    crumb_job job = {.ctx = ctx, .function = function, .inside = inside, .empty = empty, .sources = sources, .source = source};
+    crumb_job job = {.ctx = ctx,
+                     .function = function,
+                     .inside = inside,
+                     .empty = empty,
+                     .sources = sources,
+                     .source = source};
     bvx_status status;
 
     *dropped = 0;

@@ -17,7 +17,8 @@ static uint64_t differ(const ends_job *job, size_t i, size_t n)
 
 static uint64_t differ_along_row(const uint64_t *row, int32_t words, int32_t k, int up)
 {
-    uint64_t const next = up ? row[k] >> 1 | (k + 1 < words ? row[k + 1] << 63 : 0) : row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
+    uint64_t const next = up ? row[k] >> 1 | (k + 1 < words ? row[k + 1] << 63 : 0)
+                             : row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
     return row[k] ^ next;
 }
 
@@ -28,6 +29,7 @@ static void mark_ends_piece(void *user, int32_t index, int32_t worker)
     size_t const words = (size_t)g->words_per_row, slice = words * (size_t)g->size[1];
     uint64_t const rows = (uint64_t)g->size[1];
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
@@ -37,7 +39,8 @@ static void mark_ends_piece(void *user, int32_t index, int32_t worker)
             size_t const i = at + (size_t)k;
             uint64_t found = 0;
             for (int up = 0; up < 2; up++)
-                found |= differ_along_row(g->words + at, g->words_per_row, k, up) & differ_along_row(job->body->words + at, g->words_per_row, k, up);
+                found |= differ_along_row(g->words + at, g->words_per_row, k, up) &
+                         differ_along_row(job->body->words + at, g->words_per_row, k, up);
             if (y > 0) found |= differ(job, i, i - words);
             if (y + 1 < g->size[1]) found |= differ(job, i, i + words);
             if (z > 0) found |= differ(job, i, i - slice);
@@ -63,6 +66,7 @@ uint64_t bvxi_ends_number(const bvx_grid *where, uint64_t *first)
 {
     uint64_t const rows = bvxi_grid_rows(where), words = (uint64_t)where->words_per_row;
     uint64_t count = 0;
+
     for (uint64_t r = 0; r < rows; r++) {
         first[r] = count;
         for (uint64_t k = 0; k < words; k++) count += bvxi_popcount(where->words[r * words + k]);

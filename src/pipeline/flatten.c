@@ -1,10 +1,12 @@
 /* flatten.c - the surface of thickened walls put back to where the mesh has it.
  *
- * Marching cubes give a thin wall its connections, as thick as the lattice needs; here its vertices go to their nearest points of
- * the mesh, but for a small part of the way, so that no two come to one place where many have one nearest point. Then crossing
- * triangles, those without area and vertices at one place are looked for; vertices of such go back half of the way, or all of
- * it, until there are none: the surface before had none, so that ends.
- * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do not show. */
+ * Marching cubes give a thin wall its connections, as thick as the lattice needs; here its vertices go to
+ * their nearest points of the mesh, but for a small part of the way, so that no two come to one place where
+ * many have one nearest point. Then crossing triangles, those without area and vertices at one place are
+ * looked for; vertices of such go back half of the way, or all of it, until there are none: the surface
+ * before had none, so that ends.
+ * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do
+ * not show. */
 #include "mesh/closest_query.h"
 #include "mesh/cross.h"
 #include "mesh/mesh.h"
@@ -14,8 +16,8 @@
 
 #include <math.h>
 
-#define FLATTEN_LEFT (1.0 / 512.0) /* of the way to the nearest point */
-#define FLATTEN_ON_EDGE 0.01      /* of a voxel: a vertex this near to a line of centres lies on it */
+#define FLATTEN_LEFT    (1.0 / 512.0) /* of the way to the nearest point */
+#define FLATTEN_ON_EDGE 0.01          /* of a voxel: a vertex this near to a line of centres lies on it */
 
 enum { FLATTEN_BLOCK = 4 /* voxels a side */, FLATTEN_REACHED = 1, FLATTEN_BESIDE = 2 };
 enum { FLATTEN_GRAIN = 256, FLATTEN_PIECES = 1024, FLATTEN_ROUNDS = 12, FLATTEN_SINGLE = 6 };
@@ -25,7 +27,7 @@ typedef struct flatten_vertex {
     double from[3], to[3]; /* [Units: world, less the mesh's frame] */
     double distance;       /* to the nearest point of a mesh that was asked already; below 0: none was */
     uint32_t vertex;
-    uint8_t step, back;    /* FLATTEN_...; back: 1 when it must go back further */
+    uint8_t step, back; /* FLATTEN_...; back: 1 when it must go back further */
 } flatten_vertex;
 
 typedef struct flatten_job {
@@ -44,12 +46,12 @@ typedef struct flatten_job {
     uint8_t *blocks;
     int32_t block_size[3];
     double block_origin[3], block_scale[3]; /* [Units: world, less the mesh's frame] */
-    uint32_t *local;       /* of each vertex among theirs, plus 1 [Size: vertices] */
-    uint32_t *vertex;      /* of each of theirs in the mesh [Size: near.vertex_count] */
-    uint32_t *corner;      /* [Size: near.triangle_count * 3] */
-    double *position;      /* as written [Size: near.vertex_count * 3] */
+    uint32_t *local;                        /* of each vertex among theirs, plus 1 [Size: vertices] */
+    uint32_t *vertex;                       /* of each of theirs in the mesh [Size: near.vertex_count] */
+    uint32_t *corner;                       /* [Size: near.triangle_count * 3] */
+    double *position;                       /* as written [Size: near.vertex_count * 3] */
     bvx_mesh_view near;
-    bvx_closest closest;   /* a search among the triangles that thin walls were found with */
+    bvx_closest closest; /* a search among the triangles that thin walls were found with */
 } flatten_job;
 
 /* ---- Which vertices move ---- */
@@ -88,7 +90,8 @@ static int changes_along(const bvxi_flat_body *body, const int32_t low[3], const
     return side[0] != side[1];
 }
 
-/* The bodies, as bits, whose thin walls a vertex is of: it lies on an edge of the lattice beside one, and beside no sheet. */
+/* The bodies, as bits, whose thin walls a vertex is of: it lies on an edge
+ * of the lattice beside one, and beside no sheet. */
 static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
 {
     const bvx_grid *const g = f->window;
@@ -181,7 +184,8 @@ static int32_t block_along(const flatten_job *f, int axis, double p)
 }
 
 /* The blocks of voxels that a triangle reaches, wherever its vertices stand. */
-static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint32_t c[3], int32_t low[3], int32_t high[3])
+static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint32_t c[3], int32_t low[3],
+                      int32_t high[3])
 {
     for (int k = 0; k < 3; k++) {
         double p[2][3]; /* before and after */
@@ -201,10 +205,12 @@ static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint
 
 static uint8_t *flatten_blocks(const flatten_job *f, int32_t x, int32_t y, int32_t z)
 {
-    return f->blocks + ((size_t)z * (size_t)f->block_size[1] + (size_t)y) * (size_t)f->block_size[0] + (size_t)x;
+    return f->blocks + ((size_t)z * (size_t)f->block_size[1] + (size_t)y) * (size_t)f->block_size[0] +
+           (size_t)x;
 }
 
-static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t high[3], int32_t more, uint8_t mark)
+static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t high[3], int32_t more,
+                             uint8_t mark)
 {
     int32_t from[3], to[3];
 
@@ -217,7 +223,8 @@ static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t
             for (int32_t x = from[0]; x <= to[0]; x++) *flatten_blocks(f, x, y, z) |= mark;
 }
 
-/* Blocks that triangles with moved vertices reach, and those beside them: other triangles reach no further than a block. */
+/* Blocks that triangles with moved vertices reach, and those beside them:
+ * other triangles reach no further than a block. */
 static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
 {
     for (uint64_t t = 0; t < all->triangle_count; t++) {
@@ -238,7 +245,8 @@ static int is_around(const flatten_job *f, const bvx_mesh_view *all, const uint3
 
     if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) != 0) return 1;
     bvxi_view_position(all, c[0], p);
-    if (*flatten_blocks(f, block_along(f, 0, p[0]), block_along(f, 1, p[1]), block_along(f, 2, p[2])) == 0) return 0;
+    if (*flatten_blocks(f, block_along(f, 0, p[0]), block_along(f, 1, p[1]), block_along(f, 2, p[2])) == 0)
+        return 0;
     blocks_of(f, all, c, low, high);
     for (int32_t z = low[2]; z <= high[2]; z++)
         for (int32_t y = low[1]; y <= high[1]; y++)
@@ -289,7 +297,8 @@ static bvx_status open_around(flatten_job *f)
 
     for (int a = 0; a < 3; a++) {
         f->block_size[a] = g->size[a] / FLATTEN_BLOCK + 1;
-        f->block_origin[a] = g->lattice.origin[a] + g->lattice.spacing[a] * (double)g->low[a] - f->mesh->frame[a];
+        f->block_origin[a] = g->lattice.origin[a] + g->lattice.spacing[a] * (double)g->low[a] -
+                             f->mesh->frame[a];
         f->block_scale[a] = 1.0 / (g->lattice.spacing[a] * FLATTEN_BLOCK);
         bytes *= (uint64_t)f->block_size[a];
     }
@@ -297,9 +306,14 @@ static bvx_status open_around(flatten_job *f)
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin walls", &f->blocks));
     mark_blocks_around(f, &all);
     take_around(f, &all);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls", &f->corner);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "the numbers of vertices at thin walls", &f->vertex);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "the places of vertices at thin walls", &f->position);
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls",
+                        &f->corner);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4,
+                            "the numbers of vertices at thin walls", &f->vertex);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24,
+                            "the places of vertices at thin walls", &f->position);
     if (status == BVX_OK) {
         take_around(f, &all);
         number_around(f, all.vertex_count);
@@ -314,7 +328,8 @@ static void read_positions(flatten_job *f)
     bvx_mesh_view all;
 
     bvx_mesh_view_of(f->mesh, &all);
-    for (uint64_t v = 0; v < f->near.vertex_count; v++) bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
+    for (uint64_t v = 0; v < f->near.vertex_count; v++)
+        bvxi_view_position(&all, f->vertex[v], f->position + 3 * v);
 }
 
 /* ---- Moving them ---- */
@@ -324,7 +339,8 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
     static const double share[3] = {1.0, 0.5, 0.0};
 
     for (int a = 0; a < 3; a++) {
-        double const p = m->step == FLATTEN_STAYS ? m->from[a] : m->from[a] + (m->to[a] - m->from[a]) * share[m->step];
+        double const p = m->step == FLATTEN_STAYS ? m->from[a]
+                                                  : m->from[a] + (m->to[a] - m->from[a]) * share[m->step];
         uint64_t const i = 3 * (uint64_t)m->vertex + (uint64_t)a;
 
         if (f->mesh->position_type == BVX_F32) ((float *)f->mesh->positions)[i] = (float)p;
@@ -435,7 +451,8 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     f->asked = body;
 
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
-    BVXI_TRY(bvxi_closest_open(f->ctx, f->function, "thin", from, from + (to - from) / 3, &f->bodies[body].thin->mesh, &f->closest));
+    BVXI_TRY(bvxi_closest_open(f->ctx, f->function, "thin", from, from + (to - from) / 3,
+                               &f->bodies[body].thin->mesh, &f->closest));
     status = bvxi_parallel(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
     bvxi_closest_shut(f->ctx, &f->closest);
     return status;
@@ -446,13 +463,15 @@ static bvx_status aim_vertices(flatten_job *f)
     uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
 
     f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
-    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls", &f->moved));
+    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls",
+                             &f->moved));
     for (uint64_t n = 0; n < f->count; n++) f->moved[n].distance = -1;
     for (int32_t b = 0; b < f->body_count; b++) BVXI_TRY(aim_at_body(f, b));
     return BVX_OK;
 }
 
-bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count, bvx_mesh *mesh)
+bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count,
+                        bvx_mesh *mesh)
 {
     uint64_t const bytes = mesh->vertex_count * 4;
     flatten_job f;
@@ -471,7 +490,8 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
     if (f.count != 0) status = aim_vertices(&f);
-    if (status == BVX_OK && f.count != 0) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
+    if (status == BVX_OK && f.count != 0)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
     if (status == BVX_OK && f.count != 0) status = open_around(&f);
     if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
     bvxi_free(ctx, f.position, f.near.vertex_count * 24);

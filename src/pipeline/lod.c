@@ -1,10 +1,10 @@
 /* lod.c - a chain of meshes from one solid: bvx_build_lods.
  *
- * Source: "LOD by voxelization and downsampling". The solid is sampled at each level's resolution (extended.c or
- * coverage.c), marching cubes runs over the samples' bits (march.c), and each crossed edge asks its ratio once. A level by
- * triangle count searches the resolution: it counts without making positions, guesses from triangles ~ resolution^2, and
- * ends at neighbours of which one keeps the target and the next does not. With collapse the search aims higher and edges
- * go until the target is kept (collapse.c). */
+ * Source: "LOD by voxelization and downsampling". The solid is sampled at each level's resolution (extended.c
+ * or coverage.c), marching cubes runs over the samples' bits (march.c), and each crossed edge asks its ratio
+ * once. A level by triangle count searches the resolution: it counts without making positions, guesses from
+ * triangles ~ resolution^2, and ends at neighbours of which one keeps the target and the next does not. With
+ * collapse the search aims higher and edges go until the target is kept (collapse.c). */
 #include "grid/downsample.h"
 #include "mesh/mesh.h"
 #include "simplify/simplify.h"
@@ -16,8 +16,8 @@
 #define LOD_EVEN 1e-9
 
 static const char lod_name[] = "bvx_build_lods";
-static const bvx_lod_options lod_defaults = {
-    0, BVX_LOD_EDGE_RATIO, 0, 0.5, NULL, NULL, NULL, 0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0.0, NULL};
+static const bvx_lod_options lod_defaults = {0, BVX_LOD_EDGE_RATIO, 0,       0.5, NULL, NULL, NULL,
+                                             0, BVX_FACE_SEPARATE,  BVX_F32, 0,   0,    0.0,  NULL};
 
 void bvx_lod_options_init(bvx_lod_options *options, size_t size)
 {
@@ -48,15 +48,19 @@ static int32_t longest_side(const bvx_grid *g)
     return n;
 }
 
-static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
+static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o,
+                                    uint64_t level_count)
 {
     for (uint64_t l = 0; l < level_count; l++) {
         for (int32_t a = 0; a < 3; a++) {
             int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
-            int32_t const r = o->resolutions != NULL ? o->resolutions[l] : o->axis_resolutions[3 * l + (uint64_t)a];
+            int32_t const r = o->resolutions != NULL ? o->resolutions[l]
+                                                     : o->axis_resolutions[3 * l + (uint64_t)a];
             if (r < 1 || r > n)
-                return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
-                                 lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
+                return bvxi_fail(
+                    ctx, BVX_ERR_RANGE,
+                    "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
+                    lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
         }
     }
     return BVX_OK;
@@ -72,15 +76,20 @@ static const bvxi_option lod_rows[] = {
     BVXI_ZERO_OR(bvx_lod_options, collapse, 1.0, 64.0),
 };
 
-static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o, uint64_t level_count)
+static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o,
+                                    uint64_t level_count)
 {
     BVXI_TRY(bvxi_check_options(ctx, lod_name, o, BVXI_OPTIONS(lod_rows)));
     if (!(o->threshold > 0 && o->threshold < 1))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone",
+                         lod_name);
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles", lod_name);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+                         lod_name);
     if (o->collapse != 0 && o->target_triangles == NULL)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse belongs to target_triangles alone", lod_name);
     if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no level is asked for", lod_name);
@@ -105,15 +114,18 @@ typedef struct level_work {
 } level_work;
 
 /* Sample and count; close_level in any case. */
-static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution, int count_only, level_work *w)
+static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution, int count_only,
+                             level_work *w)
 {
     const bvx_lod_options *const o = job->options;
     bvx_extract_options extract;
     int32_t n[3], r[3];
+
     memset(w, 0, sizeof *w);
     w->march.function = lod_name;
     level_ratio(job, resolution, n, r);
-    BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, n, r, o->threshold, o->edge_samples, &w->samples));
+    BVXI_TRY(
+        bvxi_downsample_open(ctx, lod_name, job->solid, n, r, o->threshold, o->edge_samples, &w->samples));
     if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
     bvx_extract_options_init(&extract, sizeof extract);
@@ -146,6 +158,7 @@ static bvx_status count_level(bvx_context *ctx, lod_job *job, int32_t resolution
 static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *mesh)
 {
     bvx_lod_report *report;
+
     if (job->options->reports == NULL) return;
     report = &job->options->reports[job->level];
     memset(report, 0, sizeof *report);
@@ -156,7 +169,8 @@ static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *
     report->vertices = mesh->vertex_count;
     report->triangles = mesh->triangle_count;
     report->searched = job->searched;
-    report->exceeds_source = job->options->source_triangles != 0 && mesh->triangle_count > job->options->source_triangles;
+    report->exceeds_source = job->options->source_triangles != 0 &&
+                             mesh->triangle_count > job->options->source_triangles;
 }
 
 /* Collapse the edges of a level that was made with more triangles than it may have. */
@@ -172,8 +186,9 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
     status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
     if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
-        status = bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u", lod_name,
-                           level_number(job), target, fine->triangle_count, bvxi_collapse_triangles(collapse));
+        status = bvxi_fail(
+            ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
+            lod_name, level_number(job), target, fine->triangle_count, bvxi_collapse_triangles(collapse));
     if (status == BVX_OK) status = bvxi_collapse_give(collapse, mesh);
     if (status == BVX_OK) memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
     bvxi_collapse_close(collapse);
@@ -189,9 +204,11 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
                      .triangle_capacity = march->triangle_count};
     bvx_status status;
 
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes, "the positions before collapse", &fine.positions);
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes,
+                        "the positions before collapse", &fine.positions);
     if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse", &fine.triangles);
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse",
+                            &fine.triangles);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, march, &fine);
     if (status == BVX_OK) status = collapse_level(ctx, job, &fine, mesh);
     bvxi_free(ctx, fine.triangles, fine.triangle_capacity * 12);
@@ -203,11 +220,15 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
 {
     level_work w;
     bvx_status status = open_level(ctx, job, resolution, 0, &w);
+
     if (status == BVX_OK && w.march.triangle_count == 0)
-        status = bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i, %d x %d x %d samples, keeps nothing of the solid", lod_name, level_number(job),
-                           (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
+        status = bvxi_fail(ctx, BVX_ERR_EMPTY,
+                           "%s: level %i, %d x %d x %d samples, keeps nothing of the solid", lod_name,
+                           level_number(job), (int64_t)w.samples.axis[0].count,
+                           (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
     if (status == BVX_OK)
-        status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh) : bvxi_march_fill(ctx, &w.march, mesh);
+        status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
+                                             : bvxi_march_fill(ctx, &w.march, mesh);
     if (status == BVX_OK) report_lod(job, &w, mesh);
     close_level(ctx, &w);
     return status;
@@ -215,8 +236,10 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
 
 /* ---- the resolution for a triangle count ---- */
 
-/* Where triangles ~ resolution^2 puts the target between two resolutions; the middle when that has stopped helping. */
-static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
+/* Where triangles ~ resolution^2 puts the target between two resolutions;
+ * the middle when that has stopped helping. */
+static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint64_t high_count,
+                             uint64_t target, uint64_t tries)
 {
     double const a = sqrt((double)low_count), b = sqrt((double)high_count), t = sqrt((double)target);
     int32_t guess = low + (high - low) / 2;
@@ -231,10 +254,10 @@ static uint64_t search_target(uint64_t asked, double collapse)
     return collapse == 0 ? asked : more < 4e9 ? (uint64_t)more : UINT32_MAX;
 }
 
-/* Where bisection ends at nothing, as with a sheet that only some resolutions meet: the largest below that keeps something
- * within the target, or 0. */
-static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t target, int32_t from, int32_t *resolution,
-                                   uint64_t *seen)
+/* Where bisection ends at nothing, as with a sheet that only some resolutions meet: the largest below that
+ * keeps something within the target, or 0. */
+static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t target, int32_t from,
+                                   int32_t *resolution, uint64_t *seen)
 {
     for (int32_t r = from - 1; r > 0; r--) {
         uint64_t count;
@@ -251,9 +274,11 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
 {
     uint64_t const asked = job->options->target_triangles[job->level];
     uint64_t const target = search_target(asked, job->options->collapse);
-    int32_t low = 0, high = longest_side(job->solid) + 1; /* low keeps the target, high does not (or is no resolution) */
+    /* low keeps the target, high does not (or is no resolution) */
+    int32_t low = 0, high = longest_side(job->solid) + 1;
     uint64_t low_count = 0, high_count = 0, tries = 0;
     int32_t guess = high - 1 < 32 ? high - 1 : 32;
+
     job->searched = 0;
     while (high - low > 1) {
         uint64_t count;
@@ -274,12 +299,16 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
             if (guess <= low) guess = low + 1;
         }
     }
-    if (low_count == 0 && high_count != 0) BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
+    if (low_count == 0 && high_count != 0)
+        BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
     if (low == 0 && high_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i keeps nothing of the solid at any resolution", lod_name, level_number(job));
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i keeps nothing of the solid at any resolution",
+                         lod_name, level_number(job));
     if (low == 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
-                         lod_name, level_number(job), asked);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
+            lod_name, level_number(job), asked);
     *resolution = low;
     return BVX_OK;
 }
@@ -290,6 +319,7 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     bvx_lod_options o = lod_defaults;
     lod_job job = {0};
     bvx_status status = BVX_OK;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, lod_name, "levels");
     BVXI_TRY(bvxi_take_options(context, lod_name, options, &o, sizeof o));
@@ -304,7 +334,8 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
         if (status == BVX_OK) status = make_lod(context, &job, resolution, &levels[job.level]);
     }
     if (status == BVX_OK) return BVX_OK;
-    for (uint64_t l = 0; l < level_count; l++) { /* what the library made goes; arrays of the caller's stay his */
+    /* what the library made goes; arrays of the caller's stay his */
+    for (uint64_t l = 0; l < level_count; l++) {
         if (levels[l].owned) bvx_mesh_free(context, &levels[l]);
         else levels[l].vertex_count = levels[l].triangle_count = 0;
     }

@@ -1,8 +1,9 @@
-/* octree_mesh.c - the closed surface of an octree's last level without expanding all of it: bvx_extract_octree.
+/* octree_mesh.c - the closed surface of an octree's last level without expanding all of it:
+ * bvx_extract_octree.
  *
- * The lattice is cut into blocks that share a layer of voxels. Between voxels of different states lies the surface, so only
- * blocks that hold some of it (on the lattice's sides: any voxel wanted) are expanded, one at a time; their surfaces, with
- * open sides and keys, merge into the whole's bytes.
+ * The lattice is cut into blocks that share a layer of voxels. Between voxels of different states lies the
+ * surface, so only blocks that hold some of it (on the lattice's sides: any voxel wanted) are expanded, one
+ * at a time; their surfaces, with open sides and keys, merge into the whole's bytes.
  * Guarantee: the bytes of bvx_extract_surface on all of it. */
 #include "mesh/mesh.h"
 #include "surface/march.h"
@@ -25,7 +26,8 @@ typedef struct octree_mesh_job {
 static void block_window(const octree_mesh_job *job, const int32_t b[3], bvx_window *w)
 {
     for (int a = 0; a < 3; a++) {
-        int32_t const rest = job->tree->lattice.dims[a] - (b[a] << BLOCK_SHIFT), most = (1 << BLOCK_SHIFT) + 1;
+        int32_t const rest = job->tree->lattice.dims[a] - (b[a] << BLOCK_SHIFT);
+        int32_t const most = (1 << BLOCK_SHIFT) + 1;
         w->low[a] = b[a] << BLOCK_SHIFT;
         w->size[a] = rest < most ? rest : most;
     }
@@ -35,25 +37,30 @@ static void block_window(const octree_mesh_job *job, const int32_t b[3], bvx_win
 static int32_t open_sides_of_block(const octree_mesh_job *job, const int32_t b[3])
 {
     int32_t sides = 0;
-    for (int a = 0; a < 3; a++) sides |= (b[a] > 0 ? 1 << 2 * a : 0) | (b[a] + 1 < job->blocks[a] ? 2 << 2 * a : 0);
+    for (int a = 0; a < 3; a++)
+        sides |= (b[a] > 0 ? 1 << 2 * a : 0) | (b[a] + 1 < job->blocks[a] ? 2 << 2 * a : 0);
     return sides;
 }
 
 /* Can a block hold triangles? Looked up among voxels that are about as large. */
 static bvx_status block_may_hold(const octree_mesh_job *job, const int32_t b[3], int *holds)
 {
-    int32_t const levels = job->tree->levels, level = levels > BLOCK_SHIFT ? levels - BLOCK_SHIFT : 0, down = levels - level;
+    int32_t const levels = job->tree->levels;
+    int32_t const level = levels > BLOCK_SHIFT ? levels - BLOCK_SHIFT : 0;
+    int32_t const down = levels - level;
     int32_t const inner = open_sides_of_block(job, b) == 63;
     bvx_grid grid = {0};
     bvx_window w;
     uint64_t count = 0;
+
     block_window(job, b, &w);
     for (int a = 0; a < 3; a++) {
         int32_t const last = (w.low[a] + w.size[a] - 1) >> down;
         w.low[a] >>= down;
         w.size[a] = last - w.low[a] + 1;
     }
-    BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, level, inner ? BVX_STATE_SURFACE : job->states | BVX_STATE_SURFACE, &w, &grid));
+    BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, level,
+                               inner ? BVX_STATE_SURFACE : job->states | BVX_STATE_SURFACE, &w, &grid));
     bvx_status const status = bvx_grid_count(job->ctx, &grid, &count);
     bvx_grid_free(job->ctx, &grid);
     *holds = count != 0;
@@ -65,6 +72,7 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
     bvx_grid grid = {0};
     bvx_window w;
     bvx_status status;
+
     block_window(job, b, &w);
     BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, job->tree->levels, job->states, &w, &grid));
     job->options.open_sides = open_sides_of_block(job, b);
@@ -85,7 +93,8 @@ static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
     block_window(job, b, &w);
     memcpy(grid.low, w.low, sizeof grid.low);
     memcpy(grid.size, w.size, sizeof grid.size);
-    if (!bvxi_fits_f32(&grid, job->options.local_frame ? local_origin : grid.lattice.origin)) job->options.position_type = BVX_F64;
+    if (!bvxi_fits_f32(&grid, job->options.local_frame ? local_origin : grid.lattice.origin))
+        job->options.position_type = BVX_F64;
 }
 
 /* Count the blocks (part NULL), or extract them. */
@@ -126,10 +135,12 @@ static void drop_mesh_keys(bvx_context *ctx, bvx_mesh *mesh)
 static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_mesh made = {0};
+
     if (job->room == 0) { /* the surface of nothing, as the options make it */
         int32_t const first[3] = {0, 0, 0};
         job->room = 1;
-        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *job->part, "the blocks' surfaces", &job->part));
+        BVXI_TRY(
+            bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *job->part, "the blocks' surfaces", &job->part));
         BVXI_TRY(extract_block(job, first));
     }
     BVXI_TRY(bvx_mesh_merge(job->ctx, job->part, job->part_count, &made));
@@ -142,10 +153,12 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_status status;
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
     if (job->room > 0) {
         if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
-        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part, "the blocks' surfaces", &job->part));
+        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->room * sizeof *job->part,
+                                 "the blocks' surfaces", &job->part));
         status = BVXI_SHARE(job->ctx, 0.05, 0.4, visit_blocks(job));
     } else {
         status = BVX_OK;
@@ -160,17 +173,19 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
                                      const bvx_extract_options *options, bvx_mesh *mesh)
 {
     octree_mesh_job job = {0};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, octree_mesh_name, "mesh");
     if (mesh->owned != 1 && (mesh->positions != NULL || mesh->triangles != NULL))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh must be empty or the library's own", octree_mesh_name);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh must be empty or the library's own",
+                         octree_mesh_name);
     BVXI_TRY(bvxi_octree_check(context, octree_mesh_name, tree));
     BVXI_TRY(bvxi_octree_check_states(context, octree_mesh_name, states));
     bvx_extract_options_init(&job.options, sizeof job.options);
     BVXI_TRY(bvxi_take_options(context, octree_mesh_name, options, &job.options, sizeof job.options));
     if (job.options.open_sides != 0)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: open_sides is %d; all sides are closed", octree_mesh_name,
-                         (int64_t)job.options.open_sides);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: open_sides is %d; all sides are closed",
+                         octree_mesh_name, (int64_t)job.options.open_sides);
     job.options.struct_size = sizeof job.options;
     job.ctx = context;
     job.tree = tree;
@@ -184,8 +199,8 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
     return run_blocks(&job, mesh);
 }
 
-bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states, const bvx_extract_options *options,
-                              bvx_mesh *mesh)
+bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
+                              const bvx_extract_options *options, bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_extract_octree(context, tree, states, options, mesh));
 }

@@ -1,7 +1,7 @@
 /* plan_lods.c - how fine the solid must be that levels by samples are made from: bvx_plan_lods.
  *
- * Source: "LOD by voxelization and downsampling": levels are good where each sample stands for 5 to 15 voxels along an axis. Eight
- * are taken, or as many as memory allows.
+ * Source: "LOD by voxelization and downsampling": levels are good where each sample stands for 5 to 15 voxels
+ * along an axis. Eight are taken, or as many as memory allows.
  * Guarantee: the plan follows from mesh, options and memory limit, not from the machine. */
 #include "core/core.h"
 #include "mesh/view.h"
@@ -29,10 +29,12 @@ typedef struct lods_plan {
 static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *o, uint64_t level_count)
 {
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
                          plan_lods_name);
     if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64", plan_lods_name, o->collapse);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64",
+                         plan_lods_name, o->collapse);
     if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_lods_name);
     return BVX_OK;
 }
@@ -63,7 +65,8 @@ static double finest_samples(const lods_plan *p)
     return finest > 1 ? finest : 1;
 }
 
-/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for the levels. */
+/* Half of what the limit leaves beside the mesh's snapped copy: the other
+ * half is for rows in work and for the levels. */
 static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *mesh)
 {
     uint64_t const limit = bvxi_memory_limit(ctx);
@@ -76,7 +79,8 @@ static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *me
 }
 
 /* fits: 1 when a solid of this resolution has room. A lattice that cannot be is too large. */
-static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t resolution, uint64_t room, int32_t *fits)
+static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t resolution, uint64_t room,
+                              int32_t *fits)
 {
     bvx_lattice_options o;
     bvx_lattice lattice;
@@ -113,8 +117,9 @@ static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *
     return BVX_OK;
 }
 
-static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
-                                uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited)
+static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
+                                const bvx_lod_options *options, uint64_t level_count, int32_t padding,
+                                int32_t *resolution, int32_t *limited)
 {
     bvx_lod_options o;
     lods_plan p = {mesh, &o, level_count, padding, {0}, {0}};
@@ -127,12 +132,15 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
     BVXI_TRY(check_planned_levels(context, &o, level_count));
     if (padding < 0 || padding > 65536)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: padding %d is not from 0 to 65536", plan_lods_name, (int64_t)padding);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: padding %d is not from 0 to 65536", plan_lods_name,
+                         (int64_t)padding);
 
     BVXI_TRY(bvxi_view_check(context, plan_lods_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.low, p.high));
     if (p.low[0] == p.high[0] && p.low[1] == p.high[1] && p.low[2] == p.high[2])
-        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point, so a resolution gives no spacing", plan_lods_name);
+        return bvxi_fail(context, BVX_ERR_EMPTY,
+                         "%s: all vertices lie at one point, so a resolution gives no spacing",
+                         plan_lods_name);
     BVXI_TRY(search_planned(context, &p, &planned, &less));
     *resolution = planned;
     if (limited != NULL) *limited = less;
@@ -142,5 +150,6 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
 bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
                          uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited)
 {
-    return BVXI_CALL(context, run_plan_lods(context, mesh, options, level_count, padding, resolution, limited));
+    return BVXI_CALL(context,
+                     run_plan_lods(context, mesh, options, level_count, padding, resolution, limited));
 }

@@ -1,9 +1,9 @@
 /* repair.c - any mesh in, a closed manifold oriented mesh out: bvx_repair.
  *
- * Source: "Model repair by a vector distance field": the mesh is measured from the centres of voxels, and marching cubes put the
- * surface back between inside and outside centres, where the vectors to the closest points say. Here the sides come from the
- * solid's exact rules with a smooth lid over holes, so no hole is too wide, and only the centres next to the surface are
- * measured. What encloses nothing becomes a shell.
+ * Source: "Model repair by a vector distance field": the mesh is measured from the centres of voxels, and
+ * marching cubes put the surface back between inside and outside centres, where the vectors to the closest
+ * points say. Here the sides come from the solid's exact rules with a smooth lid over holes, so no hole is
+ * too wide, and only the centres next to the surface are measured. What encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
 #include "pipeline/repair.h"
 #include "mesh/view.h"
@@ -12,8 +12,27 @@
 
 const char bvxi_repair_name[] = "bvx_repair";
 
-static const bvx_repair_options repair_defaults = {0, NULL, 256, BVX_SIGN_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0,
-                                                   2.0, 0, 0, 0, 100000, NULL, 0, 0, BVX_THIN_KEEP, 0, {0}};
+static const bvx_repair_options repair_defaults = {0,
+                                                   NULL,
+                                                   256,
+                                                   BVX_SIGN_AUTO,
+                                                   BVX_EDGE_TANGENT,
+                                                   BVX_FACE_SEPARATE,
+                                                   -1,
+                                                   BVX_F32,
+                                                   0,
+                                                   0,
+                                                   2.0,
+                                                   0,
+                                                   0,
+                                                   0,
+                                                   100000,
+                                                   NULL,
+                                                   0,
+                                                   0,
+                                                   BVX_THIN_KEEP,
+                                                   0,
+                                                   {0}};
 
 void bvx_repair_options_init(bvx_repair_options *options, size_t size)
 {
@@ -40,10 +59,13 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
 {
     BVXI_TRY(bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows)));
     if ((BVX_SIGNS_OF_REPAIR >> o->sign & 1) == 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
-                             bvxi_repair_name, (int64_t)o->sign);
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+            "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
+            bvxi_repair_name, (int64_t)o->sign);
     if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
                              o->measure_samples);
     return BVX_OK;
 }
@@ -52,12 +74,16 @@ static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_option
 {
     if (o->lattice != NULL) {
         if (o->target_triangles != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
-                             bvxi_repair_name);
+            return bvxi_fail(
+                ctx, BVX_ERR_ARGUMENT,
+                "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
+                bvxi_repair_name);
         return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
     }
     if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: resolution is %d; 1 to 2^24 are possible", bvxi_repair_name, (int64_t)o->resolution);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: resolution is %d; 1 to 2^24 are possible", bvxi_repair_name,
+                             (int64_t)o->resolution);
     return BVX_OK;
 }
 
@@ -67,6 +93,7 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 {
     bvx_extract_options o;
     uint64_t vertices;
+
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
     BVXI_TRY(bvxi_repair_inside(job));
     bvx_extract_options_init(&o, sizeof o);
@@ -80,7 +107,8 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
 {
     int32_t guess = low + (high - low) / 2;
-    if (tries < 5 && high_count != 0) guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
+    if (tries < 5 && high_count != 0)
+        guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
@@ -91,6 +119,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     int32_t low = 0, high = job->options->resolution;
     uint64_t high_count, low_count = 0;
     double rest = 0.5; /* of the progress, for tries whose number is not known */
+
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
@@ -110,24 +139,40 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
         }
     }
     if (low_count == 0)
-        return bvxi_fail(job->ctx, BVX_ERR_RANGE, "%s: at most %u triangles are asked for; resolution %d has %u, and those below keep nothing",
-                         bvxi_repair_name, target, (int64_t)high, high_count);
+        return bvxi_fail(
+            job->ctx, BVX_ERR_RANGE,
+            "%s: at most %u triangles are asked for; resolution %d has %u, and those below keep nothing",
+            bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;
     return BVX_OK;
 }
 
 /* ---- */
 
-enum { REPAIR_TAKE, REPAIR_NEEDS, REPAIR_SEARCH, REPAIR_INSIDE, REPAIR_SURFACE, REPAIR_FLATTEN, REPAIR_MEASURE, REPAIR_STEPS };
+enum {
+    REPAIR_TAKE,
+    REPAIR_NEEDS,
+    REPAIR_SEARCH,
+    REPAIR_INSIDE,
+    REPAIR_SURFACE,
+    REPAIR_FLATTEN,
+    REPAIR_MEASURE,
+    REPAIR_STEPS
+};
 
-/* Where each step ends in the call, by the time that each takes, in thousandths of a millisecond for a triangle of the input or a
- * cell that the surface crosses, about. What is known of the mesh after the first step counts for those that follow. */
+/* Where each step ends in the call, by the time that each takes, in thousandths of a
+ * millisecond for a triangle of the input or a cell that the surface crosses, about.
+ * What is known of the mesh after the first step counts for those that follow. */
 static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR_STEPS])
 {
     const bvx_repair_options *const o = job->options;
     const bvx_certificate *const c = &job->report.before;
-    double const n = (double)job->given->triangle_count, side = o->resolution > 0 ? o->resolution : 128, cells = 1.2 * side * side;
-    int const taken = first > REPAIR_TAKE, sound = !taken || (c->boundary_edges == 0 && c->nonmanifold_edges == 0 && c->flipped_edges == 0);
+    double const n = (double)job->given->triangle_count;
+    double const side = o->resolution > 0 ? o->resolution : 128;
+    double const cells = 1.2 * side * side;
+    int const taken = first > REPAIR_TAKE;
+    int const sound = !taken ||
+                      (c->boundary_edges == 0 && c->nonmanifold_edges == 0 && c->flipped_edges == 0);
     double weight[REPAIR_STEPS] = {0}, all = 0.0, sum = 0.0;
     double const begin = first > 0 ? end[first - 1] : 0.0;
 
@@ -175,10 +220,12 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SEARCH], end[REPAIR_INSIDE], fill_at(job, resolution)));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
     if (voxels == 0)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s", bvxi_repair_name,
-                         (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1], (int64_t)job->lattice.dims[2],
-                         job->report.parts_dropped != 0 ? "every part is below least_part"
-                                                        : "the mesh encloses no centre; take a higher resolution, or allow shells");
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s",
+                         bvxi_repair_name, (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
+                         (int64_t)job->lattice.dims[2],
+                         job->report.parts_dropped != 0
+                             ? "every part is below least_part"
+                             : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_INSIDE], end[REPAIR_SURFACE], bvxi_repair_surface(job, repaired)));
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], flatten_repaired(job, repaired)));
@@ -186,7 +233,8 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     return BVXI_SHARE(ctx, end[REPAIR_FLATTEN], 1.0, bvxi_repair_measure(job, repaired));
 }
 
-bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options, bvx_mesh *repaired)
+bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
+                      bvx_mesh *repaired)
 {
     return BVXI_CALL(context, bvxi_repair_known(context, mesh, NULL, options, repaired));
 }
@@ -198,6 +246,7 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     bvxi_repair_job job;
     bvx_status status;
     int mine;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));

@@ -10,36 +10,39 @@ typedef struct bvxi_repair_job {
     bvx_context *ctx;
     const bvx_repair_options *options;
     const bvx_mesh_view *given;
-    const bvx_certificate *known; /* of given, welded and without collapsed triangles, where the caller has it, or NULL */
-    bvx_mesh_view mesh;      /* given, without triangles that are there twice */
-    bvx_mesh_view body;      /* of these, those that enclose something */
-    bvx_mesh_view sheets;    /* and those that do not, which become shells */
-    uint32_t *corner;        /* mesh's [Size: given->triangle_count * 3], or NULL: mesh is given */
-    uint32_t *parted;        /* body's, then sheets', or NULL: body is mesh [Size: mesh.triangle_count * 3] */
-    uint32_t *piece;         /* of each vertex: the least one that it hangs together with, or NULL [Size: given->vertex_count] */
+    /* of given, welded and without collapsed triangles, where the caller has it, or NULL */
+    const bvx_certificate *known;
+    bvx_mesh_view mesh;   /* given, without triangles that are there twice */
+    bvx_mesh_view body;   /* of these, those that enclose something */
+    bvx_mesh_view sheets; /* and those that do not, which become shells */
+    uint32_t *corner;     /* mesh's [Size: given->triangle_count * 3], or NULL: mesh is given */
+    uint32_t *parted;     /* body's, then sheets', or NULL: body is mesh [Size: mesh.triangle_count * 3] */
+    /* of each vertex: the least one that it hangs together with, or NULL [Size: given->vertex_count] */
+    uint32_t *piece;
     bvx_lattice lattice;
-    int32_t resolution;      /* that it was fitted by, where none was given */
-    bvx_grid solid;          /* what body encloses; without words before the first, as inside */
-    bvx_grid inside;         /* the result: solid and shells, less small parts and cavities */
-    uint64_t grid_bytes;     /* of the words of each */
+    int32_t resolution;  /* that it was fitted by, where none was given */
+    bvx_grid solid;      /* what body encloses; without words before the first, as inside */
+    bvx_grid inside;     /* the result: solid and shells, less small parts and cavities */
+    uint64_t grid_bytes; /* of the words of each */
     bvxi_thin thin;
-    bvxi_holes holes;        /* of mesh, then of body, on the lattice, as the sign sees them */
-    bvxi_winding *winding;   /* while sheets are looked for, and the surface made: for lids over holes */
-    int32_t fill;            /* BVX_FILL_... that the sign stands for */
+    bvxi_holes holes;      /* of mesh, then of body, on the lattice, as the sign sees them */
+    bvxi_winding *winding; /* while sheets are looked for, and the surface made: for lids over holes */
+    int32_t fill;          /* BVX_FILL_... that the sign stands for */
     bvx_repair_report report;
 } bvxi_repair_job;
 
 extern const char bvxi_repair_name[];
 
 /* repair.c: bvx_repair for a caller that has checked the mesh, as in bvxi_repair_job. */
-bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_certificate *known, const bvx_repair_options *options,
-                             bvx_mesh *repaired);
+bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_certificate *known,
+                             const bvx_repair_options *options, bvx_mesh *repaired);
 
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
 void bvxi_repair_let_go(bvxi_repair_job *job);
 /* A view of triangles that are listed, over the given mesh's vertices. */
-void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count, bvx_mesh_view *view);
+void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count,
+                      bvx_mesh_view *view);
 
 /* repair_lattice.c: the lattice of a resolution, or the one that was given. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
@@ -47,17 +50,20 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
 /* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
 bvx_status bvxi_repair_inside(bvxi_repair_job *job);
 
-/* repair_enclosed.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become ENCLOSED. Only for fill
- * rules with winding numbers. job->holes are those of job->mesh. Scratch: as bvxi_winding_open, and the body's holes. */
+/* repair_enclosed.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become
+ * ENCLOSED. Only for fill rules with winding numbers. job->holes are those of job->mesh. Scratch: as
+ * bvxi_winding_open, and the body's holes. */
 enum { BVXI_TRIANGLE_ASKED = 1, BVXI_TRIANGLE_ENCLOSED = 2 };
 bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer);
 
-/* repair_sheets.c: part mesh into body and sheets by what job->solid, the solid of all of it, keeps of each piece. */
+/* repair_sheets.c: part mesh into body and sheets by what job->solid, the
+ * solid of all of it, keeps of each piece. */
 bvx_status bvxi_repair_part(bvxi_repair_job *job);
 /* Put to inside what lies within half the shell's thickness of the sheets. */
 bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job);
 
-/* repair_thin.c: find walls of the body too thin for the lattice, and put centres to inside until they hold. */
+/* repair_thin.c: find walls of the body too thin for the lattice, and put centres to inside until they
+ * hold. */
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job);
 
 /* repair_parts.c: drop small parts of inside and fill small cavities; count all. */

@@ -1,10 +1,12 @@
-/* repair_enclosed.c - which triangles lie on the border of a body that the whole mesh makes: faces of a part that do not touch,
- * triangles torn apart.
+/* repair_enclosed.c - which triangles lie on the border of a body that the whole mesh makes: faces of a part
+ * that do not touch, triangles torn apart.
  *
- * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding Numbers. 2013.
+ * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding
+ * Numbers. 2013.
  *
- * Across a triangle the winding number steps by 1. On a body's border it steps from about 0 to about 1, on a lone sheet from a half
- * below 0 to a half above. So the fraction of it tells, which is the same on either side and that of the sheet over the holes.
+ * Across a triangle the winding number steps by 1. On a body's border it steps from about 0 to about 1, on a
+ * lone sheet from a half below 0 to a half above. So the fraction of it tells, which is the same on either
+ * side and that of the sheet over the holes.
  * Guarantee: each answer follows from the snapped triangles alone. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
@@ -22,12 +24,14 @@ typedef struct enclosed_job {
 } enclosed_job;
 
 /* Is the winding number nearly whole at a point of the triangle's normal through its middle? */
-static int is_whole_off(const bvxi_repair_job *job, const double middle[3], const double normal[3], double off)
+static int is_whole_off(const bvxi_repair_job *job, const double middle[3], const double normal[3],
+                        double off)
 {
     const bvx_lattice *const l = &job->lattice;
     double const one = (double)((int64_t)1 << l->fraction_bits);
     int64_t place[3];
-    for (int a = 0; a < 3; a++) place[a] = (int64_t)floor((middle[a] + normal[a] * off - l->origin[a]) / l->spacing[a] * one + 0.5);
+    for (int a = 0; a < 3; a++)
+        place[a] = (int64_t)floor((middle[a] + normal[a] * off - l->origin[a]) / l->spacing[a] * one + 0.5);
     return bvxi_winding_off(job->winding, place) < ENCLOSED_OFF;
 }
 
@@ -37,6 +41,7 @@ static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
     double const off = 0.5 * bvxi_largest_spacing(&job->lattice);
     double p[3][3], middle[3], n[3], length = 0;
     uint32_t c[3];
+
     bvxi_view_triangle(&job->mesh, t, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
     for (int a = 0; a < 3; a++) {
@@ -58,7 +63,8 @@ static void ask_triangles(void *user, int32_t piece, int32_t worker)
     (void)worker;
     bvxi_piece(e->job->mesh.triangle_count, e->pieces, piece, &begin, &end);
     for (uint64_t t = begin; t < end; t++)
-        if (e->answer[t] == BVXI_TRIANGLE_ASKED && is_enclosed(e->job, t)) e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
+        if (e->answer[t] == BVXI_TRIANGLE_ASKED && is_enclosed(e->job, t))
+            e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
 }
 
 bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
@@ -69,12 +75,16 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
     bvxi_holes of_body;
     enclosed_job e;
     bvx_status status;
-    if (parted) BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &of_body));
-    status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, parted ? &of_body : &job->holes, &job->winding);
+
+    if (parted)
+        BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &of_body));
+    status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill,
+                               parted ? &of_body : &job->holes, &job->winding);
     e.job = job;
     e.answer = answer;
     e.pieces = pieces < ENCLOSED_PIECES ? (int32_t)pieces : ENCLOSED_PIECES;
-    if (status == BVX_OK && job->winding != NULL) status = bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e);
+    if (status == BVX_OK && job->winding != NULL)
+        status = bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e);
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     if (parted) bvxi_holes_close(job->ctx, &of_body);

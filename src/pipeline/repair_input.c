@@ -1,4 +1,5 @@
-/* repair_input.c - a mesh made ready for repair: what it is, its triangles once each, the pieces that hang together.
+/* repair_input.c - a mesh made ready for repair: what it is, its triangles once each, the pieces that hang
+ * together.
  *
  * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
 #include "mesh/patches.h"
@@ -9,9 +10,10 @@
 #include "mesh/weld.h"
 #include "pipeline/repair.h"
 
-/* The minority of each patch is turned round, so that winding numbers are right; *sign becomes VOTE where that is not to be had: a
- * patch with one side only, or closed patches that stay against each other. */
-static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const double high[3], const uint32_t *representative, int32_t *sign)
+/* The minority of each patch is turned round, so that winding numbers are right; *sign becomes VOTE where
+ * that is not to be had: a patch with one side only, or closed patches that stay against each other. */
+static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const double high[3],
+                               const uint32_t *representative, int32_t *sign)
 {
     double centre[3];
     bvxi_patches patches;
@@ -23,7 +25,8 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
         *sign = BVX_SIGN_VOTE;
     } else {
         if (job->corner == NULL)
-            status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles", &job->corner);
+            status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
+                                "the turned triangles", &job->corner);
         if (status == BVX_OK) bvxi_patches_turn(&job->mesh, &patches, job->corner, &job->mesh);
         job->report.turned = patches.turned;
     }
@@ -31,16 +34,22 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     return status;
 }
 
-/* Flips that only show once triangles are there once each do not count: which of two opposite ones is first is chance. */
-static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const double high[3], const uint32_t *representative)
+/* Flips that only show once triangles are there once each do not count:
+ * which of two opposite ones is first is chance. */
+static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const double high[3],
+                              const uint32_t *representative)
 {
     int32_t sign = job->options->sign;
+
     if (sign == BVX_SIGN_AUTO) {
         sign = BVX_SIGN_WINDING;
-        if (job->report.before.flipped_edges != 0) BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
+        if (job->report.before.flipped_edges != 0)
+            BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
     }
     job->report.sign = sign;
-    job->fill = sign == BVX_SIGN_EXACT ? BVX_FILL_PARITY : sign == BVX_SIGN_VOTE ? BVX_FILL_VOTE : BVX_FILL_WINDING;
+    job->fill = sign == BVX_SIGN_EXACT  ? BVX_FILL_PARITY
+                : sign == BVX_SIGN_VOTE ? BVX_FILL_VOTE
+                                        : BVX_FILL_WINDING;
     return BVX_OK;
 }
 
@@ -56,33 +65,37 @@ void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64
 static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *representative)
 {
     uint64_t kept;
+
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each", &job->corner));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each",
+                        &job->corner));
     if (job->report.before.duplicates == 0)
         kept = bvxi_drop_collapsed(job->given, representative, job->corner);
-    else
-        BVXI_TRY(bvxi_drop_duplicates(job->ctx, job->given, representative, job->corner, &kept));
+    else BVXI_TRY(bvxi_drop_duplicates(job->ctx, job->given, representative, job->corner, &kept));
     bvxi_repair_view(job, job->corner, kept, &job->mesh);
     return BVX_OK;
 }
 
 /* What the mesh is; vertices and pieces are counted for the report alone. */
-static bvx_status check_given(bvxi_repair_job *job, const double low[3], const double high[3], uint32_t *representative)
+static bvx_status check_given(bvxi_repair_job *job, const double low[3], const double high[3],
+                              uint32_t *representative)
 {
     bvx_certificate *const r = &job->report.before;
     int const edges_alone = job->options->report == NULL && !job->options->if_needed;
     uint64_t different;
+
     BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &different));
     if (job->known != NULL) {
         *r = *job->known;
         r->collapsed = job->given->triangle_count - r->triangles;
         r->unused_vertices = different - r->vertices;
     } else {
-        BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative, different, edges_alone, r));
+        BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative,
+                                   different, edges_alone, r));
     }
     if (r->triangles == r->degenerate)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area", bvxi_repair_name,
-                         job->given->triangle_count);
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
+                         bvxi_repair_name, job->given->triangle_count);
     return BVX_OK;
 }
 
@@ -105,7 +118,9 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     double low[3], high[3];
     uint32_t *representative;
     bvx_status status;
-    if (job->given->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvxi_repair_name);
+
+    if (job->given->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvxi_repair_name);
     BVXI_TRY(bvxi_view_bounds(ctx, bvxi_repair_name, job->given, low, high));
     job->mesh = *job->given;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));

@@ -1,4 +1,5 @@
-/* repair_inside.c - which centres lie inside the repaired body: the sign rule's solid, and shells where it has nothing. */
+/* repair_inside.c - which centres lie inside the repaired body: the sign
+ * rule's solid, and shells where it has nothing. */
 #include "pipeline/repair.h"
 #include "voxelize/fills.h"
 
@@ -29,7 +30,8 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->solid));
     bvxi_holes_close(job->ctx, &job->holes);
     if (mesh->triangle_count == 0) return BVX_OK;
-    if (job->fill == BVX_FILL_PARITY && job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0)
+    if (job->fill == BVX_FILL_PARITY &&
+        job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0)
         return bvxi_fill_known(job->ctx, mesh, job->fill, NULL, &job->solid); /* nobody asks for them */
     BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, mesh, &job->lattice, job->fill, &job->holes));
     return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
@@ -40,10 +42,12 @@ bvx_status bvxi_repair_inside(bvxi_repair_job *job)
     BVXI_TRY(open_grids(job));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.35, fill_solid(job, &job->mesh)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.35, 0.4, bvxi_repair_part(job)));
-    if (job->sheets.triangle_count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.5, fill_solid(job, &job->body)));
+    if (job->sheets.triangle_count != 0)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.5, fill_solid(job, &job->body)));
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
-    if (job->sheets.triangle_count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, bvxi_repair_lay_shells(job)));
+    if (job->sheets.triangle_count != 0)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, bvxi_repair_lay_shells(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.6, bvxi_repair_thicken(job)));
     return BVXI_SHARE(job->ctx, 0.6, 1.0, bvxi_repair_clean(job));
 }

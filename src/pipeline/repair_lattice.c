@@ -1,9 +1,11 @@
-/* repair_lattice.c - the lattice that a mesh is repaired on: fitted to it with room for shells, or the caller's. */
+/* repair_lattice.c - the lattice that a mesh is repaired on: fitted to it
+ * with room for shells, or the caller's. */
 #include "pipeline/repair.h"
 
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
 {
     bvx_lattice_options o;
+
     job->resolution = resolution;
     if (job->options->lattice != NULL) {
         job->lattice = *job->options->lattice;

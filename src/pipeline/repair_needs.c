@@ -1,8 +1,8 @@
 /* repair_needs.c - what is wrong with a mesh, and a copy of one with which nothing is.
  *
- * The certificate says most. A mesh of several parts is asked more: a part that is turned inward must be the cavity of another,
- * and no part may lie within another without being its cavity; the rules parity and nonzero then fill the same voxels. Crossings are
- * looked for last, as that takes longest. */
+ * The certificate says most. A mesh of several parts is asked more: a part that is turned inward must be the
+ * cavity of another, and no part may lie within another without being its cavity; the rules parity and
+ * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
 #include "mesh/pieces.h"
 #include "mesh/view.h"
@@ -30,7 +30,8 @@ static void add_to_piece(needs_piece *s, const double p[3][3])
 {
     double const *const a = p[0], *const b = p[1], *const c = p[2];
 
-    s->volume6 += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    s->volume6 += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                  a[2] * (b[0] * c[1] - b[1] * c[0]);
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             if ((s->triangles == 0 && k == 0) || p[k][i] < s->low[i]) s->low[i] = p[k][i];
@@ -53,13 +54,15 @@ static int cavities_lie_within(const needs_piece *pieces, uint64_t count)
         int within = 0;
         if (pieces[n].triangles == 0 || pieces[n].volume6 > 0) continue;
         for (uint64_t m = 0; m < count && !within; m++)
-            within = pieces[m].triangles != 0 && pieces[m].volume6 > 0 && is_within_box(&pieces[n], &pieces[m]);
+            within = pieces[m].triangles != 0 && pieces[m].volume6 > 0 &&
+                     is_within_box(&pieces[n], &pieces[m]);
         if (!within) return 0;
     }
     return 1;
 }
 
-/* The pieces' sums: sums from coordinates around the middle of the mesh, so that far ones keep their digits. */
+/* The pieces' sums: sums from coordinates around the middle of the mesh, so that far ones keep their
+ * digits. */
 static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 {
     uint64_t const count = job->given->vertex_count, bytes = count * sizeof(needs_piece);
@@ -111,22 +114,26 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int right = 1;
 
     r->needs = need_of_certificate(&r->before);
-    if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed)) return BVX_OK;
+    if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
+        return BVX_OK;
 
     if (r->before.components > 1) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
-    if (r->before.components > 1 && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.3, judge_nesting(job, &right)));
+    if (r->before.components > 1 && right)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.3, judge_nesting(job, &right)));
     if (!right) {
         r->needs = BVX_NEEDS_OUTSIDE_IN;
         return BVX_OK;
     }
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 1.0, bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0)));
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.3, 1.0, bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0)));
     if (r->crossings != 0) r->needs = BVX_NEEDS_UNCROSSING;
     return BVX_OK;
 }
 
 /* ---- The copy ---- */
 
-static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representative, uint32_t *number, bvx_mesh *copy)
+static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representative, uint32_t *number,
+                             bvx_mesh *copy)
 {
     const bvx_mesh_view *const from = job->given;
     uint64_t vertices = 0;
@@ -139,7 +146,8 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
     }
     for (uint64_t v = 0; v < from->vertex_count; v++)
         if (number[v] != 0) number[v] = (uint32_t)vertices++;
-    BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)from->position_type, 0, vertices, from->triangle_count, copy));
+    BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)from->position_type, 0, vertices,
+                            from->triangle_count, copy));
 
     for (uint64_t t = 0; t < from->triangle_count; t++) {
         uint32_t v[3];
@@ -150,7 +158,8 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
             copy->triangles[3 * t + k] = to;
             bvxi_view_position(from, old, p);
             for (size_t a = 0; a < 3; a++)
-                if (from->position_type == BVX_F32) ((float *)copy->positions)[3 * (size_t)to + a] = (float)p[a];
+                if (from->position_type == BVX_F32)
+                    ((float *)copy->positions)[3 * (size_t)to + a] = (float)p[a];
                 else ((double *)copy->positions)[3 * (size_t)to + a] = p[a];
         }
     }
@@ -165,8 +174,10 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     bvx_mesh_view view;
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative);
 
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_weld(job->ctx, job->given, representative, &different));
-    if (status == BVX_OK) status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number);
+    if (status == BVX_OK)
+        status = BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_weld(job->ctx, job->given, representative, &different));
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number);
     if (status == BVX_OK) status = write_copy(job, representative, number, copy);
     bvxi_free(job->ctx, number, bytes);
     bvxi_free(job->ctx, representative, bytes);
@@ -176,8 +187,10 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     job->report.sharp = 0;
     if (job->options->report == NULL) return BVX_OK;
     bvx_mesh_view_of(copy, &view);
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->measure ? 0.3 : 1.0, bvx_mesh_check(job->ctx, &view, 0, &job->report.after)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->measure ? 0.3 : 1.0,
+                        bvx_mesh_check(job->ctx, &view, 0, &job->report.after)));
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.3, 1.0,
-                      bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1, &job->report.distance));
+                      bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1,
+                                        &job->report.distance));
 }

@@ -1,7 +1,7 @@
 /* repair_report.c - what a repair found and how near it stayed: holes, overlaps, distances.
  *
- * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a crossing that the input's
- * surface makes lies nearer. */
+ * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
+ * crossing that the input's surface makes lies nearer. */
 #include "mesh/closest_query.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
@@ -12,6 +12,7 @@
 static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
 {
     uint64_t begin = 0;
+
     job->report.holes = holes->loops;
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
         double length = 0;
@@ -31,11 +32,13 @@ static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
 static bvx_status find_holes(bvxi_repair_job *job)
 {
     bvxi_holes holes;
+
     if (job->sheets.triangle_count == 0 && !job->holes.repeated) {
         measure_loops(job, &job->holes);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
+    BVXI_TRY(
+        bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
     measure_loops(job, &holes);
     bvxi_holes_close(job->ctx, &holes);
     return BVX_OK;
@@ -47,6 +50,7 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
     bvx_voxelize_options o;
     bvx_grid grid[2];
     bvx_status status = BVX_OK;
+
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
     for (int i = 0; i < 2 && status == BVX_OK; i++) {
@@ -54,7 +58,8 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
         grid[i].word_capacity = job->grid_bytes / 8;
         o.fill = i == 0 ? BVX_FILL_VOTE : BVX_FILL_WINDING;
         if (status == BVX_OK)
-            status = BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]));
+            status = BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1),
+                                bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]));
     }
     for (uint64_t i = 0; i < job->grid_bytes / 8 && status == BVX_OK; i++)
         job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
@@ -70,6 +75,7 @@ static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *r
     double const most = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) * 0.6;
     bvx_closest closest;
     uint32_t hint = 0;
+
     BVXI_TRY(bvxi_closest_open(job->ctx, bvxi_repair_name, "measure", 0.0, 0.1, &job->mesh, &closest));
     for (uint64_t v = 0; v < result->vertex_count; v++) {
         bvx_closest_point found;
@@ -88,8 +94,12 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
     bvx_distance_report report;
     uint32_t *corner = NULL;
     uint8_t *far = NULL;
-    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes", &far);
-    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner);
+    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes",
+                                   &far);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes",
+                            &corner);
     if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.45, 0.6, find_far_vertices(job, result, far));
     if (status == BVX_OK) {
         near.triangle_count = 0;
@@ -102,8 +112,9 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
         near.index_type = BVX_U32;
         near.index_stride = 0;
         if (near.triangle_count != 0) {
-            status = BVXI_SHARE(job->ctx, 0.6, 1.0,
-                                bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report));
+            status = BVXI_SHARE(
+                job->ctx, 0.6, 1.0,
+                bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report));
             if (status == BVX_OK) {
                 job->report.mean_off_caps = report.mean_a_to_b;
                 job->report.max_off_caps = report.max_a_to_b;
@@ -116,9 +127,11 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
 }
 
 /* result with its frame added, in new positions. */
-static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, double *world, bvx_mesh_view *result)
+static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, double *world,
+                              bvx_mesh_view *result)
 {
     double p[3];
+
     for (uint64_t v = 0; v < result->vertex_count; v++) {
         bvxi_view_position(result, v, p);
         for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
@@ -127,7 +140,8 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
     result->position_type = BVX_F64;
     result->position_stride = 0;
     return BVXI_SHARE(job->ctx, 0.0, 0.45,
-                      bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1, &job->report.distance));
+                      bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
+                                        &job->report.distance));
 }
 
 static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
@@ -147,7 +161,8 @@ static int has_other_size(const bvx_repair_report *r)
     double const volume = bvxi_absolute(r->before.volume);
 
     if (!r->before.closed || !r->before.oriented) return 0;
-    return bvxi_absolute(r->after.volume - volume) > 0.05 * volume || bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
+    return bvxi_absolute(r->after.volume - volume) > 0.05 * volume ||
+           bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
 }
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)

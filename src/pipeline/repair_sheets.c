@@ -1,10 +1,13 @@
 /* repair_sheets.c - which pieces of a mesh enclose nothing, and the shells that they become.
  *
- * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of its area or more), or when
- * it is open, or as narrow as a rod (or in any case, by BVX_THIN_SHELL), and the solid has no voxel close behind most of its area, on either side: what is thinner than a
- * voxel, surfaces that lie in themselves. Thin walls of closed pieces are kept as such (thicken.c). The lid is measured by the vector area of each loop of open edges, which no way of closing it can fall below.
- * A piece of large lid is no sheet where the pieces together enclose something (repair_enclosed.c): a face of a part whose faces
- * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are sheets.
+ * A piece is a sheet when a lid over its holes would be nearly as large as itself (terrain: a lid of 0.7 of
+ * its area or more), or when it is open, or as narrow as a rod (or in any case, by BVX_THIN_SHELL), and the
+ * solid has no voxel close behind most of its area, on either side: what is thinner than a voxel, surfaces
+ * that lie in themselves. Thin walls of closed pieces are kept as such (thicken.c). The lid is measured by
+ * the vector area of each loop of open edges, which no way of closing it can fall below. A piece of large lid
+ * is no sheet where the pieces together enclose something (repair_enclosed.c): a face of a part whose faces
+ * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are
+ * sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
  * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
 #include "field/nearest.h"
@@ -15,10 +18,10 @@
 
 #include <math.h>
 
-#define SHEET_LID 0.7  /* of a piece's area */
-#define SHEET_KEPT 0.5 /* of a piece's area */
-#define SHEET_THIN 0.005 /* largest spacings of volume an area: a wall of a hundredth of it */
-#define SHEET_JOINED 0.5 /* of a piece's area is enclosed by all */
+#define SHEET_LID    0.7   /* of a piece's area */
+#define SHEET_KEPT   0.5   /* of a piece's area */
+#define SHEET_THIN   0.005 /* largest spacings of volume an area: a wall of a hundredth of it */
+#define SHEET_JOINED 0.5   /* of a piece's area is enclosed by all */
 
 enum { SHEET_ROUNDS = 8 };
 
@@ -29,7 +32,9 @@ typedef struct piece_sums {
     double volume;                    /* with its sign */
     uint64_t triangles;
     int32_t open; /* 1: has loops of open edges */
-    int32_t rod;  /* 1: is thinner than a bar of one voxel, or encloses next to nothing; by BVX_THIN_SHELL any piece may be a sheet */
+    /* 1: is thinner than a bar of one voxel, or encloses next to nothing;
+     * by BVX_THIN_SHELL any piece may be a sheet */
+    int32_t rod;
 } piece_sums;
 
 /* The pieces in the order of their least vertices. */
@@ -57,18 +62,23 @@ static int is_set_at(const bvx_grid *solid, const double at[3])
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
     row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
-    return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >> ((size_t)at[0] & 63) & 1);
+    return (int)(solid->words[row * (size_t)solid->words_per_row + ((size_t)at[0] >> 6)] >>
+                     ((size_t)at[0] & 63) &
+                 1);
 }
 
-/* Is there solid half a voxel or a voxel behind a triangle's middle, on either side? step: a voxel of the largest
- * spacing, in voxels. */
-static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3], const double n[3], double length)
+/* Is there solid half a voxel or a voxel behind a triangle's middle, on
+ * either side? step: a voxel of the largest spacing, in voxels. */
+static int has_solid_behind(const bvx_grid *solid, const double step[3], const double p[3][3],
+                            const double n[3], double length)
 {
     static const double depth[4] = {-1.0, -0.5, 1.0, 0.5}; /* the likeliest first */
     double const part = 1.0 / length;
     double middle[3], way[3], at[3];
+
     for (int a = 0; a < 3; a++) {
-        middle[a] = ((p[0][a] + p[1][a] + p[2][a]) * (1.0 / 3.0) - solid->lattice.origin[a]) / solid->lattice.spacing[a];
+        middle[a] = ((p[0][a] + p[1][a] + p[2][a]) * (1.0 / 3.0) - solid->lattice.origin[a]) /
+                    solid->lattice.spacing[a];
         way[a] = n[a] * part * step[a];
     }
     for (int d = 0; d < 4; d++) {
@@ -97,13 +107,15 @@ static void take_into_piece(piece_sums *piece, const double p[3][3])
         int const i = (a + 1) % 3, j = (a + 2) % 3;
         double const *const o = piece->first;
 
-        piece->volume += ((p[1][i] - o[i]) * (p[2][j] - o[j]) - (p[1][j] - o[j]) * (p[2][i] - o[i])) * (p[0][a] - o[a]) / 6.0;
+        piece->volume += ((p[1][i] - o[i]) * (p[2][j] - o[j]) - (p[1][j] - o[j]) * (p[2][i] - o[i])) *
+                         (p[0][a] - o[a]) / 6.0;
     }
     piece->triangles++;
 }
 
-/* Pieces of less area than a bar one voxel square of their diagonal's length: they may pass between all lines of centres. And pieces
- * whose triangles look to either side at random, so that their volume is next to none. */
+/* Pieces of less area than a bar one voxel square of their diagonal's length: they may pass between all lines
+ * of centres. And pieces whose triangles look to either side at random, so that their volume is next to
+ * none. */
 static void find_rods(const bvxi_repair_job *job, all_sums *sums)
 {
     double const side = bvxi_largest_spacing(&job->lattice);
@@ -119,13 +131,15 @@ static void find_rods(const bvxi_repair_job *job, all_sums *sums)
         }
 
         for (int a = 0; a < 3; a++) length += (s->high[a] - s->low[a]) * (s->high[a] - s->low[a]);
-        s->rod = s->triangles != 0 && (s->area < 4.0 * side * sqrt(length) || bvxi_absolute(s->volume) < SHEET_THIN * side * s->area);
+        s->rod = s->triangles != 0 && (s->area < 4.0 * side * sqrt(length) ||
+                                       bvxi_absolute(s->volume) < SHEET_THIN * side * s->area);
     }
 }
 
 static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
 {
     double step[3];
+
     for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3], length;
@@ -138,7 +152,8 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
         length = vector_length(n);
         if (!(length > 0)) continue;
         piece->area += 0.5 * length;
-        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length)) piece->kept += 0.5 * length;
+        if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length))
+            piece->kept += 0.5 * length;
     }
 }
 
@@ -146,6 +161,7 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
 static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_sums *sums)
 {
     uint64_t begin = 0;
+
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
         double first[3], sum[3] = {0, 0, 0};
         bvxi_view_position(&job->mesh, holes->vertex[begin], first);
@@ -166,12 +182,14 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_s
 static bvx_status sum_lids(bvxi_repair_job *job, all_sums *sums)
 {
     bvxi_holes holes;
+
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
     if (!job->holes.repeated) {
         sum_loops(job, &job->holes, sums);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
+    BVXI_TRY(
+        bvxi_holes_open_rule(job->ctx, bvxi_repair_name, &job->mesh, &job->lattice, BVX_FILL_VOTE, &holes));
     sum_loops(job, &holes, sums);
     bvxi_holes_close(job->ctx, &holes);
     return BVX_OK;
@@ -194,11 +212,13 @@ static int is_sheet(const piece_sums *s)
     return s->lid >= SHEET_LID * s->area || ((s->open || s->rod) && s->kept < SHEET_KEPT * s->area);
 }
 
-/* Triangles of bodies first, those of sheets last; pieces without area are left out. Without sheets the body is the mesh. */
+/* Triangles of bodies first, those of sheets last; pieces without area are
+ * left out. Without sheets the body is the mesh. */
 static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
 {
     uint64_t sheet_triangles = 0, next[2];
     uint32_t c[3];
+
     for (uint64_t i = 0; i < sums->count; i++)
         if (is_sheet(&sums->piece[i])) sheet_triangles += sums->piece[i].triangles;
     job->body = job->mesh;
@@ -207,7 +227,8 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
     next[0] = 0;
     next[1] = job->mesh.triangle_count - sheet_triangles;
     if (job->parted == NULL)
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->mesh.triangle_count * 12, "the triangles of sheets", &job->parted));
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->mesh.triangle_count * 12, "the triangles of sheets",
+                            &job->parted));
     bvxi_repair_view(job, job->parted + 3 * next[1], sheet_triangles, &job->sheets);
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         const piece_sums *piece;
@@ -226,6 +247,7 @@ static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums
 {
     uint64_t count = 0;
     uint32_t c[3];
+
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         bvxi_view_triangle(&job->mesh, t, c);
         answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
@@ -238,6 +260,7 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
 {
     double p[3][3], n[3];
     uint32_t c[3];
+
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
@@ -247,12 +270,14 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
     }
 }
 
-/* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large. Returns how many. */
+/* The triangles of joined pieces are to be asked again; none where a lid
+ * over all of them would be large. Returns how many. */
 static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, uint8_t *answer)
 {
     double all[3] = {0, 0, 0}, area = 0, p[3][3], n[3];
     uint64_t count = 0;
     uint32_t c[3];
+
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] == 0) continue;
         corners_of_triangle(&job->mesh, t, c, p);
@@ -275,6 +300,7 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
     uint64_t asked, before = 0;
     uint8_t *answer;
     bvx_status status = BVX_OK;
+
     if (job->fill == BVX_FILL_PARITY) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the open triangles", &answer));
     asked = ask_open_pieces(job, sums, answer);
@@ -296,10 +322,12 @@ static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
     bvx_status status;
 
     memset(sums, 0, sizeof *sums);
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers", &sums->number));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers",
+                        &sums->number));
     for (uint64_t v = 0; v < job->given->vertex_count; v++)
         if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas", &sums->piece);
+    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
+                             &sums->piece);
     if (status != BVX_OK) bvxi_free(job->ctx, sums->number, job->given->vertex_count * 4);
     return status;
 }
@@ -314,6 +342,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 {
     all_sums sums;
     bvx_status status;
+
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (job->options->shell == 0) return BVX_OK;
@@ -337,11 +366,15 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
     uint64_t *first = NULL;
     bvx_grid band = job->inside;
     bvx_status status;
-    BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "shells", 0.0, 0.3, &job->sheets, &job->lattice, &nearest));
+
+    BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "shells", 0.0, 0.3, &job->sheets, &job->lattice,
+                               &nearest));
     status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words);
-    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first);
     if (status == BVX_OK)
-        status = bvxi_nearest_band(job->ctx, "shells", 0.3, 1.0, nearest, 0.5 * job->options->shell * most, &band, first);
+        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first);
+    if (status == BVX_OK)
+        status = bvxi_nearest_band(job->ctx, "shells", 0.3, 1.0, nearest, 0.5 * job->options->shell * most,
+                                   &band, first);
     for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
     bvxi_free(job->ctx, first, (rows + 1) * 8);
     if (band.words != job->inside.words) bvxi_free(job->ctx, band.words, job->grid_bytes);

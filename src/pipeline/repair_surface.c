@@ -1,8 +1,9 @@
-/* repair_surface.c - the surface of a repaired body: closest points at the ends of crossed edges, marching cubes between them.
+/* repair_surface.c - the surface of a repaired body: closest points at the ends of crossed edges, marching
+ * cubes between them.
  *
- * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what is nearer of the body's
- * surface and the shell's: the union of both. Edges that no triangle comes near are crossed by a lid over a hole, and the winding
- * number says where. */
+ * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what
+ * is nearer of the body's surface and the shell's: the union of both. Edges that no triangle comes near are
+ * crossed by a lid over a hole, and the winding number says where. */
 #include "field/nearest.h"
 #include "pipeline/ends.h"
 #include "pipeline/repair.h"
@@ -13,30 +14,34 @@
 /* What is measured, in doubles. */
 typedef struct repair_values {
     bvx_grid where;
-    uint64_t *first;      /* [Size: rows + 1] */
-    double *vectors;      /* [Size: count * 3] */
+    uint64_t *first; /* [Size: rows + 1] */
+    double *vectors; /* [Size: count * 3] */
     double *distances;
-    uint32_t *triangles;  /* sharp: of job->given's order of job->body */
+    uint32_t *triangles; /* sharp: of job->given's order of job->body */
     uint64_t rows, count;
 } repair_values;
 
 /* ---- Closest points ---- */
 
-/* off: how far the surface between the centres lies off the mesh. Where it is no lid, its edges' ends are nearer than an edge. */
-static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh, double off, double *vectors,
-                               double *distances, uint32_t *triangles, double from, double to)
+/* off: how far the surface between the centres lies off the mesh. Where it
+ * is no lid, its edges' ends are nearer than an edge. */
+static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh,
+                               double off, double *vectors, double *distances, uint32_t *triangles,
+                               double from, double to)
 {
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = from + (to - from) * 0.3;
     bvxi_nearest_values out;
     bvxi_nearest *nearest = NULL;
     bvx_status status;
+
     memset(&out, 0, sizeof out);
     out.value_type = BVX_F64;
     out.vectors = vectors;
     out.distances = distances;
     out.triangles = triangles;
-    BVXI_TRY(bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
+    BVXI_TRY(
+        bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
     bvxi_nearest_prefer_planes(nearest);
     status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, guess, &v->where, v->first, &out);
     bvxi_nearest_close(job->ctx, nearest);
@@ -44,14 +49,18 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
 }
 
 /* The union of body and shell: signed distances, the lesser one's value. */
-static void join_values(const bvxi_repair_job *job, repair_values *v, double thick, const double *vectors, const double *distances)
+static void join_values(const bvxi_repair_job *job, repair_values *v, double thick, const double *vectors,
+                        const double *distances)
 {
     size_t const words = (size_t)v->where.words_per_row;
     uint64_t n = 0;
+
     for (size_t i = 0; i < words * (size_t)v->rows; i++)
         for (uint64_t bits = v->where.words[i]; bits != 0; bits &= bits - 1, n++) {
             int const inside = (int)(job->solid.words[i] >> bvxi_lowest(bits) & 1);
-            double const body = job->body.triangle_count == 0 ? 1e300 : inside ? -v->distances[n] : v->distances[n];
+            double const body = job->body.triangle_count == 0 ? 1e300
+                                : inside                      ? -v->distances[n]
+                                                              : v->distances[n];
             double shell[3], distance = distances[n];
             memcpy(shell, vectors + 3 * n, sizeof shell);
             bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
@@ -66,8 +75,11 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, repair_values *v)
     double *vectors = NULL, *distances = NULL;
     double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 24, "the vectors to sheets", &vectors);
-    if (status == BVX_OK) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 8, "the distances to sheets", &distances);
-    if (status == BVX_OK) status = measure_mesh(job, v, &job->sheets, thick, vectors, distances, NULL, 0.5, 1.0);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 8, "the distances to sheets", &distances);
+    if (status == BVX_OK)
+        status = measure_mesh(job, v, &job->sheets, thick, vectors, distances, NULL, 0.5, 1.0);
     if (status == BVX_OK) join_values(job, v, thick, vectors, distances);
     bvxi_free(job->ctx, distances, v->count * 8);
     bvxi_free(job->ctx, vectors, v->count * 24);
@@ -87,19 +99,27 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
 {
     bvx_context *const ctx = job->ctx;
     int const shells = job->sheets.triangle_count != 0;
+
     memset(v, 0, sizeof *v);
     v->where = job->inside;
     v->where.words = NULL;
     v->rows = bvxi_grid_rows(&job->inside);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, job->grid_bytes, "the centres that are measured", &v->where.words));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.03, bvxi_ends_mark(ctx, &job->inside, NULL, &v->where)));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "the rows of centres beside the surface", &v->first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (v->rows + 1) * 8, "the rows of centres beside the surface",
+                        &v->first));
     v->count = bvxi_ends_number(&v->where, v->first);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "the vectors of centres beside the surface", &v->vectors));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "the distances of centres beside the surface", &v->distances));
-    if (job->report.sharp && !shells) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "the triangles of centres beside the surface", &v->triangles));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 24, "the vectors of centres beside the surface",
+                        &v->vectors));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 8, "the distances of centres beside the surface",
+                        &v->distances));
+    if (job->report.sharp && !shells)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "the triangles of centres beside the surface",
+                            &v->triangles));
     if (job->body.triangle_count != 0)
-        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03, shells ? 0.5 : 1.0));
+        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03,
+                              shells ? 0.5 : 1.0));
     bvxi_thin_values(&job->thin, &v->where, v->first, v->vectors, v->distances);
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }
@@ -112,11 +132,14 @@ static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge 
     bvxi_winding_edge asked[BVXI_MISSING_MOST];
     double told[BVXI_MISSING_MOST];
     int32_t number[BVXI_MISSING_MOST], n = 0;
+
     for (int32_t e = 0; e < count; e++) {
         const int32_t *const v = edge[e].at;
         int32_t const axis = edge[e].axis;
         ratio[e] = 0.5;
-        if (job->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 || v[axis] + 1 >= job->lattice.dims[axis]) continue;
+        if (job->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 ||
+            v[axis] + 1 >= job->lattice.dims[axis])
+            continue;
         memcpy(asked[n].v, v, sizeof asked[n].v);
         asked[n].axis = axis;
         number[n++] = e;
@@ -131,6 +154,7 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const repair_values *v,
     bvx_field_surface_report report;
     bvx_field_surface_options o;
     bvxi_edge_values values;
+
     memset(&values, 0, sizeof values);
     values.where = &v->where;
     values.row_values = v->first;
@@ -158,8 +182,10 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     repair_values v;
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.65, open_values(job, &v));
+
     if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
-        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill, &job->holes, &job->winding);
+        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
+                                   &job->holes, &job->winding);
     if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.65, 1.0, extract_repaired(job, &v, repaired));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;

@@ -1,4 +1,5 @@
-/* repair_thin.c - walls of a repaired body that are thinner than the lattice can hold: found, told of, and kept by thicken.c. */
+/* repair_thin.c - walls of a repaired body that are thinner than the
+ * lattice can hold: found, told of, and kept by thicken.c. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
@@ -27,7 +28,8 @@ static bvx_status count_thin_components(repair_walls *t)
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, vertices, "the pieces with thin walls", &own));
     for (uint64_t n = 0; n < t->walls.count; n++)
-        if (t->walls.point[n].wall != BVXI_NO_WALL) own[job->piece[t->walls.corner[3 * (size_t)t->walls.point[n].triangle]]] = 1;
+        if (t->walls.point[n].wall != BVXI_NO_WALL)
+            own[job->piece[t->walls.corner[3 * (size_t)t->walls.point[n].triangle]]] = 1;
     for (uint64_t v = 0; v < vertices; v++) job->report.thin_components += own[v];
     bvxi_free(job->ctx, own, vertices);
     return BVX_OK;
@@ -71,7 +73,8 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     job->report.thin_wall = 0;
     job->report.thin_resolution = job->report.thin_kept = 0;
     if (job->body.triangle_count == 0) return BVX_OK;
-    if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK; /* nobody asks what is lost */
+    /* nobody asks what is lost */
+    if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
     memset(&t, 0, sizeof t);
     t.job = job;
     t.walls.ctx = job->ctx;

@@ -1,15 +1,17 @@
 /* thicken.c - walls of a closed body that are thinner than the lattice can hold: widened until it does.
  *
- * thin_walls.c says where they are. Centres beside them go inside up to half of what the wall lacks; what is lost still, at the ends
- * and corners of walls, goes inside itself. The surface of such a wall is then measured off the mesh, and flatten.c puts it back.
- * Guarantee: the result follows from the mesh and the lattice alone. Cost: the surface, and closest points at thin places. */
+ * thin_walls.c says where they are. Centres beside them go inside up to half of what the wall lacks; what is
+ * lost still, at the ends and corners of walls, goes inside itself. The surface of such a wall is then
+ * measured off the mesh, and flatten.c puts it back.
+ * Guarantee: the result follows from the mesh and the lattice alone. Cost: the surface, and closest points at
+ * thin places. */
 #include "pipeline/thicken.h"
 
 #include "pipeline/ends.h"
 #include "voxelize/fills.h"
 
-#define THIN_BESIDE 0.75   /* how far off a wall centres go inside [Units: largest spacings] */
-#define THIN_BEYOND 0.05f  /* a surface lies beyond the centres that it has inside */
+#define THIN_BESIDE 0.75  /* how far off a wall centres go inside [Units: largest spacings] */
+#define THIN_BEYOND 0.05f /* a surface lies beyond the centres that it has inside */
 
 enum { THIN_CRUMB = 8, THIN_MENDS = 4 };
 
@@ -51,8 +53,8 @@ static float thin_reach_of(const bvxi_wall *p)
     return p->wall == BVXI_NO_WALL ? 0.0f : (float)((BVXI_THIN_WALL - (double)p->wall) * 0.5);
 }
 
-/* Set centres that hang together across faces, from one on, until there are THIN_CRUMB or one of them is not of the list of
- * places: then it is no crumb. Returns how many, or 0. */
+/* Set centres that hang together across faces, from one on, until there are THIN_CRUMB or one of them is not
+ * of the list of places: then it is no crumb. Returns how many, or 0. */
 static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CRUMB])
 {
     const bvx_grid *const g = t->inside;
@@ -70,7 +72,9 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
             int known = 0;
 
             to[side / 2] += side % 2 * 2 - 1;
-            if (to[side / 2] < 0 || to[side / 2] >= g->size[side / 2] || !bvx_grid_get(g, to[0], to[1], to[2])) continue;
+            if (to[side / 2] < 0 || to[side / 2] >= g->size[side / 2] ||
+                !bvx_grid_get(g, to[0], to[1], to[2]))
+                continue;
             bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
             for (int k = 0; k < count; k++) known |= found[k] == bit;
             if (known) continue;
@@ -99,13 +103,14 @@ static void drop_thin_crumbs(thin_job *t)
 static void widen_walls(thin_job *t)
 {
     for (uint64_t n = 0; n < t->walls->count; n++)
-        if (t->walls->point[n].distance < thin_reach_of(&t->walls->point[n])) t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);
+        if (t->walls->point[n].distance < thin_reach_of(&t->walls->point[n]))
+            t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);
 }
 
-/* What is lost still, at the ends and corners of walls, goes inside itself and joins the centres of near. *more: 1 when there was any. */
+/* What is lost still, at the ends and corners of walls, goes inside itself
+ * and joins the centres of near. *more: 1 when there was any. */
 static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
 {
-
     *more = 0;
     BVXI_TRY(bvxi_walls_mark(t->walls));
     for (uint64_t n = 0; n < t->walls->bytes / 8; n++) t->walls->places.words[n] &= near[n];
@@ -128,9 +133,11 @@ static bvx_status keep_reach(thin_job *t)
     bvxi_thin *const thin = t->thin;
     uint64_t const rows = bvxi_grid_rows(&t->walls->places);
 
-    BVXI_TRY(bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the rows beside thin walls", &thin->first));
+    BVXI_TRY(
+        bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the rows beside thin walls", &thin->first));
     thin->rows = rows;
-    BVXI_TRY(bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->count * 4, "the reach of thin walls", &thin->reach));
+    BVXI_TRY(bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->count * 4, "the reach of thin walls",
+                        &thin->reach));
     thin->values = t->walls->count;
     bvxi_ends_number(&t->walls->places, thin->first);
     for (uint64_t n = 0; n < t->walls->count; n++) {
@@ -144,7 +151,8 @@ static bvx_status keep_reach(thin_job *t)
     return BVX_OK;
 }
 
-/* Mend until nothing is lost; *mended: 1 when centres went inside that may lie beyond the reach of their wall. */
+/* Mend until nothing is lost; *mended: 1 when centres went inside that may
+ * lie beyond the reach of their wall. */
 static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 {
     int more = 1;
@@ -171,7 +179,8 @@ static bvx_status widen(thin_job *t)
     BVXI_TRY(bvxi_walls_ask(t->walls, THIN_BESIDE));
     widen_walls(t);
 
-    BVXI_TRY(bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->bytes, "the centres beside thin walls", &near));
+    BVXI_TRY(
+        bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->bytes, "the centres beside thin walls", &near));
     memcpy(near, t->walls->places.words, (size_t)t->walls->bytes);
     asked = *t->walls;
     t->walls->at = NULL;
@@ -239,7 +248,8 @@ void bvxi_thin_value(double thick, double vector[3], double *distance)
     *distance = d - thick;
 }
 
-void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors, double *distances)
+void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors,
+                      double *distances)
 {
     size_t const words = (size_t)where->words_per_row, rows = (size_t)bvxi_grid_rows(where);
     double const unit = bvxi_largest_spacing(&where->lattice);

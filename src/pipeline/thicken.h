@@ -1,4 +1,5 @@
-/* thicken.h - walls too thin for a lattice, widened until it holds them, and put back to the mesh. Not installed. */
+/* thicken.h - walls too thin for a lattice, widened until it holds them,
+ * and put back to the mesh. Not installed. */
 #ifndef BVXI_THICKEN_H
 #define BVXI_THICKEN_H
 
@@ -6,25 +7,29 @@
 
 /* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
 typedef struct bvxi_thin {
-    bvx_grid near;           /* the centres, before some were put inside; without words where no wall is thin */
-    uint64_t near_bytes;     /* of its words */
-    uint64_t *first;         /* number of each row's first value [Size: rows + 1] */
-    float *reach;            /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
-                                [Size: values] [Units: largest spacings] */
+    /* the centres, before some were put inside; without words where no wall is thin */
+    bvx_grid near;
+    uint64_t near_bytes; /* of its words */
+    uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
+    /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
+     * [Size: values] [Units: largest spacings] */
+    float *reach;
     uint64_t rows, values;
-    uint32_t *corner;        /* of the body's triangles nearby, and a view of these */
+    uint32_t *corner; /* of the body's triangles nearby, and a view of these */
     uint64_t corner_bytes;
     bvx_mesh_view mesh;
 } bvxi_thin;
 
-/* thicken.c: put centres to inside until the walls hold that bvxi_walls_find has found and listed there; walls->solid is inside. thin,
- * all zero, takes over what the surface needs. bvxi_thin_close frees it, also after a failure. */
+/* thicken.c: put centres to inside until the walls hold that bvxi_walls_find
+ * has found and listed there; walls->solid is inside. thin, all zero, takes
+ * over what the surface needs. bvxi_thin_close frees it, also after a failure. */
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin);
 void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin);
 
-/* Closest points, measured at the set centres of where, become those of the thickened surface. first: number of each row's first value.
- * Nothing where no wall is thin. */
-void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors, double *distances);
+/* Closest points, measured at the set centres of where, become those of the thickened surface. first: number
+ * of each row's first value. Nothing where no wall is thin. */
+void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors,
+                      double *distances);
 /* The same of one centre whose surface lies thick off the mesh, along the way to it. [Units: world] */
 void bvxi_thin_value(double thick, double vector[3], double *distance);
 
@@ -36,8 +41,9 @@ typedef struct bvxi_flat_body {
 
 enum { BVXI_FLAT_BODIES = 2 };
 
-/* flatten.c: vertices of thickened walls go to where the meshes have them, as far as no triangles cross. A vertex is of the bodies that
- * differ at the ends of its edge. */
-bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count, bvx_mesh *mesh);
+/* flatten.c: vertices of thickened walls go to where the meshes have them, as far as no triangles cross. A
+ * vertex is of the bodies that differ at the ends of its edge. */
+bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count,
+                        bvx_mesh *mesh);
 
 #endif

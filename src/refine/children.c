@@ -1,25 +1,28 @@
 /* children.c - the octants of a cube that a triangle touches, all eight at once.
  *
- * Source: as conservative.c: an octant is missed when the boxes, the projections onto a coordinate plane, or the plane's two
- * sides have a gap. About the cube's centre the octants differ by one step of `half` along each axis, so an edge takes four
- * values in a projection, the plane eight on each side: the value at the centre plus one step for each axis along which the
- * octant lies on the growing side.
+ * Source: as conservative.c: an octant is missed when the boxes, the projections onto a coordinate plane, or
+ * the plane's two sides have a gap. About the cube's centre the octants differ by one step of `half` along
+ * each axis, so an edge takes four values in a projection, the plane eight on each side: the value at the
+ * centre plus one step for each axis along which the octant lies on the growing side.
  *
- * Bit budget (lattice.h). Corners relative to the centre lie within 1.5 * 2^30, half <= 2^28, slopes are differences of corners
- * below 2^31. Edges: 4.5 * 2^60 + 2 * 2^59 < 2^63. The plane: components of the normal below 2^63, three products with corners
- * and three steps below 2^97 in 128 bits; in 64 bits when the triangle is small enough for its distance.
+ * Bit budget (lattice.h). Corners relative to the centre lie within 1.5 * 2^30, half <= 2^28, slopes are
+ * differences of corners below 2^31. Edges: 4.5 * 2^60 + 2 * 2^59 < 2^63. The plane: components of the normal
+ * below 2^63, three products with corners and three steps below 2^97 in 128 bits; in 64 bits when the
+ * triangle is small enough for its distance.
  * Guarantee: exact for every triangle that touches the cube, also without area, also far larger than it. */
 #include "refine/children.h"
 
 /* Octants with s = 0 and with s = 1 along each axis. */
 static const uint8_t child_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
 
-/* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part them. *held becomes
- * 1 when the cube holds all of the triangle. */
-static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held, int64_t *spread, int64_t *reach)
+/* Octants whose box the triangle's box meets: its box meets the cube, so the cube's middle planes alone part
+ * them. *held becomes 1 when the cube holds all of the triangle. */
+static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int *held, int64_t *spread,
+                                       int64_t *reach)
 {
     uint32_t mask = 255;
     int inside = 1;
+
     *spread = 0;
     *reach = half;
     for (int a = 0; a < 3; a++) {
@@ -36,12 +39,13 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
     return mask;
 }
 
-/* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. Those on both growing sides hold the
- * cube's best corner, which is not outside since the triangle touches the cube. */
-static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int64_t bv, int64_t turn, int64_t half,
-                                         const uint8_t *hu, const uint8_t *hv)
+/* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. Those on both growing
+ * sides hold the cube's best corner, which is not outside since the triangle touches the cube. */
+static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int64_t bv, int64_t turn,
+                                         int64_t half, const uint8_t *hu, const uint8_t *hv)
 {
     int64_t const at = (au * bv - av * bu) * turn;
+
     if (at >= 0) return 0;
     int64_t const du = (av - bv) * turn, dv = (bu - au) * turn;
     int64_t const su = (du < 0 ? -du : du) * half, sv = (dv < 0 ? -dv : dv) * half;
@@ -58,21 +62,25 @@ static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int
     int64_t const area = (bu - au) * (cv - av) - (bv - av) * (cu - au);
     const uint8_t *const hu = child_half[u], *const hv = child_half[v];
     uint32_t missed = 0;
+
     if (area >= 0)
-        missed |= child_edge_misses(au, av, bu, bv, 1, half, hu, hv) | child_edge_misses(bu, bv, cu, cv, 1, half, hu, hv) |
+        missed |= child_edge_misses(au, av, bu, bv, 1, half, hu, hv) |
+                  child_edge_misses(bu, bv, cu, cv, 1, half, hu, hv) |
                   child_edge_misses(cu, cv, au, av, 1, half, hu, hv);
     if (area <= 0)
-        missed |= child_edge_misses(au, av, bu, bv, -1, half, hu, hv) | child_edge_misses(bu, bv, cu, cv, -1, half, hu, hv) |
+        missed |= child_edge_misses(au, av, bu, bv, -1, half, hu, hv) |
+                  child_edge_misses(bu, bv, cu, cv, -1, half, hu, hv) |
                   child_edge_misses(cu, cv, au, av, -1, half, hu, hv);
     return missed;
 }
 
-/* Octants on one side of the plane. at: its value at the centre; step: what it gains along each axis within half, not
- * negative; grows: bit a where it grows towards + along axis a. */
+/* Octants on one side of the plane. at: its value at the centre; step: what it gains along each axis within
+ * half, not negative; grows: bit a where it grows towards + along axis a. */
 static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uint32_t grows)
 {
     int64_t sum[8];
     uint32_t missed = 0;
+
     sum[0] = 0;
     for (uint32_t k = 1; k < 8; k++)
         sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
@@ -87,6 +95,7 @@ static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], 
 {
     bvxi_wide at = bvxi_wide_mul(-n[0], p[0]);
     uint32_t missed = 0;
+
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[1], p[1]));
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[2], p[2]));
     for (uint32_t o = 0; o < 8; o++) {
@@ -104,17 +113,20 @@ static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], 
 static uint32_t children_beside_plane(const int32_t (*p)[3], int64_t half, int64_t spread, int64_t reach)
 {
     int64_t u[3], v[3], n[3];
+
     for (int a = 0; a < 3; a++) {
         u[a] = (int64_t)p[1][a] - p[0][a];
         v[a] = (int64_t)p[2][a] - p[0][a];
     }
     for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+
     /* |n| <= 2 spread^2, so all sums stay below 6 spread^2 (reach + half) */
     if ((double)spread * (double)spread * (double)(reach + half) < 1.5e18) {
         int64_t const at = -(n[0] * p[0][0] + n[1] * p[0][1] + n[2] * p[0][2]);
         int64_t step[3];
         for (int a = 0; a < 3; a++) step[a] = (n[a] < 0 ? -n[a] : n[a]) * half;
-        return child_plane_misses(at, step, (uint32_t)(n[0] > 0) | (uint32_t)(n[1] > 0) << 1 | (uint32_t)(n[2] > 0) << 2);
+        return child_plane_misses(
+            at, step, (uint32_t)(n[0] > 0) | (uint32_t)(n[1] > 0) << 1 | (uint32_t)(n[2] > 0) << 2);
     }
     return child_plane_misses_wide(n, p[0], half);
 }
@@ -124,8 +136,10 @@ uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
     int64_t spread, reach;
     int held;
     uint32_t mask = children_of_box(p, half, &held, &spread, &reach);
+
     if ((mask & (mask - 1)) == 0) return mask; /* the only octant left, and the cube is touched */
-    if (held && bvxi_children_are_pair(mask)) return mask; /* it reaches over one middle plane and lies in the two octants */
+    /* it reaches over one middle plane and lies in the two octants */
+    if (held && bvxi_children_are_pair(mask)) return mask;
     mask &= ~child_projection_misses(p, 0, 1, half);
     mask &= ~child_projection_misses(p, 0, 2, half);
     mask &= ~child_projection_misses(p, 1, 2, half);

@@ -4,8 +4,9 @@
 
 #include "lattice/lattice.h"
 
-/* The octants of a cube that a triangle touches, closed sets: bit x + 2 y + 4 z. p: the triangle's corners relative to the
- * cube's centre, half: the side of an octant [Units: fixed-point steps]. The triangle must touch the cube. */
+/* The octants of a cube that a triangle touches, closed sets: bit x + 2 y + 4
+ * z. p: the triangle's corners relative to the cube's centre, half: the side
+ * of an octant [Units: fixed-point steps]. The triangle must touch the cube. */
 uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half);
 
 /* ---- children_batch.c: the same for many triangles at once ---- */
@@ -27,8 +28,8 @@ void bvxi_children_of_batch(bvxi_children_batch *batch, uint32_t count, int32_t 
 static inline int bvxi_children_are_pair(uint32_t mask)
 {
     uint32_t const low = mask & (0 - mask), high = mask ^ low;
-    return (high & (high - 1)) == 0 && ((high == low << 1 && (low & 0x55) != 0) || (high == low << 2 && (low & 0x33) != 0) ||
-                                        high == low << 4);
+    return (high & (high - 1)) == 0 && ((high == low << 1 && (low & 0x55) != 0) ||
+                                        (high == low << 2 && (low & 0x33) != 0) || high == low << 4);
 }
 
 #endif

@@ -1,24 +1,25 @@
 /* cubes.h - 4 x 4 x 4 voxels in a word: an octet and the octets of its children. Not installed.
  *
- * Voxel (x, y, z) is bit x + 4 y + 16 z. Child p of the octet is the 2 x 2 x 2 voxels from (2 p_x, 2 p_y, 2 p_z) on; a child
- * that is not split has all of them alike. */
+ * Voxel (x, y, z) is bit x + 4 y + 16 z. Child p of the octet is the 2 x 2 x 2 voxels from (2 p_x, 2 p_y, 2
+ * p_z) on; a child that is not split has all of them alike. */
 #ifndef BVXI_CUBES_H
 #define BVXI_CUBES_H
 
 #include "core/core.h"
 
-#define BVXI_CUBE_X0 UINT64_C(0x1111111111111111)
-#define BVXI_CUBE_X3 UINT64_C(0x8888888888888888)
-#define BVXI_CUBE_Y0 UINT64_C(0x000f000f000f000f)
-#define BVXI_CUBE_Y3 UINT64_C(0xf000f000f000f000)
-#define BVXI_CUBE_Z0 UINT64_C(0x000000000000ffff)
-#define BVXI_CUBE_Z3 UINT64_C(0xffff000000000000)
+#define BVXI_CUBE_X0    UINT64_C(0x1111111111111111)
+#define BVXI_CUBE_X3    UINT64_C(0x8888888888888888)
+#define BVXI_CUBE_Y0    UINT64_C(0x000f000f000f000f)
+#define BVXI_CUBE_Y3    UINT64_C(0xf000f000f000f000)
+#define BVXI_CUBE_Z0    UINT64_C(0x000000000000ffff)
+#define BVXI_CUBE_Z3    UINT64_C(0xffff000000000000)
 #define BVXI_CUBE_CHILD UINT64_C(0x0000000000330033) /* voxels of child 0 */
 
 /* Voxels on the side towards direction d (octree.h). */
 static inline uint64_t bvxi_cube_side(int d)
 {
-    static const uint64_t side[6] = {BVXI_CUBE_X0, BVXI_CUBE_Y0, BVXI_CUBE_Z0, BVXI_CUBE_X3, BVXI_CUBE_Y3, BVXI_CUBE_Z3};
+    static const uint64_t side[6] = {BVXI_CUBE_X0, BVXI_CUBE_Y0, BVXI_CUBE_Z0,
+                                     BVXI_CUBE_X3, BVXI_CUBE_Y3, BVXI_CUBE_Z3};
     return side[d];
 }
 

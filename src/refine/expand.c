@@ -1,8 +1,8 @@
 /* expand.c - the voxels of one level of an octree as a grid: bvx_octree_expand.
  *
- * Each task takes the base voxels of some columns along x, so that it alone writes their rows. Leaves above the level are
- * boxes; the octets whose children are the level's voxels write two bits to each of four rows. What misses the window is not
- * entered. Guarantee: a window holds the bits of the whole there. */
+ * Each task takes the base voxels of some columns along x, so that it alone writes their rows. Leaves above
+ * the level are boxes; the octets whose children are the level's voxels write two bits to each of four rows.
+ * What misses the window is not entered. Guarantee: a window holds the bits of the whole there. */
 #include "refine/octree.h"
 #include "grid/grid.h"
 
@@ -24,34 +24,40 @@ typedef struct expand_step {
 static inline uint64_t *expand_row(const expand_job *job, int32_t y, int32_t z)
 {
     const bvx_grid *const g = job->grid;
-    return g->words + ((size_t)(z - job->low[2]) * (size_t)g->size[1] + (size_t)(y - job->low[1])) * (size_t)g->words_per_row;
+    return g->words + ((size_t)(z - job->low[2]) * (size_t)g->size[1] + (size_t)(y - job->low[1])) *
+                          (size_t)g->words_per_row;
 }
 
 /* Set a voxel of another level, cut to the window. */
 static void set_expanded_box(const expand_job *job, const int32_t v[3], int32_t level)
 {
     int32_t low[3], high[3];
+
     for (int a = 0; a < 3; a++) {
         int32_t const begin = v[a] << (job->level - level), end = begin + (1 << (job->level - level));
         low[a] = begin > job->low[a] ? begin : job->low[a];
         high[a] = end < job->high[a] ? end : job->high[a];
     }
     for (int32_t z = low[2]; z < high[2]; z++)
-        for (int32_t y = low[1]; y < high[1]; y++) bvxi_set_run(expand_row(job, y, z), low[0] - job->low[0], high[0] - job->low[0]);
+        for (int32_t y = low[1]; y < high[1]; y++)
+            bvxi_set_run(expand_row(job, y, z), low[0] - job->low[0], high[0] - job->low[0]);
 }
 
 /* Set voxels of the level: children of voxel v of the level above. */
 static void set_expanded_children(const expand_job *job, const int32_t v[3], uint32_t children)
 {
     int32_t const x = 2 * v[0] - job->low[0];
+
     if (children == 0) return;
     for (int32_t r = 0; r < 4; r++) {
         int32_t const y = 2 * v[1] + (r & 1), z = 2 * v[2] + (r >> 1);
         uint64_t const pair = children >> 2 * r & 3;
-        if (pair == 0 || y < job->low[1] || y >= job->high[1] || z < job->low[2] || z >= job->high[2]) continue;
+        if (pair == 0 || y < job->low[1] || y >= job->high[1] || z < job->low[2] || z >= job->high[2])
+            continue;
         uint64_t *const row = expand_row(job, y, z);
         for (int32_t i = 0; i < 2; i++)
-            if ((pair >> i & 1) != 0 && x + i >= 0 && x + i < job->grid->size[0]) row[(x + i) >> 6] |= UINT64_C(1) << ((x + i) & 63);
+            if ((pair >> i & 1) != 0 && x + i >= 0 && x + i < job->grid->size[0])
+                row[(x + i) >> 6] |= UINT64_C(1) << ((x + i) & 63);
     }
 }
 
@@ -70,9 +76,11 @@ static inline void child_of_voxel(const int32_t v[3], uint32_t p, int32_t child[
 }
 
 /* Arrive at an octet: set what its children are, and note which to enter. */
-static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3], expand_step *step)
+static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3],
+                         expand_step *step)
 {
     const bvxi_octets *const o = &job->tree->octets[level];
+
     step->enter = 0;
     if (level + 1 == job->level) {
         set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
@@ -94,6 +102,7 @@ static void expand_tree(const expand_job *job, uint64_t octet, const int32_t v[3
 {
     expand_step step[BVXI_OCTREE_LEVELS];
     int32_t depth = 0;
+
     expand_octet(job, 0, octet, v, &step[0]);
     while (depth >= 0) {
         expand_step *const s = &step[depth];
@@ -117,7 +126,8 @@ static void expand_column(const expand_job *job, int32_t y, int32_t z)
         int32_t const v[3] = {x, y, z};
         uint64_t const bit = bvxi_root_bit(job->tree, x, y, z);
         int32_t const state = bvxi_octets_state(&job->tree->root, bit);
-        if (bvxi_octets_is_split(&job->tree->root, bit) && job->level > 0) expand_tree(job, bvxi_octets_rank(&job->tree->root, bit), v);
+        if (bvxi_octets_is_split(&job->tree->root, bit) && job->level > 0)
+            expand_tree(job, bvxi_octets_rank(&job->tree->root, bit), v);
         else if ((state & job->states) != 0) set_expanded_box(job, v, 0);
     }
 }
@@ -125,21 +135,25 @@ static void expand_column(const expand_job *job, int32_t y, int32_t z)
 static void expand_piece(void *user, int32_t index, int32_t worker)
 {
     const expand_job *const job = user;
-    uint64_t const ny = (uint64_t)(job->last[1] - job->first[1]) + 1, nz = (uint64_t)(job->last[2] - job->first[2]) + 1;
+    uint64_t const ny = (uint64_t)(job->last[1] - job->first[1]) + 1;
+    uint64_t const nz = (uint64_t)(job->last[2] - job->first[2]) + 1;
     uint64_t begin, end;
     (void)worker;
     bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) expand_column(job, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny));
+    for (uint64_t i = begin; i < end; i++)
+        expand_column(job, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny));
 }
 
-static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tree, int32_t level, int32_t states, const bvx_window *given,
-                                         bvx_lattice *lattice, bvx_window *window)
+static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tree, int32_t level,
+                                         int32_t states, const bvx_window *given, bvx_lattice *lattice,
+                                         bvx_window *window)
 {
     static const char *const function = "bvx_octree_expand";
+
     BVXI_TRY(bvxi_octree_check(ctx, function, tree));
     if (level < 0 || level > tree->levels)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
-                         (int64_t)tree->levels);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function,
+                         (int64_t)level, (int64_t)tree->levels);
     BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
     BVXI_TRY(bvxi_octree_lattice(ctx, tree, level, lattice));
     return bvxi_window_take(ctx, function, lattice, given, window);
@@ -153,6 +167,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     bvx_window w;
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
@@ -170,15 +185,16 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.first[a] = w.low[a] >> level;
         job.last[a] = (job.high[a] - 1) >> level;
     }
-    job.pieces = bvxi_piece_count((uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1), 1);
+    job.pieces = bvxi_piece_count(
+        (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1), 1);
     status = bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, expand_piece, &job);
     if (status == BVX_OK) *grid = made;
     else if (grid->words == NULL) bvx_grid_free(context, &made);
     return status;
 }
 
-bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states, const bvx_window *window,
-                             bvx_grid *grid)
+bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
+                             const bvx_window *window, bvx_grid *grid)
 {
     return BVXI_CALL(context, run_octree_expand(context, tree, level, states, window, grid));
 }

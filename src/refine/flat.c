@@ -1,16 +1,20 @@
 /* flat.c - is the surface in a voxel flat within a tolerance?
  *
- * The plane is that of the list's largest triangle (of equals the one with the least number); all corners must lie within the
- * tolerance of it, so all of their points do. Triangles without area anywhere: flat when all corners lie within the tolerance
- * of the first. Doubles, in one stated order: the same on every machine. */
+ * The plane is that of the list's largest triangle (of equals the one with the least number); all corners
+ * must lie within the tolerance of it, so all of their points do. Triangles without area anywhere: flat when
+ * all corners lie within the tolerance of the first. Doubles, in one stated order: the same on every
+ * machine. */
 #include "refine/refine.h"
 
-static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const int32_t origin[3], double p[3][3])
+static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const int32_t origin[3],
+                         double p[3][3])
 {
     uint32_t corner[3];
     bvxi_view_triangle(job->view, triangle, corner);
     for (int c = 0; c < 3; c++)
-        for (int a = 0; a < 3; a++) p[c][a] = (double)(job->snapped.xyz[3 * (size_t)corner[c] + (size_t)a] - origin[a]) * job->step[a];
+        for (int a = 0; a < 3; a++)
+            p[c][a] = (double)(job->snapped.xyz[3 * (size_t)corner[c] + (size_t)a] - origin[a]) *
+                      job->step[a];
 }
 
 /* Twice the area's square; *n becomes the normal. */
@@ -33,11 +37,13 @@ static int flat_point(const double p[3], const double n[3], double length2, doub
     return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= tolerance * tolerance;
 }
 
-int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit, uint64_t count)
+int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit,
+                        uint64_t count)
 {
     double p[3][3], n[3] = {0, 0, 0}, trial[3], length2 = -1;
     int32_t origin[3] = {0, 0, 0};
     uint32_t best = UINT32_MAX;
+
     for (uint64_t i = 0; i < count; i++) {
         uint32_t corner[3];
         int32_t first[3];

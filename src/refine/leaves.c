@@ -1,6 +1,7 @@
 /* leaves.c - the leaves of an octree as a list: bvx_octree_leaves.
  *
- * Pieces of the base are walked twice: once to count, once, knowing where each piece's leaves go, to write them.
+ * Pieces of the base are walked twice: once to count, once, knowing where each piece's leaves go, to write
+ * them.
  * Guarantee: the order follows from the tree alone. */
 #include "refine/octree.h"
 
@@ -20,7 +21,8 @@ typedef struct leaf_step {
     int32_t v[3];
 } leaf_step;
 
-static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32_t v[3], int32_t level, int32_t state)
+static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32_t v[3], int32_t level,
+                             int32_t state)
 {
     if ((job->states & state) == 0) return;
     if (job->leaves != NULL) {
@@ -33,10 +35,13 @@ static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32
     ++*place;
 }
 
-static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, const int32_t v[3], leaf_step *step)
+static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, const int32_t v[3],
+                        leaf_step *step)
 {
     step->octet = octet;
-    step->below = job->tree->octets[level].split != NULL ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet) : 0;
+    step->below = job->tree->octets[level].split != NULL
+                      ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
+                      : 0;
     step->p = 0;
     memcpy(step->v, v, sizeof step->v);
 }
@@ -45,6 +50,7 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
 {
     leaf_step step[BVXI_OCTREE_LEVELS];
     int32_t level = 0;
+
     enter_octet(job, 0, octet, v, &step[0]);
     while (level >= 0) {
         leaf_step *const s = &step[level];
@@ -54,7 +60,8 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
         }
         uint32_t const p = s->p++;
         int32_t const state = bvxi_octets_state(&job->tree->octets[level], 8 * s->octet + p);
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
+                                  2 * s->v[2] + (int32_t)(p >> 2)};
         if (!bvxi_octets_is_split(&job->tree->octets[level], 8 * s->octet + p)) {
             give_leaf(job, place, child, level + 1, state);
             continue;
@@ -70,13 +77,15 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
     const bvx_octree *const tree = job->tree;
     uint64_t const nx = (uint64_t)tree->base[0], ny = (uint64_t)tree->base[1];
     uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
+
     (void)worker;
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
         int32_t const state = bvxi_octets_state(&tree->root, bit);
-        if (bvxi_octets_is_split(&tree->root, bit)) leaves_of_tree(job, bvxi_octets_rank(&tree->root, bit), v, &place);
+        if (bvxi_octets_is_split(&tree->root, bit))
+            leaves_of_tree(job, bvxi_octets_rank(&tree->root, bit), v, &place);
         else give_leaf(job, &place, v, 0, state);
     }
     if (job->leaves == NULL) job->place[index] = place;
@@ -93,22 +102,26 @@ static uint64_t leaf_places(leaves_job *job)
     return total;
 }
 
-bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to, const bvx_octree *tree, int32_t states,
-                              bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
+bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to,
+                              const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
+                              uint64_t capacity, uint64_t *count)
 {
     double const middle = leaves != NULL ? from + (to - from) * 0.4 : to;
     leaves_job job = {0};
     uint64_t total;
+
     BVXI_TRY(bvxi_octree_check(ctx, function, tree));
     BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
     job.tree = tree;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
-    job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2], 1);
+    job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
+                                  1);
     BVXI_TRY(bvxi_parallel(ctx, "octree", from, middle, job.pieces, leaves_of_piece, &job));
     total = leaf_places(&job);
     if (leaves != NULL) {
         if (capacity < total)
-            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function, capacity, total);
+            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function,
+                             capacity, total);
         job.leaves = leaves;
         BVXI_TRY(bvxi_parallel(ctx, "octree", middle, to, job.pieces, leaves_of_piece, &job));
     }
@@ -124,8 +137,8 @@ static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree
     return bvxi_octree_leaves(context, "bvx_octree_leaves", 0.0, 1.0, tree, states, leaves, capacity, count);
 }
 
-bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves, uint64_t capacity,
-                             uint64_t *count)
+bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
+                             bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
 {
     return BVXI_CALL(context, run_octree_leaves(context, tree, states, leaves, capacity, count));
 }

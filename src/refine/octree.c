@@ -9,10 +9,12 @@ bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, in
 {
     bvxi_octets made = {0};
     bvx_status status;
+
     made.count = count;
     made.words = words;
     status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &made.touched);
-    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &made.outside);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &made.outside);
     if (status == BVX_OK && split == BVXI_SPLIT_SOME)
         status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's split voxels", &made.split);
     if (status == BVX_OK && split != BVXI_SPLIT_NONE)
@@ -75,6 +77,7 @@ bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t
     int32_t const up = tree->levels - level;
     double spacing[3];
     int32_t dims[3];
+
     if (up == 0) {
         *lattice = tree->lattice;
         return BVX_OK;
@@ -86,15 +89,17 @@ bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t
     return bvx_lattice_make(ctx, tree->lattice.origin, spacing, dims, lattice);
 }
 
-bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level, bvx_lattice *lattice)
+bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level,
+                              bvx_lattice *lattice)
 {
     static const char *const function = "bvx_octree_lattice";
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (lattice == NULL) return bvxi_fail_null(context, function, "lattice");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (level < 0 || level > tree->levels)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
-                         (int64_t)tree->levels);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function,
+                         (int64_t)level, (int64_t)tree->levels);
     return bvxi_octree_lattice(context, tree, level, lattice);
 }
 
@@ -111,30 +116,35 @@ static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree
 {
     const bvxi_octets *const o = level == 0 ? &tree->root : &tree->octets[level - 1];
     uint64_t const touched = count_mask_bits(o->touched, o->words);
+
     memset(c, 0, sizeof *c);
-    c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2] : 8 * o->count;
+    c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2]
+                           : 8 * o->count;
     c->outside = count_mask_bits(o->outside, o->words);
     c->inside = c->voxels - touched - c->outside;
     c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
     c->surface = touched - c->split;
-    c->bytes = o->words * (16u + (o->before != NULL ? 4u : 0u) + (o->split != NULL && o->split != o->touched ? 8u : 0u));
+    c->bytes = o->words *
+               (16u + (o->before != NULL ? 4u : 0u) + (o->split != NULL && o->split != o->touched ? 8u : 0u));
 }
 
 static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                    int32_t capacity)
 {
     static const char *const function = "bvx_octree_count";
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (counts == NULL) return bvxi_fail_null(context, function, "counts");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (capacity < tree->levels + 1)
-        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %d levels, the tree has %d", function, (int64_t)capacity,
-                         (int64_t)tree->levels + 1);
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %d levels, the tree has %d",
+                         function, (int64_t)capacity, (int64_t)tree->levels + 1);
     for (int32_t l = 0; l <= tree->levels; l++) count_octree_level(tree, l, &counts[l]);
     return BVX_OK;
 }
 
-bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts, int32_t capacity)
+bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
+                            int32_t capacity)
 {
     return BVXI_CALL(context, run_octree_count(context, tree, counts, capacity));
 }
@@ -148,6 +158,7 @@ static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_oct
     const bvxi_octets *o = &tree->root;
     uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
     int32_t level = 0;
+
     while (bvxi_octets_is_split(o, bit)) {
         uint64_t const octet = bvxi_octets_rank(o, bit);
         int32_t const down = levels - level - 1;
@@ -180,6 +191,7 @@ static void find_octree_voxels(void *user, int32_t index, int32_t worker)
 {
     octree_places *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->count, job->pieces, index, &begin, &end);
     job->bad[index] = job->count;
@@ -196,6 +208,7 @@ static void find_octree_voxels(void *user, int32_t index, int32_t worker)
 static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
 {
     int inside = 1;
+
     for (int a = 0; a < 3; a++) {
         double const at = floor((p[a] - tree->lattice.origin[a]) / tree->lattice.spacing[a]);
         if (!(p[a] - p[a] == 0.0)) return -1;
@@ -209,6 +222,7 @@ static void find_octree_points(void *user, int32_t index, int32_t worker)
 {
     octree_places *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->count, job->pieces, index, &begin, &end);
     job->bad[index] = job->count;
@@ -247,6 +261,7 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     static const char *const function = "bvx_octree_at";
     octree_places job = {0};
     uint64_t bad;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (count == 0) return BVX_OK;
@@ -258,9 +273,10 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     job.leaves = leaves;
     BVXI_TRY(find_octree_places(context, &job, find_octree_voxels, &bad));
     if (bad == count) return BVX_OK;
-    return bvxi_fail(context, BVX_ERR_RANGE, "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d", function, bad,
-                     (int64_t)voxels[3 * bad], (int64_t)voxels[3 * bad + 1], (int64_t)voxels[3 * bad + 2],
-                     (int64_t)tree->lattice.dims[0], (int64_t)tree->lattice.dims[1], (int64_t)tree->lattice.dims[2]);
+    return bvxi_fail(context, BVX_ERR_RANGE, "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d",
+                     function, bad, (int64_t)voxels[3 * bad], (int64_t)voxels[3 * bad + 1],
+                     (int64_t)voxels[3 * bad + 2], (int64_t)tree->lattice.dims[0],
+                     (int64_t)tree->lattice.dims[1], (int64_t)tree->lattice.dims[2]);
 }
 
 bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
@@ -275,6 +291,7 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     static const char *const function = "bvx_octree_find";
     octree_places job = {0};
     uint64_t bad;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (count == 0) return BVX_OK;
@@ -286,7 +303,8 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     job.leaves = leaves;
     BVXI_TRY(find_octree_places(context, &job, find_octree_points, &bad));
     if (bad == count) return BVX_OK;
-    return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite", function, bad);
+    return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite",
+                         function, bad);
 }
 
 bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,

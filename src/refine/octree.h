@@ -1,10 +1,12 @@
-/* octree.h - voxels of several sizes: levels in flat arrays, child masks and rank, no pointers. Not installed.
+/* octree.h - voxels of several sizes: levels in flat arrays, child masks and rank, no pointers. Not
+ * installed.
  *
- * Voxels of level 0 are those of the base lattice, those of level l + 1 are theirs in eight. Of the voxels that triangles
- * touch those above the last level are split (all, or those that a window or a tolerance asks for); the eight children are an
- * octet. Octet n of level l is the n-th split voxel of that level, in the order of the base's bits (z, y, x), within a base
- * voxel along a curve: child p = x + 2 y + 4 z of octet n stands behind child p - 1. So children are bits 8 n + p of the masks
- * of a level, and the number of the octet that a child is split into is the number of split bits before its own. */
+ * Voxels of level 0 are those of the base lattice, those of level l + 1 are theirs in eight. Of the voxels
+ * that triangles touch those above the last level are split (all, or those that a window or a tolerance asks
+ * for); the eight children are an octet. Octet n of level l is the n-th split voxel of that level, in the
+ * order of the base's bits (z, y, x), within a base voxel along a curve: child p = x + 2 y + 4 z of octet n
+ * stands behind child p - 1. So children are bits 8 n + p of the masks of a level, and the number of the
+ * octet that a child is split into is the number of split bits before its own. */
 #ifndef BVXI_OCTREE_H
 #define BVXI_OCTREE_H
 
@@ -20,7 +22,8 @@ enum { BVXI_DIRECTIONS = 6 };
 /* Voxels as bits: touched by a triangle; outside; what has neither is inside. */
 typedef struct bvxi_octets {
     uint64_t *touched, *outside;
-    uint64_t *split;  /* of the touched ones; the same array as touched when that is all of them, NULL when it is none */
+    /* of the touched ones; the same array as touched when that is all of them, NULL when it is none */
+    uint64_t *split;
     uint32_t *before; /* split bits before each word; NULL when none is split */
     uint64_t count;   /* octets; of the base: rows */
     uint64_t words;
@@ -30,13 +33,14 @@ struct bvx_octree {
     bvx_lattice lattice; /* of the last level */
     int32_t base[3];     /* voxels of level 0 along each axis */
     int32_t levels;
-    int32_t row_words;   /* of the base */
+    int32_t row_words; /* of the base */
     int32_t reserved;
-    bvxi_octets root;                        /* voxels of level 0, rows as in a grid */
-    bvxi_octets octets[BVXI_OCTREE_LEVELS];  /* [l]: split voxels of level l, voxels of level l + 1 */
+    bvxi_octets root;                       /* voxels of level 0, rows as in a grid */
+    bvxi_octets octets[BVXI_OCTREE_LEVELS]; /* [l]: split voxels of level l, voxels of level l + 1 */
 };
 
-/* Children on the side of an octet towards direction d, and the boundary state that child p takes from its octet's. */
+/* Children on the side of an octet towards direction d, and the boundary
+ * state that child p takes from its octet's. */
 static inline uint32_t bvxi_octet_side(int d)
 {
     static const uint8_t side[BVXI_DIRECTIONS] = {0x55, 0x33, 0x0f, 0xaa, 0xcc, 0xf0};
@@ -74,7 +78,9 @@ static inline uint32_t bvxi_octets_rank(const bvxi_octets *o, uint64_t bit)
 
 static inline uint64_t bvxi_root_bit(const bvx_octree *tree, int32_t x, int32_t y, int32_t z)
 {
-    return ((uint64_t)z * (uint64_t)tree->base[1] + (uint64_t)y) * (uint64_t)tree->row_words * BVXI_WORD_BITS + (uint64_t)x;
+    return ((uint64_t)z * (uint64_t)tree->base[1] + (uint64_t)y) * (uint64_t)tree->row_words *
+               BVXI_WORD_BITS +
+           (uint64_t)x;
 }
 
 static inline uint32_t bvxi_bit_of(const uint64_t *words, uint64_t bit)
@@ -95,14 +101,17 @@ static inline uint32_t bvxi_octet_split(const bvxi_octets *o, uint64_t n)
 /* State of the voxel at a bit of a level, touched ones as surface. */
 static inline int32_t bvxi_octets_state(const bvxi_octets *o, uint64_t bit)
 {
-    return bvxi_bit_of(o->touched, bit) ? BVX_STATE_SURFACE : bvxi_bit_of(o->outside, bit) ? BVX_STATE_OUTSIDE : BVX_STATE_INSIDE;
+    return bvxi_bit_of(o->touched, bit)   ? BVX_STATE_SURFACE
+           : bvxi_bit_of(o->outside, bit) ? BVX_STATE_OUTSIDE
+                                          : BVX_STATE_INSIDE;
 }
 
 /* Children of an octet in a set of states. */
 static inline uint32_t bvxi_octet_in_states(const bvxi_octets *o, uint64_t n, int32_t states)
 {
     uint32_t const touched = bvxi_octet_mask(o->touched, n), outside = bvxi_octet_mask(o->outside, n);
-    return ((states & BVX_STATE_SURFACE) != 0 ? touched : 0) | ((states & BVX_STATE_OUTSIDE) != 0 ? outside : 0) |
+    return ((states & BVX_STATE_SURFACE) != 0 ? touched : 0) |
+           ((states & BVX_STATE_OUTSIDE) != 0 ? outside : 0) |
            ((states & BVX_STATE_INSIDE) != 0 ? ~(touched | outside) & 255 : 0);
 }
 
@@ -125,7 +134,8 @@ bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t
 /* ---- leaves.c ---- */
 
 /* bvx_octree_leaves for another function, as the part [from, to] of its work. */
-bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to, const bvx_octree *tree, int32_t states,
-                              bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
+bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to,
+                              const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
+                              uint64_t capacity, uint64_t *count);
 
 #endif

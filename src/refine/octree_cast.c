@@ -1,10 +1,11 @@
 /* octree_cast.c - the first leaf on each of many rays: bvx_octree_cast.
  *
- * Along each axis a ray has u = (origin - lattice origin) / spacing and step = direction / spacing in voxels of the last level,
- * and crosses plane i at t(i) = (i - u) * (1 / step), in doubles, as in cast.c. A leaf's closed box is met from the greatest t of
- * its entering planes to the least of its leaving ones; an axis without motion is met where u lies between the planes. Octets
- * are entered where the ray meets their boxes, nearer children first, so what lies behind the best hit is passed over; the
- * hit is the leaf with the least (t, z, y, x) by these numbers, as if all had been asked. */
+ * Along each axis a ray has u = (origin - lattice origin) / spacing and step = direction / spacing in voxels
+ * of the last level, and crosses plane i at t(i) = (i - u) * (1 / step), in doubles, as in cast.c. A leaf's
+ * closed box is met from the greatest t of its entering planes to the least of its leaving ones; an axis
+ * without motion is met where u lies between the planes. Octets are entered where the ray meets their boxes,
+ * nearer children first, so what lies behind the best hit is passed over; the hit is the leaf with the least
+ * (t, z, y, x) by these numbers, as if all had been asked. */
 #include "refine/octree.h"
 
 #include <math.h>
@@ -14,9 +15,9 @@ typedef struct octree_ray {
     double u[3], per[3]; /* per: 1 / step */
     double end;          /* no hit behind this t; that of the best one so far */
     double t;
-    int32_t way[3];      /* -1, 0, 1 */
+    int32_t way[3]; /* -1, 0, 1 */
     int32_t states, found, axis;
-    int32_t low[3];      /* low corner of the best leaf [Units: voxels of the last level] */
+    int32_t low[3]; /* low corner of the best leaf [Units: voxels of the last level] */
     bvx_octree_leaf leaf;
 } octree_ray;
 
@@ -25,6 +26,7 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
 {
     int32_t const up = r->tree->levels - level;
     double enter = 0.0, leave = r->end;
+
     *axis = -1;
     for (int32_t a = 0; a < 3; a++) {
         double const low = (double)(v[a] << up), high = (double)((v[a] + 1) << up);
@@ -32,7 +34,8 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
             if (r->u[a] < low || r->u[a] > high) return 0;
             continue;
         }
-        double const first = ((r->way[a] > 0 ? low : high) - r->u[a]) * r->per[a], last = ((r->way[a] > 0 ? high : low) - r->u[a]) * r->per[a];
+        double const first = ((r->way[a] > 0 ? low : high) - r->u[a]) * r->per[a];
+        double const last = ((r->way[a] > 0 ? high : low) - r->u[a]) * r->per[a];
         if (first > enter) {
             enter = first;
             *axis = a;
@@ -43,12 +46,15 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
     return enter <= leave;
 }
 
-static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, int32_t state, double t, int32_t axis)
+static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, int32_t state, double t,
+                            int32_t axis)
 {
     int32_t const up = r->tree->levels - level;
     int32_t const x = v[0] << up, y = v[1] << up, z = v[2] << up;
+
     if (r->found && t == r->t &&
-        (z > r->low[2] || (z == r->low[2] && (y > r->low[1] || (y == r->low[1] && x > r->low[0]))))) return;
+        (z > r->low[2] || (z == r->low[2] && (y > r->low[1] || (y == r->low[1] && x > r->low[0])))))
+        return;
     r->found = 1;
     r->t = r->end = t;
     r->axis = axis;
@@ -69,9 +75,11 @@ typedef struct cast_octet {
 
 static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
 {
-    uint32_t const turn = (uint32_t)(r->way[0] < 0) | (uint32_t)(r->way[1] < 0) << 1 | (uint32_t)(r->way[2] < 0) << 2;
+    uint32_t const turn = (uint32_t)(r->way[0] < 0) | (uint32_t)(r->way[1] < 0) << 1 |
+                          (uint32_t)(r->way[2] < 0) << 2;
     cast_octet stack[BVXI_OCTREE_LEVELS];
     int32_t level = 0;
+
     stack[0].octet = octet;
     stack[0].n = 0;
     memcpy(stack[0].v, v, sizeof stack[0].v);
@@ -86,7 +94,8 @@ static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
         }
         uint32_t const p = s->n++ ^ turn; /* nearer ones first */
         uint64_t const bit = 8 * s->octet + p;
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
+                                  2 * s->v[2] + (int32_t)(p >> 2)};
         int const split = bvxi_octets_is_split(o, bit) != 0;
         int32_t const state = bvxi_octets_state(o, bit);
         if ((!split && (state & r->states) == 0) || !ray_meets_box(r, child, level + 1, &t, &axis)) continue;
@@ -122,6 +131,7 @@ static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
 static void cast_octree_ray(octree_ray *r)
 {
     const bvx_octree *const tree = r->tree;
+
     for (int32_t k = 0; k < tree->base[2]; k++)
         for (int32_t j = 0; j < tree->base[1]; j++) {
             int32_t const y = in_ray_order(r, 1, j), z = in_ray_order(r, 2, k);
@@ -155,6 +165,7 @@ static void cast_octree_piece(void *user, int32_t index, int32_t worker)
 {
     const octree_cast *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -187,7 +198,9 @@ static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64
     for (uint64_t i = 0; i < count; i++) {
         const double *const r = rays + 6 * i;
         for (int k = 0; k < 6; k++)
-            if (!(r[k] - r[k] == 0.0)) return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "bvx_octree_cast: ray %i is not finite", i);
+            if (!(r[k] - r[k] == 0.0))
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "bvx_octree_cast: ray %i is not finite", i);
         if (r[3] == 0 && r[4] == 0 && r[5] == 0)
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "bvx_octree_cast: the direction of ray %i is 0", i);
     }
@@ -199,10 +212,12 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
 {
     static const char *const function = "bvx_octree_cast";
     octree_cast job = {0};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
-    if (!(t_max >= 0)) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or more", function, t_max);
+    if (!(t_max >= 0))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or more", function, t_max);
     if (count == 0) return BVX_OK;
     if (rays == NULL) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL) return bvxi_fail_null(context, function, "hits");
@@ -217,8 +232,8 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     return bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, cast_octree_piece, &job);
 }
 
-bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays, uint64_t count, double t_max,
-                           bvx_octree_hit *hits)
+bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays,
+                           uint64_t count, double t_max, bvx_octree_hit *hits)
 {
     return BVXI_CALL(context, run_octree_cast(context, tree, states, rays, count, t_max, hits));
 }

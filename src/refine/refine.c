@@ -1,9 +1,11 @@
 /* refine.c - voxels of several sizes from a mesh: bvx_refine.
  *
- * Source: "Refinement of surface voxels by boundary states". Vertices are snapped once, to the last level's lattice. A grid of
- * some level gives that and all coarser ones (refine_start.c); from there the touched voxels of each level are split and
- * their children tested against their triangles (refine_level.c); at the end boundary states find what is outside (states.c).
- * Guarantee: the same tree for any threads and any start level; at the last level the uniform surface and its flood. */
+ * Source: "Refinement of surface voxels by boundary states". Vertices are snapped once, to the last level's
+ * lattice. A grid of some level gives that and all coarser ones (refine_start.c); from there the touched
+ * voxels of each level are split and their children tested against their triangles (refine_level.c); at the
+ * end boundary states find what is outside (states.c).
+ * Guarantee: the same tree for any threads and any start level; at the last level the uniform surface and its
+ * flood. */
 #include "refine/refine.h"
 
 static const char bvx_refine_name[] = "bvx_refine";
@@ -41,33 +43,43 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
 {
     BVXI_TRY(bvxi_take_options(ctx, bvx_refine_name, given, o, sizeof *o));
     BVXI_TRY(bvxi_view_check(ctx, bvx_refine_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvx_refine_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvx_refine_name);
     BVXI_TRY(bvxi_lattice_check(ctx, bvx_refine_name, base));
     int32_t const most = levels_that_fit(base->dims);
     if (most < 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible", bvx_refine_name,
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible", bvx_refine_name,
                          (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2]);
     BVXI_TRY(bvxi_check_options(ctx, bvx_refine_name, o, BVXI_OPTIONS(refine_rows)));
     if (o->levels > most)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %d levels over a base of %d x %d x %d voxels are beyond a lattice's 2^25; %d levels fit",
-                         bvx_refine_name, (int64_t)o->levels, (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2],
-                         (int64_t)most);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "%s: %d levels over a base of %d x %d x %d voxels are beyond a lattice's 2^25; %d levels fit",
+            bvx_refine_name, (int64_t)o->levels, (int64_t)base->dims[0], (int64_t)base->dims[1],
+            (int64_t)base->dims[2], (int64_t)most);
     if (o->start_level > o->levels)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->start_level, (int64_t)o->levels);
     if (o->outer_levels > o->levels)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->outer_levels, (int64_t)o->levels);
     if (o->tolerance > 0 && o->start_level > 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a tolerance starts at level 0, not %d", bvx_refine_name, (int64_t)o->start_level);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a tolerance starts at level 0, not %d", bvx_refine_name,
+                         (int64_t)o->start_level);
     return BVX_OK;
 }
 
 static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
+
     job->tolerance = o->tolerance;
-    for (int a = 0; a < 3; a++) job->step[a] = job->tree->lattice.spacing[a] / (double)((int32_t)1 << job->tree->lattice.fraction_bits);
+    for (int a = 0; a < 3; a++)
+        job->step[a] = job->tree->lattice.spacing[a] /
+                       (double)((int32_t)1 << job->tree->lattice.fraction_bits);
     if (memcmp(&o->window, &none, sizeof none) == 0) return BVX_OK;
     BVXI_TRY(bvxi_window_take(job->ctx, bvx_refine_name, &job->tree->lattice, &o->window, &o->window));
     job->windowed = 1;
@@ -94,11 +106,13 @@ static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_
 static int window_is_small(const bvxi_refine_job *job)
 {
     double share = 1;
-    for (int a = 0; a < 3; a++) share *= (double)(job->last[a] - job->low[a] + 1) / (double)job->tree->lattice.dims[a];
+    for (int a = 0; a < 3; a++)
+        share *= (double)(job->last[a] - job->low[a] + 1) / (double)job->tree->lattice.dims[a];
     return share < 0.125;
 }
 
-/* A tolerance looks at lists, so it has them from the base on; beyond a small window a grid would be for nothing. */
+/* A tolerance looks at lists, so it has them from the base on; beyond a
+ * small window a grid would be for nothing. */
 static int32_t choose_start(const bvxi_refine_job *job)
 {
     const bvx_octree *const tree = job->tree;
@@ -135,6 +149,7 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
 {
     bvx_context *const ctx = job->ctx;
     int32_t const levels = job->tree->levels;
+
     bvxi_refine_free_front(job, &job->front);
     bvxi_refine_free_grids(job);
     for (; made >= 0; made--) {
@@ -143,13 +158,16 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
         drop_octets(job, made);
         if (bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block) != BVX_OK) continue;
         bvxi_free(ctx, block, bytes);
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %d levels are beyond the memory limit; levels = %d fits", bvx_refine_name,
-                         (int64_t)levels, (int64_t)made);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %d levels are beyond the memory limit; levels = %d fits",
+                         bvx_refine_name, (int64_t)levels, (int64_t)made);
     }
     if (job->start > 0)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: starting at a grid of level %d is beyond the memory limit; start_level -1 or 0 takes less",
-                         bvx_refine_name, (int64_t)job->start);
-    return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: not even the base of %d x %d x %d voxels fits the memory limit", bvx_refine_name,
+        return bvxi_fail(
+            ctx, BVX_ERR_BUDGET,
+            "%s: starting at a grid of level %d is beyond the memory limit; start_level -1 or 0 takes less",
+            bvx_refine_name, (int64_t)job->start);
+    return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                     "%s: not even the base of %d x %d x %d voxels fits the memory limit", bvx_refine_name,
                      (int64_t)job->tree->base[0], (int64_t)job->tree->base[1], (int64_t)job->tree->base[2]);
 }
 
@@ -157,28 +175,34 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 {
     bvx_octree *const tree = job->tree;
     int32_t made = -1;
-    double const begun = job->start == tree->levels ? 0.75 : 0.25, split = job->start == tree->levels ? 0.85 : 0.8;
+    double const begun = job->start == tree->levels ? 0.75 : 0.25;
+    double const split = job->start == tree->levels ? 0.85 : 0.8;
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, begun, bvxi_refine_start(job));
 
     while (status == BVX_OK && ++made < tree->levels) {
         status = BVXI_SHARE(job->ctx, begun, split, bvxi_refine_split(job, made));
-        if (made == job->start) bvxi_refine_free_grids(job); /* its order was the last that they were asked for */
+        /* its order was the last that they were asked for */
+        if (made == job->start) bvxi_refine_free_grids(job);
     }
     if (status == BVX_OK) {
         bvxi_refine_free_front(job, &job->front);
         bvxi_refine_free_grids(job);
-        status = BVXI_SHARE(job->ctx, split, 1.0, job->windowed ? bvxi_octree_row_states(job) : bvxi_octree_states(job->ctx, tree, job->up));
+        status = BVXI_SHARE(job->ctx, split, 1.0,
+                            job->windowed ? bvxi_octree_row_states(job)
+                                          : bvxi_octree_states(job->ctx, tree, job->up));
     }
     if (status == BVX_ERR_BUDGET && job->windowed)
-        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit", bvx_refine_name,
-                         (int64_t)tree->levels);
-    return status == BVX_ERR_BUDGET ? fail_at_level(job, made < tree->levels ? made : tree->levels - 1) : status;
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit",
+                         bvx_refine_name, (int64_t)tree->levels);
+    return status == BVX_ERR_BUDGET ? fail_at_level(job, made < tree->levels ? made : tree->levels - 1)
+                                    : status;
 }
 
 /* A start level that was chosen, not asked for, gives way to the base when memory does not allow it. */
 static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
     bvx_status status;
+
     job->start = asked >= 0 ? asked : choose_start(job);
     status = run_refinement(job);
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
@@ -198,6 +222,7 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     bvx_refine_options o = refine_defaults;
     bvxi_refine_job job;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
@@ -209,7 +234,8 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     job.tree->levels = o.levels;
     job.tree->row_words = bvxi_row_words(base->dims[0]);
     status = last_lattice(context, base, o.levels, &job.tree->lattice);
-    if (status == BVX_OK) status = bvxi_snap(context, bvx_refine_name, mesh, &job.tree->lattice, &job.snapped);
+    if (status == BVX_OK)
+        status = bvxi_snap(context, bvx_refine_name, mesh, &job.tree->lattice, &job.snapped);
     if (status == BVX_OK) status = take_refine_window(&job, &o);
     if (status == BVX_OK) status = refine_from_start(&job, o.start_level);
     bvxi_snap_free(context, &job.snapped);
@@ -222,8 +248,8 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     return BVX_OK;
 }
 
-bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base, const bvx_refine_options *options,
-                      bvx_octree **tree)
+bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
+                      const bvx_refine_options *options, bvx_octree **tree)
 {
     return BVXI_CALL(context, run_refine(context, mesh, base, options, tree));
 }

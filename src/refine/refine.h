@@ -5,7 +5,8 @@
 #include "refine/octree.h"
 #include "voxelize/snap.h"
 
-/* Grids up to this many bytes are made at the last level; else the start is the last level below the second number. */
+/* Grids up to this many bytes are made at the last level; else the start is
+ * the last level below the second number. */
 #define BVXI_REFINE_WHOLE_GRID ((uint64_t)1 << 27)
 #define BVXI_REFINE_START_GRID ((uint64_t)1 << 21)
 
@@ -17,10 +18,11 @@ typedef struct bvxi_refine_grids {
 /* The touched voxels of one level, in the order of the tree: octets to be. */
 typedef struct bvxi_refine_front {
     uint64_t count;
-    int32_t *ijk;     /* [Size: count * 3] */
-    uint64_t *offset; /* lists from the start level on: voxel n has list[offset[s]] .. list[offset[s + 1]], s = slot[n], or n */
+    int32_t *ijk; /* [Size: count * 3] */
+    /* lists from the start level on: voxel n has list[offset[s]] .. list[offset[s + 1]], s = slot[n], or n */
+    uint64_t *offset;
     uint32_t *list;
-    uint32_t *slot;   /* at the start level: the voxel's rank in the grid; else NULL */
+    uint32_t *slot; /* at the start level: the voxel's rank in the grid; else NULL */
     uint64_t slots, pairs;
 } bvxi_refine_front;
 
@@ -30,13 +32,16 @@ typedef struct bvxi_refine_job {
     bvx_octree *tree;
     bvxi_snapped snapped;
     int32_t start; /* the last level that comes from a grid */
-    int32_t windowed, outer;   /* 1: voxels of level outer and finer ones are split where they meet the window alone */
-    int32_t low[3], last[3];   /* the window, both ends inclusive [Units: voxels of the last level] */
-    double tolerance, step[3]; /* flat voxels stay whole: 0 none do, else the tolerance, and a fixed-point step [Units: world] */
+    /* 1: voxels of level outer and finer ones are split where they meet the window alone */
+    int32_t windowed, outer;
+    int32_t low[3], last[3]; /* the window, both ends inclusive [Units: voxels of the last level] */
+    /* flat voxels stay whole: 0 none do, else the tolerance, and a fixed-point step [Units: world] */
+    double tolerance, step[3];
     bvxi_refine_grids grids;
     bvxi_refine_front front;
     uint64_t up_count[BVXI_OCTREE_LEVELS];
-    uint32_t *up[BVXI_OCTREE_LEVELS]; /* by level and octet: 8 * octet above + child, or the linear index of the base voxel */
+    /* by level and octet: 8 * octet above + child, or the linear index of the base voxel */
+    uint32_t *up[BVXI_OCTREE_LEVELS];
 } bvxi_refine_job;
 
 /* ---- refine_start.c ---- */
@@ -55,8 +60,10 @@ void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front);
 
 /* ---- flat.c ---- */
 
-/* 1 when the triangles of a list (those with this bit in hits, unless that is NULL) lie within the tolerance of a plane. */
-int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit, uint64_t count);
+/* 1 when the triangles of a list (those with this bit in hits, unless that
+ * is NULL) lie within the tolerance of a plane. */
+int bvxi_refine_is_flat(const bvxi_refine_job *job, const uint32_t *list, const uint8_t *hits, uint32_t bit,
+                        uint64_t count);
 
 /* ---- row_states.c ---- */
 
@@ -73,7 +80,8 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
 /* ---- choose.c ---- */
 
 /* How many voxels the model of time takes to be touched at a resolution. */
-bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution, double *touched);
+bvx_status bvxi_refine_estimate(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution,
+                                double *touched);
 
 /* Is a touched voxel of a level split, as far as levels and window say? */
 static inline int bvxi_refine_wants(const bvxi_refine_job *job, int32_t level, const int32_t v[3])
@@ -81,7 +89,9 @@ static inline int bvxi_refine_wants(const bvxi_refine_job *job, int32_t level, c
     if (level == job->tree->levels) return 0;
     if (!job->windowed || level < job->outer) return 1;
     for (int a = 0; a < 3; a++)
-        if (v[a] < job->low[a] >> (job->tree->levels - level) || v[a] > job->last[a] >> (job->tree->levels - level)) return 0;
+        if (v[a] < job->low[a] >> (job->tree->levels - level) ||
+            v[a] > job->last[a] >> (job->tree->levels - level))
+            return 0;
     return 1;
 }
 

@@ -1,10 +1,10 @@
 /* refine_level.c - one level of refinement: the touched voxels of a level become octets.
  *
- * Source: "Refinement of surface voxels by boundary states" 1.4.1. Down to the start level the children's bits are read from a
- * grid; below it every triangle of a voxel's list is tested against its eight children at once (children.c). The first
- * pass over the voxels, in pieces, makes the masks and counts what each piece hands on; the second one, knowing each
- * piece's places, writes the next level's voxels and lists. For the last level the masks are all, and a voxel whose
- * children are all touched looks at no more triangles.
+ * Source: "Refinement of surface voxels by boundary states" 1.4.1. Down to the start level the children's
+ * bits are read from a grid; below it every triangle of a voxel's list is tested against its eight children
+ * at once (children.c). The first pass over the voxels, in pieces, makes the masks and counts what each piece
+ * hands on; the second one, knowing each piece's places, writes the next level's voxels and lists. For the
+ * last level the masks are all, and a voxel whose children are all touched looks at no more triangles.
  * Guarantee: exact; the same for any threads. */
 #include "refine/children.h"
 #include "refine/refine.h"
@@ -18,7 +18,8 @@ typedef struct level_job {
     bvxi_refine_front next;
     uint8_t *hits; /* children that each triangle of the front's lists touches */
     uint32_t *up;
-    int32_t level, pieces, last, half; /* last: 1 when the children are the last level's; half: a child's side */
+    /* last: 1 when the children are the last level's; half: a child's side */
+    int32_t level, pieces, last, half;
     uint64_t children[LEVEL_PIECES], pairs[LEVEL_PIECES]; /* counts, then places */
 } level_job;
 
@@ -35,12 +36,13 @@ static inline uint32_t children_in_grid(const level_job *job, const int32_t *v)
 {
     const bvx_octree *const tree = job->refine->tree;
     const uint64_t *const grid = job->refine->grids.words[job->level + 1];
-    uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1), ny = (uint64_t)tree->base[1] << (job->level + 1);
+    uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1);
+    uint64_t const ny = (uint64_t)tree->base[1] << (job->level + 1);
     uint64_t const at = (2 * (uint64_t)v[2] * ny + 2 * (uint64_t)v[1]) * row + (uint64_t)(v[0] >> 5);
     unsigned const shift = 2 * ((unsigned)v[0] & 31);
     uint64_t const slice = ny * row;
-    return (uint32_t)((grid[at] >> shift & 3) | (grid[at + row] >> shift & 3) << 2 | (grid[at + slice] >> shift & 3) << 4 |
-                      (grid[at + slice + row] >> shift & 3) << 6);
+    return (uint32_t)((grid[at] >> shift & 3) | (grid[at + row] >> shift & 3) << 2 |
+                      (grid[at + slice] >> shift & 3) << 4 | (grid[at + slice + row] >> shift & 3) << 6);
 }
 
 static inline void list_of_voxel(const bvxi_refine_front *front, uint64_t n, uint64_t *begin, uint64_t *end)
@@ -74,6 +76,7 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
     const int32_t *const v = job->front->ijk + 3 * n, *const xyz = refine->snapped.xyz;
     int32_t centre[3];
     uint64_t begin, end;
+
     for (int a = 0; a < 3; a++) centre[a] = (2 * v[a] + 1) * job->half;
     list_of_voxel(job->front, n, &begin, &end);
     for (uint64_t pair = begin; pair < end; pair++) {
@@ -81,7 +84,8 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
         uint32_t corner[3];
         bvxi_view_triangle(refine->view, job->front->list[pair], corner);
         for (int c = 0; c < 3; c++)
-            for (int a = 0; a < 3; a++) batch->children.p[c][a][i] = xyz[3 * (size_t)corner[c] + (size_t)a] - centre[a];
+            for (int a = 0; a < 3; a++)
+                batch->children.p[c][a][i] = xyz[3 * (size_t)corner[c] + (size_t)a] - centre[a];
         batch->octet[i] = n;
         batch->pair[i] = pair;
         if (batch->count < BVXI_CHILDREN_BATCH) continue;
@@ -104,14 +108,18 @@ static uint32_t children_to_split(const level_job *job, uint64_t n, uint32_t tou
     const bvxi_refine_job *const refine = job->refine;
     const int32_t *const v = job->front->ijk + 3 * n;
     uint32_t split = 0;
-    if (job->octets->split == NULL || job->octets->split == job->octets->touched) return job->last ? 0 : touched;
+
+    if (job->octets->split == NULL || job->octets->split == job->octets->touched)
+        return job->last ? 0 : touched;
     for (uint32_t p = 0; p < 8; p++) {
-        int32_t const child[3] = {2 * v[0] + (int32_t)(p & 1), 2 * v[1] + (int32_t)(p >> 1 & 1), 2 * v[2] + (int32_t)(p >> 2)};
+        int32_t const child[3] = {2 * v[0] + (int32_t)(p & 1), 2 * v[1] + (int32_t)(p >> 1 & 1),
+                                  2 * v[2] + (int32_t)(p >> 2)};
         if ((touched >> p & 1) == 0 || !bvxi_refine_wants(refine, job->level + 1, child)) continue;
         if (refine->tolerance > 0) {
             uint64_t begin, end;
             list_of_voxel(job->front, n, &begin, &end);
-            if (bvxi_refine_is_flat(refine, job->front->list + begin, job->hits + begin, p, end - begin)) continue;
+            if (bvxi_refine_is_flat(refine, job->front->list + begin, job->hits + begin, p, end - begin))
+                continue;
         }
         split |= 1u << p;
     }
@@ -133,11 +141,13 @@ static void mark_octets(void *user, int32_t index, int32_t worker)
     level_job *const job = user;
     int const from_grid = job->level < job->refine->start;
     uint64_t begin, end, children = 0, pairs = 0;
+
     (void)worker;
     octets_of_piece(job, index, &begin, &end);
     if (!from_grid) mark_by_lists(job, begin, end);
     for (uint64_t n = begin; n < end; n++) {
-        if (from_grid) bvxi_octet_put(job->octets->touched, n, children_in_grid(job, job->front->ijk + 3 * n));
+        if (from_grid)
+            bvxi_octet_put(job->octets->touched, n, children_in_grid(job, job->front->ijk + 3 * n));
         uint32_t const split = children_to_split(job, n, bvxi_octet_mask(job->octets->touched, n));
         children += bvxi_popcount(split);
         if (!from_grid && !job->last) pairs += pairs_of_octet(job, n, split);
@@ -150,6 +160,7 @@ static void mark_octets(void *user, int32_t index, int32_t worker)
 static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t child, uint64_t *place)
 {
     uint64_t begin, end;
+
     list_of_voxel(job->front, n, &begin, &end);
     for (uint32_t p = 0; p < 8; p++) {
         if ((split >> p & 1) == 0) continue;
@@ -164,6 +175,7 @@ static void place_children(void *user, int32_t index, int32_t worker)
     level_job *const job = user;
     int const lists = job->level >= job->refine->start;
     uint64_t begin, end, child = job->children[index], place = job->pairs[index];
+
     (void)worker;
     octets_of_piece(job, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
@@ -193,20 +205,25 @@ static uint64_t place_pieces(uint64_t *counts, int32_t pieces)
 static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 {
     bvxi_refine_front *const next = &job->next;
+
     next->count = place_pieces(job->children, job->pieces);
     if (next->count >= (uint64_t)1 << 28)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_refine: %u voxels of level %d are to be split, 2^28 - 1 can be; %d levels are possible",
-                         next->count, (int64_t)job->level + 1, (int64_t)job->level + 1);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "bvx_refine: %u voxels of level %d are to be split, 2^28 - 1 can be; %d levels are possible",
+            next->count, (int64_t)job->level + 1, (int64_t)job->level + 1);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 12, "a level's voxels", &next->ijk));
     if (job->level >= job->refine->start) {
         next->slots = next->count;
         next->pairs = place_pieces(job->pairs, job->pieces);
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
+        BVXI_TRY(
+            bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->pairs * 4, "a level's triangle lists", &next->list));
         next->offset[next->slots] = next->pairs;
     }
     job->refine->up_count[job->level + 1] = next->count;
-    return bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 4, "a level's parents", &job->refine->up[job->level + 1]);
+    return bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 4, "a level's parents",
+                      &job->refine->up[job->level + 1]);
 }
 
 void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
@@ -233,6 +250,7 @@ static bvx_status split_front(level_job *job, double from, double to)
 {
     bvxi_refine_job *const refine = job->refine;
     bvx_context *const ctx = refine->ctx;
+
     BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
                               bvxi_refine_split_kind(refine, job->level + 1), job->octets));
     BVXI_TRY(bvxi_parallel(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
@@ -250,6 +268,7 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     double const from = (double)level / (double)tree->levels, to = (double)(level + 1) / (double)tree->levels;
     level_job *split;
     bvx_status status = BVX_OK;
+
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *split, "a level's counts", &split));
     split->refine = job;
     split->octets = &job->tree->octets[level];
@@ -260,7 +279,8 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     split->pieces = bvxi_piece_count(job->front.count, OCTETS_OF_PIECE);
     if (level == job->start) status = bvxi_refine_lists(job);
     if (status == BVX_OK && lists && !split->last)
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children", &split->hits);
+        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children",
+                            &split->hits);
     if (status == BVX_OK) status = split_front(split, from, to);
     bvxi_free(job->ctx, split->hits, job->front.pairs);
     if (status == BVX_OK && !lists) hand_lists_on(&job->front, &split->next);

@@ -1,10 +1,12 @@
-/* refine_start.c - where refinement starts: a grid of one level, the coarser ones above it, and the triangles of its voxels.
+/* refine_start.c - where refinement starts: a grid of one level, the coarser ones above it, and the triangles
+ * of its voxels.
  *
- * A voxel's closed box is that of its eight children together, so a voxel is touched exactly when one of its children is: all
- * levels above the start come from its grid by or. When the start is the last level no lists are needed at all.
- * The start level's voxels are larger than the lattice's by a power of two: the surface's code takes them as voxels with
- * more fraction bits. Up to 16 of those the surface's own batches are exact; above, small triangles are tested as octants are,
- * about the point that their voxels share. Guarantee: exact; the same voxels and lists, but for a list's order, for any threads. */
+ * A voxel's closed box is that of its eight children together, so a voxel is touched exactly when one of its
+ * children is: all levels above the start come from its grid by or. When the start is the last level no lists
+ * are needed at all. The start level's voxels are larger than the lattice's by a power of two: the surface's
+ * code takes them as voxels with more fraction bits. Up to 16 of those the surface's own batches are exact;
+ * above, small triangles are tested as octants are, about the point that their voxels share. Guarantee:
+ * exact; the same voxels and lists, but for a list's order, for any threads. */
 #include "refine/children.h"
 #include "refine/refine.h"
 #include "voxelize/surface.h"
@@ -27,10 +29,12 @@ static inline int32_t start_most(int32_t a, int32_t b, int32_t c)
 }
 
 /* A run cut to the window and the tile. */
-static inline void touch_cut_run(bvxi_surface_tile *tile, int32_t j, int32_t k, int32_t x0, int32_t x1, uint32_t t)
+static inline void touch_cut_run(bvxi_surface_tile *tile, int32_t j, int32_t k, int32_t x0, int32_t x1,
+                                 uint32_t t)
 {
     int32_t const first = x0 > 0 ? x0 : 0, last = x1 < tile->job->size[0] ? x1 : tile->job->size[0] - 1;
-    if (first > last || j < tile->rows.j0 || j >= tile->rows.j1 || k < tile->rows.k0 || k >= tile->rows.k1) return;
+    if (first > last || j < tile->rows.j0 || j >= tile->rows.j1 || k < tile->rows.k0 || k >= tile->rows.k1)
+        return;
     bvxi_touch_run(tile->job, j, k, first, last, t);
 }
 
@@ -48,14 +52,17 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
         int32_t const x = b->high[0][i], y = b->high[1][i], z = b->high[2][i];
         for (int32_t r = 0; r < 4; r++) {
             uint32_t const pair = b->children.touched[i] >> 2 * r & 3;
-            if (pair != 0) touch_cut_run(tile, y - 1 + (r & 1), z - 1 + (r >> 1), x - (int32_t)(pair & 1), x - (pair == 1), b->triangle[i]);
+            if (pair != 0)
+                touch_cut_run(tile, y - 1 + (r & 1), z - 1 + (r >> 1), x - (int32_t)(pair & 1),
+                              x - (pair == 1), b->triangle[i]);
         }
     }
     b->count = 0;
 }
 
 /* Lists beyond the window are not asked for, once voxels are split in it alone. */
-static inline int start_misses_window(const bvxi_refine_job *refine, const int32_t low[3], const int32_t high[3])
+static inline int start_misses_window(const bvxi_refine_job *refine, const int32_t low[3],
+                                      const int32_t high[3])
 {
     int32_t const up = refine->tree->levels - refine->start;
     if (!refine->windowed || refine->start < refine->outer) return 0;
@@ -64,11 +71,13 @@ static inline int start_misses_window(const bvxi_refine_job *refine, const int32
     return 0;
 }
 
-static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *refine, uint32_t t, start_batch *batch)
+static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *refine, uint32_t t,
+                               start_batch *batch)
 {
     int32_t const f = tile->job->fraction_bits;
     int32_t p[3][3], low[3], high[3], thick = 0, widest = 0;
     uint32_t corner[3];
+
     bvxi_view_triangle(tile->job->view, t, corner);
     for (int c = 0; c < 3; c++) memcpy(p[c], tile->job->snapped.xyz + 3 * (size_t)corner[c], sizeof p[c]);
     for (int a = 0; a < 3; a++) {
@@ -82,14 +91,17 @@ static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *r
         bvxi_touch_rows(tile, (const int32_t(*)[3])p, t);
     } else if (thick > 1) {
         uint32_t const i = batch->count++;
-        for (int k = 0; k < 9; k++) batch->children.p[k / 3][k % 3][i] = p[k / 3][k % 3] - high[k % 3] * ((int32_t)1 << f);
+        for (int k = 0; k < 9; k++)
+            batch->children.p[k / 3][k % 3][i] = p[k / 3][k % 3] - high[k % 3] * ((int32_t)1 << f);
         for (int a = 0; a < 3; a++) batch->high[a][i] = high[a];
         batch->triangle[i] = t;
         if (batch->count == BVXI_CHILDREN_BATCH) end_start_batch(tile, batch);
     } else { /* along one axis at most: it touches all of its box */
-        int32_t const j0 = low[1] > tile->rows.j0 ? low[1] : tile->rows.j0, k0 = low[2] > tile->rows.k0 ? low[2] : tile->rows.k0;
+        int32_t const j0 = low[1] > tile->rows.j0 ? low[1] : tile->rows.j0;
+        int32_t const k0 = low[2] > tile->rows.k0 ? low[2] : tile->rows.k0;
         for (int32_t k = k0; k <= high[2] && k < tile->rows.k1; k++)
-            for (int32_t j = j0; j <= high[1] && j < tile->rows.j1; j++) touch_cut_run(tile, j, k, low[0], high[0], t);
+            for (int32_t j = j0; j <= high[1] && j < tile->rows.j1; j++)
+                touch_cut_run(tile, j, k, low[0], high[0], t);
     }
 }
 
@@ -107,6 +119,7 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
     uint64_t const begin = job->bins.end[number], count = job->bins.end[number + 1] - begin;
     const uint32_t *const id = job->bins.id != NULL ? job->bins.id + begin : NULL;
     bvxi_surface_tile tile;
+
     (void)worker;
     memset(&tile, 0, sizeof tile);
     tile.job = job;
@@ -118,7 +131,8 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
     }
     start_batch batch;
     batch.count = 0;
-    for (uint64_t i = 0; i < count; i++) touch_large_voxels(&tile, start->refine, id != NULL ? id[i] : (uint32_t)i, &batch);
+    for (uint64_t i = 0; i < count; i++)
+        touch_large_voxels(&tile, start->refine, id != NULL ? id[i] : (uint32_t)i, &batch);
     end_start_batch(&tile, &batch);
 }
 
@@ -132,6 +146,7 @@ static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, 
 static uint64_t place_start_lists(uint64_t *offset, uint64_t voxels)
 {
     uint64_t total = 0;
+
     for (uint64_t v = 0; v < voxels; v++) {
         uint64_t const n = offset[v];
         offset[v] = total;
@@ -145,7 +160,9 @@ static uint64_t place_start_lists(uint64_t *offset, uint64_t voxels)
 static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine_front *front)
 {
     bvxi_surface_job *const surface = &start->surface;
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (front->slots + 1) * 8, "the start's list places", &front->offset));
+
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (front->slots + 1) * 8, "the start's list places",
+                             &front->offset));
     surface->offset = front->offset;
     memset(surface->last, 0, (size_t)front->slots * 4);
     BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
@@ -154,7 +171,8 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
     surface->list = front->list;
     memset(surface->last, 0, (size_t)front->slots * 4);
     BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_LIST, 0.8, 0.95));
-    for (uint64_t v = front->slots; v > 0; v--) front->offset[v] = front->offset[v - 1]; /* filling has moved each to its end */
+    /* filling has moved each to its end */
+    for (uint64_t v = front->slots; v > 0; v--) front->offset[v] = front->offset[v - 1];
     front->offset[0] = 0;
     return BVX_OK;
 }
@@ -167,10 +185,12 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     uint32_t *prefix = NULL;
     bvx_status status;
     uint64_t voxels = 0;
+
     for (uint64_t i = 0; i < words; i++) voxels += bvxi_popcount(job->grids.words[job->start][i]);
     if (voxels >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: triangles touch %u voxels of level %d; 2^32 - 2 are possible", refine_name, voxels,
-                         (int64_t)job->start);
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: triangles touch %u voxels of level %d; 2^32 - 2 are possible", refine_name,
+                         voxels, (int64_t)job->start);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the start's ranks", &prefix));
     job->front.slots = bvxi_rank_build(&surface->rank, job->grids.words[job->start], words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last);
@@ -183,6 +203,7 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
 static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi_surface_job *surface)
 {
     const bvx_octree *const tree = job->tree;
+
     for (int a = 0; a < 3; a++) surface->size[a] = tree->base[a] << job->start;
     surface->view = job->view;
     surface->solid = NULL;
@@ -191,7 +212,8 @@ static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi
     surface->fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
     surface->mode = BVX_SURFACE_CONSERVATIVE;
     surface->cpu = bvxi_cpu(job->ctx);
-    bvxi_tiles_choose(&surface->tiles, surface->size[1], surface->size[2], bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
+    bvxi_tiles_choose(&surface->tiles, surface->size[1], surface->size[2],
+                      bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
 }
 
 static bvx_status touch_start_grid(bvxi_refine_job *job)
@@ -200,13 +222,15 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
     bvx_grid grid = {0};
     start_job *start;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *start, "the start's counts", &start));
     grid.words = job->grids.words[job->start];
     grid.words_per_row = bvxi_refine_row_words(tree, job->start);
     start->refine = job;
     start_surface(job, &grid, &start->surface);
     status = bvxi_bins_open(job->ctx, refine_name, &start->surface);
-    if (status == BVX_OK) status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
+    if (status == BVX_OK)
+        status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
     if (status == BVX_OK && job->start < tree->levels) status = make_start_lists(job, start);
     bvxi_bins_close(job->ctx, &start->surface);
     bvxi_free(job->ctx, start, sizeof *start);
@@ -236,18 +260,23 @@ typedef struct coarsen_job {
 static void coarsen_rows(void *user, int32_t index, int32_t worker)
 {
     const coarsen_job *const job = user;
-    uint64_t const ny = (uint64_t)job->tree->base[1] << job->level, nz = (uint64_t)job->tree->base[2] << job->level;
-    size_t const coarse = (size_t)bvxi_refine_row_words(job->tree, job->level), fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
+    uint64_t const ny = (uint64_t)job->tree->base[1] << job->level;
+    uint64_t const nz = (uint64_t)job->tree->base[2] << job->level;
+    size_t const coarse = (size_t)bvxi_refine_row_words(job->tree, job->level);
+    size_t const fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
-        const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine, *const b = a + fine;
+        const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine;
+        const uint64_t *const b = a + fine;
         const uint64_t *const c = a + (size_t)(2 * ny) * fine, *const d = c + fine;
         uint64_t *const to = job->coarse + (size_t)row * coarse;
         for (size_t i = 0; i < coarse; i++) {
             uint64_t const low = a[2 * i] | b[2 * i] | c[2 * i] | d[2 * i];
-            uint64_t const high = 2 * i + 1 < fine ? a[2 * i + 1] | b[2 * i + 1] | c[2 * i + 1] | d[2 * i + 1] : 0;
+            uint64_t const high = 2 * i + 1 < fine ? a[2 * i + 1] | b[2 * i + 1] | c[2 * i + 1] | d[2 * i + 1]
+                                                   : 0;
             to[i] = pairs_of_bits(low) | pairs_of_bits(high) << 32;
         }
     }
@@ -262,7 +291,8 @@ static bvx_status coarsen_grids(bvxi_refine_job *job)
         uint64_t const words = bvxi_refine_grid_words(job->tree, l);
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 8, "a coarser grid", &job->grids.words[l]));
         c.coarse = job->grids.words[l];
-        c.pieces = bvxi_piece_count((uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l), COARSEN_GRAIN);
+        c.pieces = bvxi_piece_count((uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
+                                    COARSEN_GRAIN);
         BVXI_TRY(bvxi_parallel(job->ctx, "refine", 0.95, 1.0, c.pieces, coarsen_rows, &c));
     }
     return BVX_OK;
@@ -275,6 +305,7 @@ static void split_root(bvxi_refine_job *job)
 {
     bvx_octree *const tree = job->tree;
     uint64_t r = 0;
+
     for (uint64_t word = 0; word < tree->root.words; word++)
         for (uint64_t w = tree->root.touched[word]; w != 0; w &= w - 1, r++) {
             uint64_t const row = word / (uint64_t)tree->row_words, ny = (uint64_t)tree->base[1];
@@ -282,7 +313,9 @@ static void split_root(bvxi_refine_job *job)
             int32_t const v[3] = {x, (int32_t)(row % ny), (int32_t)(row / ny)};
             const uint64_t *const list = job->front.offset + r;
             if (!bvxi_refine_wants(job, 0, v)) continue;
-            if (job->tolerance > 0 && bvxi_refine_is_flat(job, job->front.list + list[0], NULL, 0, list[1] - list[0])) continue;
+            if (job->tolerance > 0 &&
+                bvxi_refine_is_flat(job, job->front.list + list[0], NULL, 0, list[1] - list[0]))
+                continue;
             tree->root.split[word] |= w & (0 - w);
         }
 }
@@ -292,7 +325,9 @@ static bvx_status make_first_front(bvxi_refine_job *job)
     bvx_octree *const tree = job->tree;
     uint64_t const rows = (uint64_t)tree->base[1] * (uint64_t)tree->base[2];
     uint64_t n = 0;
-    BVXI_TRY(bvxi_octets_open(job->ctx, rows, bvxi_refine_grid_words(tree, 0), bvxi_refine_split_kind(job, 0), &tree->root));
+
+    BVXI_TRY(bvxi_octets_open(job->ctx, rows, bvxi_refine_grid_words(tree, 0), bvxi_refine_split_kind(job, 0),
+                              &tree->root));
     memcpy(tree->root.touched, job->grids.words[0], (size_t)tree->root.words * 8);
     if (bvxi_refine_split_kind(job, 0) == BVXI_SPLIT_SOME) split_root(job);
     job->front.count = bvxi_octets_count(&tree->root);
@@ -302,7 +337,8 @@ static bvx_status make_first_front(bvxi_refine_job *job)
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the base's voxels", &job->up[0]));
     for (uint64_t row = 0; row < rows; row++)
         for (int32_t i = 0; i < tree->row_words; i++)
-            for (uint64_t w = tree->root.split[row * (uint64_t)tree->row_words + (uint64_t)i]; w != 0; w &= w - 1, n++) {
+            for (uint64_t w = tree->root.split[row * (uint64_t)tree->row_words + (uint64_t)i]; w != 0;
+                 w &= w - 1, n++) {
                 int32_t const x = BVXI_WORD_BITS * i + bvxi_lowest(w);
                 job->front.ijk[3 * n] = x;
                 job->front.ijk[3 * n + 1] = (int32_t)(row % (uint64_t)tree->base[1]);
@@ -316,8 +352,11 @@ bvx_status bvxi_refine_start(bvxi_refine_job *job)
 {
     uint64_t const words = bvxi_refine_grid_words(job->tree, job->start);
     if (words > SIZE_MAX / 8)
-        return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: a grid of level %d is beyond this machine's addresses", refine_name, (int64_t)job->start);
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, words * 8, "the start's grid", &job->grids.words[job->start]));
+        return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
+                         "%s: a grid of level %d is beyond this machine's addresses", refine_name,
+                         (int64_t)job->start);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, words * 8, "the start's grid",
+                             &job->grids.words[job->start]));
     BVXI_TRY(touch_start_grid(job));
     BVXI_TRY(coarsen_grids(job));
     return make_first_front(job);
@@ -331,16 +370,20 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
     bvxi_octets ranked = {0};
     uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->start) * BVXI_WORD_BITS;
     uint64_t const ny = (uint64_t)tree->base[1] << job->start;
-    if (job->start == 0 && tree->root.split == tree->root.touched) return BVX_OK; /* the front is in the grid's order */
+
+    /* the front is in the grid's order */
+    if (job->start == 0 && tree->root.split == tree->root.touched) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 4, "the start's ranks", &ranked.before));
-    bvx_status const status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks", &job->front.slot);
+    bvx_status const status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks",
+                                         &job->front.slot);
     if (status == BVX_OK) {
         ranked.split = job->grids.words[job->start];
         ranked.words = words;
         bvxi_octets_count(&ranked);
         for (uint64_t n = 0; n < job->front.count; n++) {
             const int32_t *const v = job->front.ijk + 3 * n;
-            job->front.slot[n] = bvxi_octets_rank(&ranked, ((uint64_t)v[2] * ny + (uint64_t)v[1]) * row + (uint64_t)v[0]);
+            job->front.slot[n] = bvxi_octets_rank(&ranked, ((uint64_t)v[2] * ny + (uint64_t)v[1]) * row +
+                                                               (uint64_t)v[0]);
         }
     }
     bvxi_free(job->ctx, ranked.before, words * 4);

@@ -1,10 +1,11 @@
 /* row_states.c - what is outside in a tree with a window: by the exact rule of rows.
  *
- * No triangle touches a leaf that is not of the surface, so all of it lies on one side, and any centre in it tells which. Leaves
- * up to level `outer` ask the solid of that level's lattice; finer ones, which all lie near the window, ask a part of the solid
- * of their own level, made of the triangles that reach its rows alone.
- * (Snapped to a coarser lattice a vertex moves by 2^-16 of a voxel; the centre of a voxel that no triangle touches is half a
- * voxel away.) Guarantee: the same for any threads. */
+ * No triangle touches a leaf that is not of the surface, so all of it lies on one side, and any centre in it
+ * tells which. Leaves up to level `outer` ask the solid of that level's lattice; finer ones, which all lie
+ * near the window, ask a part of the solid of their own level, made of the triangles that reach its rows
+ * alone.
+ * (Snapped to a coarser lattice a vertex moves by 2^-16 of a voxel; the centre of a voxel that no triangle
+ * touches is half a voxel away.) Guarantee: the same for any threads. */
 #include "refine/refine.h"
 
 typedef struct row_states_job {
@@ -23,7 +24,8 @@ static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32
 {
     int32_t const down = level <= job->outer ? job->outer - level : 0;
     const bvx_grid *const g = &job->solid[level + down];
-    return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1], (v[2] << down) - g->low[2]);
+    return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1],
+                        (v[2] << down) - g->low[2]);
 }
 
 /* The octets of the last level but one, all eight children at once; solids begin at even voxels. */
@@ -35,8 +37,8 @@ static void decide_last(const row_states_job *job, uint64_t octet, const int32_t
     int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
     const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
     unsigned const shift = (unsigned)x & 63;
-    uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 | (at[slice] >> shift & 3) << 4 |
-                                       (at[slice + row] >> shift & 3) << 6);
+    uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
+                                       (at[slice] >> shift & 3) << 4 | (at[slice + row] >> shift & 3) << 6);
     bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
 }
 
@@ -44,10 +46,12 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
 {
     row_state_step step[BVXI_OCTREE_LEVELS];
     int32_t level = 0;
+
     memset(&step[0], 0, sizeof step[0]);
     step[0].octet = octet;
     memcpy(step[0].v, v, sizeof step[0].v);
-    if (job->tree->octets[0].split != NULL) step[0].below = bvxi_octets_rank(&job->tree->octets[0], 8 * octet);
+    if (job->tree->octets[0].split != NULL)
+        step[0].below = bvxi_octets_rank(&job->tree->octets[0], 8 * octet);
     while (level >= 0) {
         row_state_step *const s = &step[level];
         const bvxi_octets *const o = &job->tree->octets[level];
@@ -57,13 +61,16 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
         }
         uint32_t const p = s->p++;
         uint64_t const bit = 8 * s->octet + p;
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1), 2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
+                                  2 * s->v[2] + (int32_t)(p >> 2)};
         if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels) {
             decide_last(job, s->below++, child);
         } else if (bvxi_octets_is_split(o, bit)) {
             row_state_step *const next = &step[++level];
             next->octet = s->below++;
-            next->below = job->tree->octets[level].split != NULL ? bvxi_octets_rank(&job->tree->octets[level], 8 * next->octet) : 0;
+            next->below = job->tree->octets[level].split != NULL
+                              ? bvxi_octets_rank(&job->tree->octets[level], 8 * next->octet)
+                              : 0;
             next->p = 0;
             memcpy(next->v, child, sizeof next->v);
         } else if (!bvxi_bit_of(o->touched, bit) && !centre_is_inside(job, child, level + 1)) {
@@ -75,12 +82,14 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
 static void decide_base(const row_states_job *job)
 {
     const bvx_octree *const tree = job->tree;
+
     for (int32_t z = 0; z < tree->base[2]; z++)
         for (int32_t y = 0; y < tree->base[1]; y++)
             for (int32_t x = 0; x < tree->base[0]; x++) {
                 int32_t const v[3] = {x, y, z};
                 uint64_t const bit = bvxi_root_bit(tree, x, y, z);
-                if (bvxi_octets_is_split(&tree->root, bit)) decide_tree(job, bvxi_octets_rank(&tree->root, bit), v);
+                if (bvxi_octets_is_split(&tree->root, bit))
+                    decide_tree(job, bvxi_octets_rank(&tree->root, bit), v);
                 else if (!bvxi_bit_of(tree->root.touched, bit) && !centre_is_inside(job, v, 0))
                     tree->root.outside[bit >> 6] |= UINT64_C(1) << (bit & 63);
             }
@@ -92,6 +101,7 @@ static void decide_base(const row_states_job *job)
 static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3])
 {
     int32_t const up = job->tree->levels - job->outer, shift = up + job->tree->lattice.fraction_bits;
+
     for (uint32_t a = 1; a < 3; a++) {
         int32_t low = INT32_MAX, high = INT32_MIN;
         for (int c = 0; c < 3; c++) {
@@ -99,7 +109,9 @@ static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3]
             low = q < low ? q : low;
             high = q > high ? q : high;
         }
-        if (bvxi_floor_shift(high, shift) < job->low[a] >> up || bvxi_floor_shift(low - 1, shift) > job->last[a] >> up) return 0;
+        if (bvxi_floor_shift(high, shift) < job->low[a] >> up ||
+            bvxi_floor_shift(low - 1, shift) > job->last[a] >> up)
+            return 0;
     }
     return 1;
 }
@@ -108,11 +120,13 @@ static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3]
 static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
 {
     uint64_t n = 0;
+
     for (uint64_t t = 0; t < job->view->triangle_count; t++) {
         uint32_t corner[3];
         bvxi_view_triangle(job->view, t, corner);
         if (!rows_meet_window(job, corner)) continue;
-        for (uint64_t c = 0; c < 3 && positions != NULL; c++) bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
+        for (uint64_t c = 0; c < 3 && positions != NULL; c++)
+            bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
         n++;
     }
     return n;
@@ -134,13 +148,17 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
 {
     bvx_context *const ctx = job->ctx;
     bvx_voxelize_options o;
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_PARITY; /* nearby triangles are an open mesh, and rows are what is asked for */
     for (int32_t l = job->outer; l <= job->tree->levels; l++) {
         bvx_lattice lattice;
         BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));
-        if (l > job->outer && nearby->triangle_count == 0) BVXI_TRY(bvx_grid_create(ctx, &lattice, &o.window, &rows->solid[l]));
-        else BVXI_TRY(bvx_voxelize_solid(ctx, l == job->outer ? job->view : nearby, &lattice, &o, &rows->solid[l]));
+        if (l > job->outer && nearby->triangle_count == 0)
+            BVXI_TRY(bvx_grid_create(ctx, &lattice, &o.window, &rows->solid[l]));
+        else
+            BVXI_TRY(
+                bvx_voxelize_solid(ctx, l == job->outer ? job->view : nearby, &lattice, &o, &rows->solid[l]));
         if (l < job->tree->levels) window_of_level(job, l + 1, &o.window);
     }
     return BVX_OK;
@@ -150,6 +168,7 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
 {
     row_states_job *rows;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *rows, "the window's solids", &rows));
     rows->tree = job->tree;
     rows->outer = job->outer;
@@ -166,6 +185,7 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     bvx_mesh_view nearby = {0};
     double *positions = NULL;
     bvx_status status;
+
     if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, count * 72, "the triangles near the window", &positions));
     gather_near(job, positions);

@@ -1,21 +1,23 @@
 /* states.c - what is outside: boundary states handed from voxel to voxel until nothing changes.
  *
- * Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2: six bits 00zyx-z-y-x say through which faces a voxel
- * borders on the outside; a child p = x + 2 y + 4 z takes those of its octet that are its own too: I(p) = (p << 3) | (~p & 7).
- * The paper's one traversal depends on its order; here a worklist holds every octet with news until none is left, and a
- * triangle-free voxel of any size that is exposed becomes outside. The last state is the least fixed point, whatever the order.
+ * Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2: six bits 00zyx-z-y-x say through
+ * which faces a voxel borders on the outside; a child p = x + 2 y + 4 z takes those of its octet that are its
+ * own too: I(p) = (p << 3) | (~p & 7). The paper's one traversal depends on its order; here a worklist holds
+ * every octet with news until none is left, and a triangle-free voxel of any size that is exposed becomes
+ * outside. The last state is the least fixed point, whatever the order.
  *
- * Octets are worked on as masks of eight children; those of the last but one level, together with the octets of their
- * children, as cubes of 64 voxels in a word (cubes.h). Between them:
+ * Octets are worked on as masks of eight children; those of the last but one level, together with the octets
+ * of their children, as cubes of 64 voxels in a word (cubes.h). Between them:
  *   to a child that is split: its boundary state, as the whole face is outside;
  *   to the neighbour of the same size: its voxels on that side;
  *   to a larger one without triangles: the bit that it is in its own octet, or in the base.
- * Neighbours are found by going up to the first octet that holds both, or over the base, and down again on the other side.
- * The base is flooded by rows of bits (states_base.c). Guarantee: exact. */
+ * Neighbours are found by going up to the first octet that holds both, or over the base, and down again on
+ * the other side. The base is flooded by rows of bits (states_base.c). Guarantee: exact. */
 #include "refine/cubes.h"
 #include "refine/states.h"
 
-/* An octet of the same level, or a leaf of the same size or larger: child `bit` of an octet, or a bit of the base. */
+/* An octet of the same level, or a leaf of the same size or larger: child
+ * `bit` of an octet, or a bit of the base. */
 typedef struct octree_neighbour {
     int32_t level; /* of the octet */
     int32_t kind;  /* NEIGHBOUR_... */
@@ -54,6 +56,7 @@ static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, ui
 static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, uint64_t *bit)
 {
     int32_t v[3];
+
     v[0] = (int32_t)(linear % (uint32_t)job->nx);
     v[1] = (int32_t)(linear / (uint32_t)job->nx % (uint32_t)job->ny);
     v[2] = (int32_t)(linear / (uint32_t)job->nx / (uint32_t)job->ny);
@@ -70,6 +73,7 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
     uint8_t path[BVXI_OCTREE_LEVELS]; /* children on the way up */
     int32_t depth = 0;
     octree_neighbour at = {level, NEIGHBOUR_OCTET, octet, 0};
+
     for (int over = 0; !over;) {
         uint32_t const up = job->up[at.level][at.octet];
         if (at.level == 0) {
@@ -100,13 +104,17 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
 /* The neighbours within an octet of its children. */
 static inline uint32_t beside_in_octet(uint32_t m)
 {
-    return (m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 | (m & 0xf0) >> 4;
+    return (m & 0x55) << 1 | (m & 0xaa) >> 1 | (m & 0x33) << 2 | (m & 0xcc) >> 2 | (m & 0x0f) << 4 |
+           (m & 0xf0) >> 4;
 }
 
-/* To children that are split, where the children beside them have become outside or all of the octet's face is. */
-static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const bvxi_octet_news *o, uint32_t news)
+/* To children that are split, where the children beside them have become
+ * outside or all of the octet's face is. */
+static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const bvxi_octet_news *o,
+                      uint32_t news)
 {
     uint64_t below = octet_below(job, level, octet, 0);
+
     for (uint32_t p = 0; p < 8; p++) {
         uint32_t state = o->state & bvxi_octet_inherits(p);
         if ((o->split >> p & 1) == 0) continue;
@@ -123,8 +131,10 @@ static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, i
     unsigned const step = 1u << d % 3;
     uint32_t const beside = d >= 3 ? children >> step : children << step;
     expose_children(job, level, octet, beside);
-    for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0; p++, split >>= 1)
-        if ((split & 1) != 0) bvxi_expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
+    for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0;
+         p++, split >>= 1)
+        if ((split & 1) != 0)
+            bvxi_expose_octet(job, level + 1, octet_below(job, level, octet, p), 1u << (d + 3) % 6);
 }
 
 static void expose_base(bvxi_states_job *job, uint64_t bit)
@@ -139,7 +149,8 @@ static void expose_base(bvxi_states_job *job, uint64_t bit)
 /* To a leaf beyond a face. */
 static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
 {
-    if (beyond->kind == NEIGHBOUR_CHILD) expose_children(job, beyond->level, beyond->octet, 1u << beyond->bit);
+    if (beyond->kind == NEIGHBOUR_CHILD)
+        expose_children(job, beyond->level, beyond->octet, 1u << beyond->bit);
     else if (beyond->kind == NEIGHBOUR_BASE) expose_base(job, beyond->bit);
 }
 
@@ -148,6 +159,7 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
     bvxi_octet_news *const o = bvxi_news_of(job, level, octet);
     uint32_t const open = 255 & ~(uint32_t)(o->touched | o->outside);
     uint32_t news = o->fresh;
+
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((o->state >> d & 1) != 0) news |= bvxi_octet_side(d);
     news &= open;
@@ -173,6 +185,7 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
     bvxi_cube_news *const c = &job->cubes[octet];
     uint64_t const open = ~(c->touched | c->outside);
     uint64_t news = c->fresh;
+
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
     news = bvxi_cube_flood(news & open, open);
@@ -203,6 +216,7 @@ enum { OCTETS_BETWEEN_QUESTIONS = 1 << 17, STATES_GRAIN = 1024 };
 static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
 {
     uint32_t since = 0;
+
     while (job->rows_listed > 0 || job->listed > 0) {
         if (job->rows_listed > 0) bvxi_work_on_row(job, job->row_list[--job->rows_listed]);
         else work_on_number(job, job->list[--job->listed]);
@@ -218,8 +232,10 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
     const bvxi_octets *const o = &tree->octets[level];
     uint32_t const touched = bvxi_octet_mask(o->touched, octet), split = bvxi_octet_split(o, octet);
     uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0, cube = 0;
+
     for (uint32_t p = 0; p < 8; p++) {
-        uint64_t const child = (split >> p & 1) != 0   ? bvxi_cube_spread(bvxi_octet_mask(tree->octets[level + 1].touched, below++))
+        uint64_t const child = (split >> p & 1) != 0     ? bvxi_cube_spread(bvxi_octet_mask(
+                                                               tree->octets[level + 1].touched, below++))
                                : (touched >> p & 1) != 0 ? BVXI_CUBE_CHILD
                                                          : 0;
         cube |= child << bvxi_cube_shift(p);
@@ -231,6 +247,7 @@ static void take_cubes(void *user, int32_t index, int32_t worker)
 {
     const bvxi_states_job *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->tree->octets[job->bottom].count, job->pieces, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
@@ -244,7 +261,7 @@ static void take_octets(const bvxi_states_job *job)
     for (int32_t l = 0; l < job->bottom; l++)
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
             bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
-                                      (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
             *bvxi_news_of(job, l, n) = fresh;
         }
 }
@@ -257,7 +274,8 @@ static void give_octets(const bvxi_states_job *job)
 }
 
 /* Pieces are whole words of the masks. */
-static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin, uint64_t *end)
+static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin,
+                           uint64_t *end)
 {
     uint64_t const count = job->tree->octets[level].count;
     bvxi_piece(job->tree->octets[level].words, job->pieces, index, begin, end);
@@ -270,12 +288,14 @@ static void give_cubes(void *user, int32_t index, int32_t worker)
     const bvxi_states_job *const job = user;
     const bvxi_octets *const o = &job->tree->octets[job->bottom];
     uint64_t begin, end;
+
     (void)worker;
     words_of_piece(job, job->bottom, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) { /* a leaf has all or none of its voxels */
         uint32_t const leaves = 255 & ~bvxi_octet_mask(o->touched, n);
         uint32_t outside = 0;
-        for (uint32_t p = 0; p < 8; p++) outside |= (uint32_t)(job->cubes[n].outside >> bvxi_cube_shift(p) & 1) << p;
+        for (uint32_t p = 0; p < 8; p++)
+            outside |= (uint32_t)(job->cubes[n].outside >> bvxi_cube_shift(p) & 1) << p;
         bvxi_octet_put(o->outside, n, outside & leaves);
     }
     if (o->split == NULL) return;
@@ -305,7 +325,8 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
 {
     int32_t const bottom = bottom_of_levels(levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
-    return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) + tree->root.words * 8 + tree->root.count * 5;
+    return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) +
+           tree->root.words * 8 + tree->root.count * 5;
 }
 
 static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
@@ -331,8 +352,10 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     bvxi_states_job job = {0};
     unsigned char *block;
     bvx_status status;
+
     if (octets + cubes >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_refine: %u voxels are split; 2^32 - 2 are possible", octets + cubes);
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_refine: %u voxels are split; 2^32 - 2 are possible",
+                         octets + cubes);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block));
     job.tree = tree;
     job.up = up;

@@ -1,5 +1,5 @@
-/* states.h - boundary states on their way: what the flood of octets (states.c) and that of the base (states_base.c) share.
- * Not installed. */
+/* states.h - boundary states on their way: what the flood of octets
+ * (states.c) and that of the base (states_base.c) share. Not installed. */
 #ifndef BVXI_STATES_H
 #define BVXI_STATES_H
 
@@ -24,7 +24,8 @@ typedef struct bvxi_states_job {
     bvx_octree *tree;
     uint32_t *const *up;
     int32_t bottom; /* the level of octets that are cubes; -1 when there are no octets */
-    uint64_t first[BVXI_OCTREE_LEVELS + 1]; /* number of each level's first octet among all; cubes come last */
+    /* number of each level's first octet among all; cubes come last */
+    uint64_t first[BVXI_OCTREE_LEVELS + 1];
     bvxi_octet_news *news;
     bvxi_cube_news *cubes;
     uint32_t *list; /* octets and cubes with news */
@@ -58,7 +59,8 @@ static inline void bvxi_list_row(bvxi_states_job *job, uint64_t row)
 /* All of an octet's face is exposed. */
 static inline void bvxi_expose_octet(bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t state)
 {
-    uint8_t *const known = level == job->bottom ? &job->cubes[octet].state : &bvxi_news_of(job, level, octet)->state;
+    uint8_t *const known = level == job->bottom ? &job->cubes[octet].state
+                                                : &bvxi_news_of(job, level, octet)->state;
     if ((state & ~(uint32_t)*known) == 0) return;
     *known = (uint8_t)(*known | state);
     bvxi_list_numbered(job, level, octet, known);

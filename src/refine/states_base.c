@@ -1,7 +1,7 @@
 /* states_base.c - the flood among the base's voxels, a row of bits at a time.
  *
- * A row with news is filled along x, each run of empty voxels that holds an outside one at once; what is new goes to the four
- * rows beside it, and as exposed faces to the octets beside it. */
+ * A row with news is filled along x, each run of empty voxels that holds an outside one at once; what is new
+ * goes to the four rows beside it, and as exposed faces to the octets beside it. */
 #include "refine/states.h"
 
 static inline uint64_t empty_of_row(const bvxi_states_job *job, uint64_t word)
@@ -47,6 +47,7 @@ static void fill_base_row(const bvxi_states_job *job, uint64_t row)
     uint64_t const begin = row * (uint64_t)job->row_words, end = begin + (uint64_t)job->row_words;
     uint64_t *const outside = job->tree->root.outside;
     uint64_t carry = 0;
+
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const empty = empty_of_row(job, i);
         outside[i] = reach_up(outside[i] | (carry & empty), empty);
@@ -65,7 +66,9 @@ static void expose_base_octets(bvxi_states_job *job, uint64_t word, uint64_t bit
 {
     if (job->tree->root.split == NULL) return;
     for (bits &= job->tree->root.split[word]; bits != 0; bits &= bits - 1)
-        bvxi_expose_octet(job, 0, bvxi_octets_rank(&job->tree->root, word * BVXI_WORD_BITS + (uint64_t)bvxi_lowest(bits)), 1u << d);
+        bvxi_expose_octet(
+            job, 0, bvxi_octets_rank(&job->tree->root, word * BVXI_WORD_BITS + (uint64_t)bvxi_lowest(bits)),
+            1u << d);
 }
 
 /* Bits that are new in a word of the base, to the rows beside it. */
@@ -83,6 +86,7 @@ static void pass_to_row(bvxi_states_job *job, uint64_t row, uint64_t column, uin
 void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
 {
     uint64_t const first = row * (uint64_t)job->row_words, ny = (uint64_t)job->ny, y = row % ny, z = row / ny;
+
     job->row_in_list[row] = 0;
     fill_base_row(job, row);
     for (uint64_t i = 0; i < (uint64_t)job->row_words; i++) {
@@ -103,13 +107,18 @@ void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
 void bvxi_expose_sides(bvxi_states_job *job)
 {
     uint64_t const rows = (uint64_t)job->ny * (uint64_t)job->nz;
+
     for (uint64_t row = 0; row < rows; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)job->ny), z = (int32_t)(row / (uint64_t)job->ny);
         for (int32_t i = 0; i < job->row_words; i++) {
             uint64_t const word = row * (uint64_t)job->row_words + (uint64_t)i, all = ~UINT64_C(0);
             uint64_t const side[BVXI_DIRECTIONS] = {
-                i == 0 ? 1 : 0, y == 0 ? all : 0, z == 0 ? all : 0,
-                i + 1 == job->row_words ? UINT64_C(1) << ((job->nx - 1) & 63) : 0, y + 1 == job->ny ? all : 0, z + 1 == job->nz ? all : 0};
+                i == 0 ? 1 : 0,
+                y == 0 ? all : 0,
+                z == 0 ? all : 0,
+                i + 1 == job->row_words ? UINT64_C(1) << ((job->nx - 1) & 63) : 0,
+                y + 1 == job->ny ? all : 0,
+                z + 1 == job->nz ? all : 0};
             uint64_t sides = 0;
             for (int d = 0; d < BVXI_DIRECTIONS; d++) {
                 sides |= side[d];

@@ -19,12 +19,13 @@ typedef struct bvxi_camera_extent {
     double low[2], high[2];
 } bvxi_camera_extent;
 
-/* Look at a box of the world (finite, low below high on some axis) from direction, with up upwards. When up points
- * at the eye, y takes its place, or else x. */
-void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3], const double direction[3],
-                      const double up[3]);
+/* Look at a box of the world (finite, low below high on some axis) from direction, with up upwards. When up
+ * points at the eye, y takes its place, or else x. */
+void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double high[3],
+                      const double direction[3], const double up[3]);
 
-/* Turn about the middle of another box, inside the first: less is lost to rounding where only that part is drawn. */
+/* Turn about the middle of another box, inside the first: less is lost to
+ * rounding where only that part is drawn. */
 void bvxi_camera_move(bvxi_camera *camera, const double low[3], const double high[3]);
 
 /* Make room for so much on either side of what the camera turns about, along right and up [Units: world]. */
@@ -33,7 +34,8 @@ void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_came
 /* Fit the extremes into a frame of so many samples, with a margin. */
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height);
 
-/* Along right, up and towards the eye [Units: world * unit, from centre], of a point [Units: world * unit]. */
+/* Along right, up and towards the eye [Units: world * unit, from centre], of a point [Units: world *
+ * unit]. */
 static inline void bvxi_camera_turn_scaled(const bvxi_camera *c, const double u[3], double q[3])
 {
     double const d[3] = {u[0] - c->centre[0], u[1] - c->centre[1], u[2] - c->centre[2]};

@@ -11,8 +11,9 @@ typedef struct bvxi_cut {
     double low[3], high[3];
 } bvxi_cut;
 
-/* The polygon of a triangle that lies in the closed box; returns its corners, 0 where at most an edge is left. Corners
- * of the triangle that stay are its own numbers; triangles that share an edge get the same points on it. */
+/* The polygon of a triangle that lies in the closed box; returns its corners,
+ * 0 where at most an edge is left. Corners of the triangle that stay are its
+ * own numbers; triangles that share an edge get the same points on it. */
 int32_t bvxi_cut_triangle(const bvxi_cut *cut, const double triangle[3][3], double corner[BVXI_CUT_MOST][3]);
 
 #endif

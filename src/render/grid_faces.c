@@ -1,11 +1,11 @@
 /* grid_faces.c - a voxel set in the frame: where it lies, what the cut leaves, and its faces drawn.
  *
- * Idea: of a voxel's six faces the eye can see three. A row of such faces comes out of word operations (set here, empty
- * in the neighbour), neighbours along x in one word are drawn as one strip. All corners lie on one lattice of integers
- * in the frame (the three edges of a voxel are snapped once), so strips of different lengths meet without gaps.
- * A band of the picture visits only slices, rows and words that reach it.
- * A cut keeps ranges of indices: words at its border are masked as they are read, nothing is copied. Two sets are drawn
- * as the union of their words, and each strip belongs to both or to one of them. */
+ * Idea: of a voxel's six faces the eye can see three. A row of such faces comes out of word operations (set
+ * here, empty in the neighbour), neighbours along x in one word are drawn as one strip. All corners lie on
+ * one lattice of integers in the frame (the three edges of a voxel are snapped once), so strips of different
+ * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it.
+ * A cut keeps ranges of indices: words at its border are masked as they are read, nothing is copied. Two sets
+ * are drawn as the union of their words, and each strip belongs to both or to one of them. */
 #include "render/grid_scene.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 enum { GRID_GRAIN = 4096 /* rows a piece, at least */ };
 
 #define GRID_EDGE_ON 1e-6 /* faces turned away further than this cosine are not drawn */
-#define GRID_FINE 8.0     /* steps between smaller voxels are roughness more than shape [Units: samples] */
+#define GRID_FINE    8.0  /* steps between smaller voxels are roughness more than shape [Units: samples] */
 
 /* ---- what the cut leaves ---- */
 
@@ -26,6 +26,7 @@ static double kept_voxel_centre(const bvx_grid *g, int axis, int32_t i)
 static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int above)
 {
     int32_t begin = 0, end = g->size[axis];
+
     while (begin < end) {
         int32_t const middle = begin + (end - begin) / 2;
         double const centre = kept_voxel_centre(g, axis, middle);
@@ -35,7 +36,8 @@ static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int a
     return begin;
 }
 
-void bvxi_grid_cut(const bvx_grid *grid, const double low[3], const double high[3], int32_t begin[3], int32_t end[3])
+void bvxi_grid_cut(const bvx_grid *grid, const double low[3], const double high[3], int32_t begin[3],
+                   int32_t end[3])
 {
     for (int a = 0; a < 3; a++) {
         begin[a] = first_voxel_from(grid, a, low[a], 0);
@@ -46,13 +48,15 @@ void bvxi_grid_cut(const bvx_grid *grid, const double low[3], const double high[
 
 /* ---- where the set lies in the view ---- */
 
-static void add_voxel_corners(const bvxi_grid_scene *s, int32_t i, int32_t j, int32_t k, bvxi_camera_extent *e)
+static void add_voxel_corners(const bvxi_grid_scene *s, int32_t i, int32_t j, int32_t k,
+                              bvxi_camera_extent *e)
 {
     double q[3];
     for (int32_t c = 0; c < 8; c++) {
         int64_t const n[3] = {(int64_t)i + (c & 1), (int64_t)j + (c >> 1 & 1), (int64_t)k + (c >> 2)};
         for (int a = 0; a < 3; a++)
-            q[a] = s->corner[a] + (double)n[0] * s->edge[0][a] + (double)n[1] * s->edge[1][a] + (double)n[2] * s->edge[2][a];
+            q[a] = s->corner[a] + (double)n[0] * s->edge[0][a] + (double)n[1] * s->edge[1][a] +
+                   (double)n[2] * s->edge[2][a];
         bvxi_camera_extent_add(e, q);
     }
 }
@@ -64,6 +68,7 @@ static void extent_of_rows(void *user, int32_t index, int32_t worker)
     const bvx_grid *const g = s->grid;
     bvxi_camera_extent e = bvxi_camera_nothing;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
@@ -82,8 +87,10 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
     bvx_status status;
+
     for (int a = 0; a < 3; a++)
-        if (s->begin[a] == s->end[a]) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->picture.function);
+        if (s->begin[a] == s->end[a])
+            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->picture.function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), GRID_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
@@ -93,7 +100,8 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     BVXI_TRY(status);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", s->picture.function,
-                         bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) || s->end[0] - s->begin[0] < s->grid->size[0]
+                         bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) ||
+                                 s->end[0] - s->begin[0] < s->grid->size[0]
                              ? " where the cut leaves any"
                              : "");
     bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
@@ -108,6 +116,7 @@ static void look_at_grid(bvxi_grid_scene *s)
     const bvx_lattice *const l = &s->grid->lattice;
     bvxi_camera *const c = &s->picture.camera;
     double low[3], high[3];
+
     for (int a = 0; a < 3; a++) {
         low[a] = l->origin[a] + s->grid->low[a] * l->spacing[a];
         high[a] = l->origin[a] + ((double)s->grid->low[a] + s->grid->size[a]) * l->spacing[a];
@@ -131,12 +140,15 @@ double bvxi_longest_spacing(const double spacing[3])
 
 static void place_grid(bvxi_grid_scene *s)
 {
-    double const voxel = bvxi_longest_spacing(s->grid->lattice.spacing) * s->picture.camera.unit * s->picture.camera.scale;
+    double const voxel = bvxi_longest_spacing(s->grid->lattice.spacing) * s->picture.camera.unit *
+                         s->picture.camera.scale;
     const bvxi_camera *const c = &s->picture.camera;
     int32_t const bits = s->picture.raster.fraction_bits;
     double low[3], at[3];
+
     for (int a = 0; a < 3; a++)
-        low[a] = s->corner[a] + s->begin[0] * s->edge[0][a] + s->begin[1] * s->edge[1][a] + s->begin[2] * s->edge[2][a];
+        low[a] = s->corner[a] + s->begin[0] * s->edge[0][a] + s->begin[1] * s->edge[1][a] +
+                 s->begin[2] * s->edge[2][a];
     bvxi_camera_place(c, low, at);
     for (int a = 0; a < 2; a++) {
         s->base[a] = snap_to_fixed(at[a], bits);
@@ -159,9 +171,11 @@ static void place_grid(bvxi_grid_scene *s)
 }
 
 /* Which n in [0, count) put base + n * step into [low, high]: [*begin, *end). */
-static void clip_grid_range(int64_t base, int64_t step, int64_t low, int64_t high, int32_t count, int32_t *begin, int32_t *end)
+static void clip_grid_range(int64_t base, int64_t step, int64_t low, int64_t high, int32_t count,
+                            int32_t *begin, int32_t *end)
 {
     int64_t first = 0, last = (int64_t)count - 1;
+
     if (step == 0) {
         if (base < low || base > high) last = -1;
     } else {
@@ -192,6 +206,7 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
     int64_t at[3] = {i - s->begin[0], j - s->begin[1], k - s->begin[2]};
     int32_t corner[4][2];
     bvxi_raster_plane plane = s->plane[axis];
+
     at[axis] += s->step_z[axis] > 0.0;
     for (int a = 0; a < 2; a++) {
         int64_t const p = s->base[a] + at[0] * s->step[0][a] + at[1] * s->step[1][a] + at[2] * s->step[2][a];
@@ -204,13 +219,15 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
     double const along = (double)length * s->step_z[u], across = s->step_z[v];
     plane.x = corner[0][0] * part;
     plane.y = corner[0][1] * part;
-    plane.z = s->base_z + (double)at[0] * s->step_z[0] + (double)at[1] * s->step_z[1] + (double)at[2] * s->step_z[2];
+    plane.z = s->base_z + (double)at[0] * s->step_z[0] + (double)at[1] * s->step_z[1] +
+              (double)at[2] * s->step_z[2];
     plane.low = plane.z + (along < 0.0 ? along : 0.0) + (across < 0.0 ? across : 0.0);
     plane.high = plane.z + (along > 0.0 ? along : 0.0) + (across > 0.0 ? across : 0.0);
     bvxi_raster_polygon(w->raster, w->rows, (const int32_t(*)[2])corner, 4, &plane, id);
 }
 
-static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64_t faces, int32_t first, int32_t j, int32_t k)
+static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64_t faces, int32_t first,
+                               int32_t j, int32_t k)
 {
     while (faces != 0) {
         int32_t const begin = bvxi_lowest(faces);
@@ -241,6 +258,7 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
 {
     const bvx_grid *const g = s->grid;
     voxel_row r = {NULL, NULL, 0};
+
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return r;
     size_t const at = ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
     r.first = g->words + at;
@@ -250,23 +268,28 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
 }
 
 /* Faces of a word to draw: those that the cut laid bare apart, and those of either set apart. */
-static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uint64_t bare, const voxel_row *row, int32_t i,
-                               int32_t j, int32_t k)
+static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uint64_t bare,
+                               const voxel_row *row, int32_t i, int32_t j, int32_t k)
 {
     uint64_t const first = row->first[i], second = row->second[i];
     uint64_t const member[3] = {first & second, first & ~second, second & ~first};
     for (int m = 0; m < 3; m++) {
-        draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], i * BVXI_WORD_BITS, j, k);
+        draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], i * BVXI_WORD_BITS,
+                           j, k);
         draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], i * BVXI_WORD_BITS, j, k);
     }
 }
 
-/* Words [begin, end) of a row: a face shows where the neighbour towards the eye is empty, cut away or outside the window. */
+/* Words [begin, end) of a row: a face shows where the neighbour towards the
+ * eye is empty, cut away or outside the window. */
 static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, int32_t end)
 {
     const bvxi_grid_scene *const s = w->scene;
-    int32_t const sign[3] = {s->step_z[0] > 0.0 ? 1 : -1, s->step_z[1] > 0.0 ? 1 : -1, s->step_z[2] > 0.0 ? 1 : -1};
-    voxel_row const here = row_beside(s, j, k), beside[3] = {here, row_beside(s, j + sign[1], k), row_beside(s, j, k + sign[2])};
+    int32_t const sign[3] = {s->step_z[0] > 0.0 ? 1 : -1, s->step_z[1] > 0.0 ? 1 : -1,
+                             s->step_z[2] > 0.0 ? 1 : -1};
+    voxel_row const here = row_beside(s, j, k);
+    voxel_row const beside[3] = {here, row_beside(s, j + sign[1], k), row_beside(s, j, k + sign[2])};
+
     for (int32_t i = begin; i < end; i++) {
         uint64_t const word = kept_in_row(s, &here, i);
         if (word == 0) continue;
@@ -277,11 +300,13 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
             if (facing < GRID_EDGE_ON && facing > -GRID_EDGE_ON) continue;
             if (axis == 0) {
                 int const in = next >= 0 && next < s->grid->words_per_row;
-                uint64_t const next_set = in ? set_in_row(&here, next) : 0, next_kept = in ? kept_in_row(s, &here, next) : 0;
+                uint64_t const next_set = in ? set_in_row(&here, next) : 0;
+                uint64_t const next_kept = in ? kept_in_row(s, &here, next) : 0;
                 set = sign[0] > 0 ? set >> 1 | next_set << 63 : set << 1 | next_set >> 63;
                 kept = sign[0] > 0 ? kept >> 1 | next_kept << 63 : kept << 1 | next_kept >> 63;
             }
-            if ((word & ~kept) != 0) draw_faces_by_kind(w, axis, word & ~kept, word & ~kept & set, &here, i, j, k);
+            if ((word & ~kept) != 0)
+                draw_faces_by_kind(w, axis, word & ~kept, word & ~kept & set, &here, i, j, k);
         }
     }
 }
@@ -301,13 +326,17 @@ void bvxi_grid_scene_draw(const void *user, const bvxi_raster *raster, bvxi_rast
 {
     const bvxi_grid_scene *const s = user;
     face_work const w = {s, raster, rows};
-    int64_t const top = (int64_t)rows.begin << raster->fraction_bits, bottom = (int64_t)rows.end << raster->fraction_bits;
+    int64_t const top = (int64_t)rows.begin << raster->fraction_bits;
+    int64_t const bottom = (int64_t)rows.end << raster->fraction_bits;
     int32_t const size[3] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1], s->end[2] - s->begin[2]};
-    int64_t const along_x = (int64_t)(size[0] - 1) * s->step[0][1], along_y = (int64_t)(size[1] - 1) * s->step[1][1];
-    int64_t const row_low = top - s->high[1], row_high = bottom - s->low[1]; /* for the low corner of a voxel */
+    int64_t const along_x = (int64_t)(size[0] - 1) * s->step[0][1];
+    int64_t const along_y = (int64_t)(size[1] - 1) * s->step[1][1];
+    /* for the low corner of a voxel */
+    int64_t const row_low = top - s->high[1], row_high = bottom - s->low[1];
     int64_t const y_low = row_low - greater(along_x, 0), y_high = row_high - lesser(along_x, 0);
     int64_t const z_low = y_low - greater(along_y, 0), z_high = y_high - lesser(along_y, 0);
     int32_t k, k_end, j, j_end, i, i_end;
+
     clip_grid_range(s->base[1], s->step[2][1], z_low, z_high, size[2], &k, &k_end);
     for (; k < k_end; k++) {
         int64_t const slice = s->base[1] + k * s->step[2][1];

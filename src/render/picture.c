@@ -1,28 +1,40 @@
 /* picture.c - options of a picture, its buffers, and its two passes: draw, then shade.
  *
- * Both passes are cut into bands of pixel rows whose number follows from the picture's height. A band writes its own
- * rows only, so neither threads nor their order show. */
+ * Both passes are cut into bands of pixel rows whose number follows from the picture's height. A band writes
+ * its own rows only, so neither threads nor their order show. */
 #include "render/picture.h"
 
 #include <math.h>
 
 enum { PICTURE_SIDE = 16384 };
 
-static const bvx_render_options render_defaults = {
-    0, 1024, 768, {3.0, -4.0, 2.0}, {0.0, 0.0, 1.0}, {200, 196, 188, 0}, {255, 255, 255, 0}, 0, 2, 0, 0,
-    {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY}, {(double)INFINITY, (double)INFINITY, (double)INFINITY},
-    {0.0, 0.0}};
+static const bvx_render_options render_defaults = {0,
+                                                   1024,
+                                                   768,
+                                                   {3.0, -4.0, 2.0},
+                                                   {0.0, 0.0, 1.0},
+                                                   {200, 196, 188, 0},
+                                                   {255, 255, 255, 0},
+                                                   0,
+                                                   2,
+                                                   0,
+                                                   0,
+                                                   {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY},
+                                                   {(double)INFINITY, (double)INFINITY, (double)INFINITY},
+                                                   {0.0, 0.0}};
 
 void bvx_render_options_init(bvx_render_options *options, size_t size)
 {
     bvxi_give_options(options, size, &render_defaults, sizeof render_defaults);
 }
 
-static bvx_status check_picture_direction(bvx_context *ctx, const char *function, const char *name, const double v[3])
+static bvx_status check_picture_direction(bvx_context *ctx, const char *function, const char *name,
+                                          const double v[3])
 {
     for (int a = 0; a < 3; a++)
         if (v[a] - v[a] != 0.0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: %s has the part %g, which is not finite", function, name, v[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
+                                 "%s: %s has the part %g, which is not finite", function, name, v[a]);
     if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is 0, 0, 0 and points nowhere", function, name);
     return BVX_OK;
@@ -37,10 +49,11 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
     for (int a = 0; a < 2; a++)
         if (!(o->show[a] >= 0.0) || o->show[a] - o->show[a] != 0.0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: show is %g, %g; both must be 0 or more, and finite", function, o->show[0],
-                             o->show[1]);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: show is %g, %g; both must be 0 or more, and finite",
+                             function, o->show[0], o->show[1]);
     if (o->wireframe != 0 && o->wireframe != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: wireframe is %d, not 0 or 1", function, (int64_t)o->wireframe);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: wireframe is %d, not 0 or 1", function,
+                         (int64_t)o->wireframe);
     return BVX_OK;
 }
 
@@ -49,8 +62,8 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; a++)
         if (!(o->cut_low[a] <= o->cut_high[a]))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the cut from %g to %g along %s is no range", function, o->cut_low[a],
-                             o->cut_high[a], axis[a]);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the cut from %g to %g along %s is no range",
+                             function, o->cut_low[a], o->cut_high[a], axis[a]);
     return BVX_OK;
 }
 
@@ -77,7 +90,8 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
     *options = render_defaults;
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
     if (image->pixels != NULL && (image->width < 1 || image->height < 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image brings pixels, which are not used; zero it first", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image brings pixels, which are not used; zero it first",
+                         function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
     BVXI_TRY(check_picture_options(ctx, function, options));
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
@@ -111,6 +125,7 @@ static void draw_picture_band(void *user, int32_t index, int32_t worker)
 {
     const bvxi_picture *const p = ((const picture_work *)user)->picture;
     bvxi_raster_rows rows;
+
     (void)worker;
     picture_band(p, index, &rows.begin, &rows.end);
     rows.begin *= p->options.samples;
@@ -134,6 +149,7 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
     picture_work work = {p, NULL};
     bvxi_shade *shade = NULL;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
     BVXI_TRY(bvxi_parallel(ctx, "render", 0.2, 0.5, bands, draw_picture_band, &work));
@@ -150,6 +166,7 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     uint64_t const samples = (uint64_t)p->raster.width * (uint64_t)p->raster.height;
     bvx_image image = {NULL, p->options.width, p->options.height};
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
     status = draw_and_shade(ctx, p, samples);

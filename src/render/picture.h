@@ -7,7 +7,8 @@
 
 enum { BVXI_PICTURE_BAND = 16 /* rows of pixels drawn at once; times 4 samples it is BVXI_RASTER_BAND */ };
 
-/* What sample (x, y) shows, in the camera's axes: normals have length 1 and point towards the eye (z >= 0). */
+/* What sample (x, y) shows, in the camera's axes: normals have length 1 and point towards the eye (z >=
+ * 0). */
 typedef struct bvxi_seen {
     double normal[3];  /* for the light */
     double tangent[3]; /* square to the plane above which neighbours take ambient light away */
@@ -17,7 +18,8 @@ typedef struct bvxi_seen {
     uint64_t key;      /* what see was asked for last, so that neighbours cost less; 0: nothing yet */
 } bvxi_seen;
 
-typedef void bvxi_see_fn(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen);
+typedef void bvxi_see_fn(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
+                         bvxi_seen *seen);
 
 /* Draw rows of the raster. */
 typedef void bvxi_draw_fn(const void *user, const bvxi_raster *raster, bvxi_raster_rows rows);
@@ -30,12 +32,12 @@ typedef struct bvxi_picture {
     bvx_image image;
     bvxi_draw_fn *draw;
     bvxi_see_fn *see;
-    const void *model;    /* first argument of draw and see */
-    double roughness;     /* neighbours that rise less than this take no light [Units: samples] */
+    const void *model; /* first argument of draw and see */
+    double roughness;  /* neighbours that rise less than this take no light [Units: samples] */
 } bvxi_picture;
 
-/* Check options (direction, up, smooth and wireframe only when they are looked at) and image, and take the options over.
- * *options is complete: what is not given has its default. */
+/* Check options (direction, up, smooth and wireframe only when they are looked at) and image, and take the
+ * options over. *options is complete: what is not given has its default. */
 bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
                                 const bvx_image *image, int looked_at, bvx_render_options *options);
 

@@ -1,13 +1,15 @@
 /* raster.c - a convex polygon row by row, with a depth buffer.
  *
- * Idea: each edge walks down its rows and leaves the first sample at or right of it; between the two edges of a row lies
- * the span. The walk is exact: quotient and remainder of one division, then additions (Bresenham). */
+ * Idea: each edge walks down its rows and leaves the first sample at or right of it; between the two edges of
+ * a row lies the span. The walk is exact: quotient and remainder of one division, then additions
+ * (Bresenham). */
 #include "render/raster.h"
 
 #include "lattice/lattice.h"
 
 typedef struct raster_span {
-    int32_t left[BVXI_RASTER_BAND], right[BVXI_RASTER_BAND]; /* samples [left, right) of each row from the first */
+    /* samples [left, right) of each row from the first */
+    int32_t left[BVXI_RASTER_BAND], right[BVXI_RASTER_BAND];
 } raster_span;
 
 int32_t bvxi_raster_fraction_bits(int32_t side)
@@ -19,7 +21,8 @@ int32_t bvxi_raster_fraction_bits(int32_t side)
 
 void bvxi_raster_clear(const bvxi_raster *raster, bvxi_raster_rows rows)
 {
-    size_t const begin = (size_t)rows.begin * (size_t)raster->width, end = (size_t)rows.end * (size_t)raster->width;
+    size_t const begin = (size_t)rows.begin * (size_t)raster->width;
+    size_t const end = (size_t)rows.end * (size_t)raster->width;
     memset(raster->id + begin, 0, (end - begin) * sizeof *raster->id);
     for (size_t i = begin; i < end; i++) raster->depth[i] = BVXI_RASTER_FAR;
 }
@@ -37,9 +40,11 @@ static void raster_edge(raster_span *span, int32_t first, int32_t begin, int32_t
     int64_t const dx = (int64_t)b[0] - a[0], dy = (int64_t)b[1] - a[1];
     int64_t const half = INT64_C(1) << (bits - 1), unit = dy * ((int64_t)1 << bits);
     int64_t const y = ((int64_t)begin * 2 + 1) * half;
-    int64_t const n = (a[0] - half) * dy + dx * (y - a[1]) + unit - 1; /* first sample at or right of it: floor(n / unit) */
+    /* first sample at or right of it: floor(n / unit) */
+    int64_t const n = (a[0] - half) * dy + dx * (y - a[1]) + unit - 1;
     int64_t x = raster_floor_div(n, unit), rest = n - x * unit;
     int64_t step = 0, step_rest = 0;
+
     if (end - begin > 1) {
         step = raster_floor_div(dx, dy);
         step_rest = (dx - step * dy) * ((int64_t)1 << bits);
@@ -56,10 +61,12 @@ static void raster_edge(raster_span *span, int32_t first, int32_t begin, int32_t
     }
 }
 
-static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t right, const bvxi_raster_plane *p, uint32_t id)
+static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t right,
+                        const bvxi_raster_plane *p, uint32_t id)
 {
     size_t const at = (size_t)row * (size_t)r->width;
     double const z = p->z + p->dy * (row + 0.5 - p->y);
+
     for (int32_t x = left; x < right; x++) {
         double const exact = z + p->dx * (x + 0.5 - p->x);
         float const d = (float)(exact < p->low ? p->low : exact > p->high ? p->high : exact);
@@ -70,13 +77,14 @@ static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t
     }
 }
 
-void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const int32_t (*corner)[2], int32_t count,
-                         const bvxi_raster_plane *plane, uint32_t id)
+void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const int32_t (*corner)[2],
+                         int32_t count, const bvxi_raster_plane *plane, uint32_t id)
 {
     int32_t const bits = raster->fraction_bits;
     int32_t low[2] = {corner[0][0], corner[0][1]}, high[2] = {corner[0][0], corner[0][1]};
     raster_span span;
     int32_t begin, end;
+
     for (int32_t k = 1; k < count; k++)
         for (int32_t a = 0; a < 2; a++) {
             low[a] = corner[k][a] < low[a] ? corner[k][a] : low[a];
@@ -86,7 +94,8 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     end = bvxi_centres_below(high[1], bits);
     begin = begin < rows.begin ? rows.begin : begin;
     end = end > rows.end ? rows.end : end;
-    if (begin >= end || bvxi_centres_below(low[0], bits) >= bvxi_centres_below(high[0], bits)) return; /* between samples */
+    /* between samples */
+    if (begin >= end || bvxi_centres_below(low[0], bits) >= bvxi_centres_below(high[0], bits)) return;
     for (int32_t row = 0; row < end - begin; row++) {
         span.left[row] = INT32_MAX;
         span.right[row] = INT32_MIN;

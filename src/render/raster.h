@@ -1,7 +1,7 @@
 /* raster.h - convex polygons into samples with a depth each. Not installed.
  *
- * Bit budget. Corners are fixed-point numbers below 2^30 in magnitude (a picture of 2^16 samples has 13 bits below a
- * sample), so products of their differences stay below 2^62. */
+ * Bit budget. Corners are fixed-point numbers below 2^30 in magnitude (a picture of 2^16 samples has 13 bits
+ * below a sample), so products of their differences stay below 2^62. */
 #ifndef BVXI_RASTER_H
 #define BVXI_RASTER_H
 
@@ -36,9 +36,10 @@ int32_t bvxi_raster_fraction_bits(int32_t side);
 /* Make rows empty. */
 void bvxi_raster_clear(const bvxi_raster *raster, bvxi_raster_rows rows);
 
-/* Draw a convex polygon (x, y of each corner) into rows: where it is nearer than what is there, or there is nothing.
- * A sample on an edge belongs to the polygon right of it or below it, so neighbours neither overlap nor leave gaps. */
-void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const int32_t (*corner)[2], int32_t count,
-                         const bvxi_raster_plane *plane, uint32_t id);
+/* Draw a convex polygon (x, y of each corner) into rows: where it is nearer than
+ * what is there, or there is nothing. A sample on an edge belongs to the polygon
+ * right of it or below it, so neighbours neither overlap nor leave gaps. */
+void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const int32_t (*corner)[2],
+                         int32_t count, const bvxi_raster_plane *plane, uint32_t id);
 
 #endif

@@ -1,7 +1,7 @@
 /* render_grid.c - shaded pictures of voxel sets: bvx_render_grid, bvx_render_difference.
  *
- * The faces are drawn first (grid_faces.c); here is what each sample shows: the normal of the voxels around it or of the
- * face, the colour by whose voxel it is, the lines between voxels.
+ * The faces are drawn first (grid_faces.c); here is what each sample shows: the normal of the voxels around
+ * it or of the face, the colour by whose voxel it is, the lines between voxels.
  * Two sets cost no memory beyond that of one: their words are joined as they are read. */
 #include "render/grid_scene.h"
 #include "render/voxel_normal.h"
@@ -10,16 +10,19 @@
 #include <math.h>
 
 #define GRID_BALANCED 16.0 /* square of the sum of offsets in thin parts, where it tells no direction */
-#define GRID_BARE 0.84     /* light on faces that a cut laid bare, so that a section reads as one */
+#define GRID_BARE     0.84 /* light on faces that a cut laid bare, so that a section reads as one */
 
 static const uint8_t removed_colour[3] = {200, 60, 50}, added_colour[3] = {70, 160, 70};
-/* The voxel whose face on an axis a sample shows, and where on the face it lies (0 to 1 along the other axes). */
-static void voxel_of_sample(const bvxi_grid_scene *s, double depth, int axis, int32_t x, int32_t y, int32_t voxel[3],
-                            double part[3])
+/* The voxel whose face on an axis a sample shows, and where on the face it
+ * lies (0 to 1 along the other axes). */
+static void voxel_of_sample(const bvxi_grid_scene *s, double depth, int axis, int32_t x, int32_t y,
+                            int32_t voxel[3], double part[3])
 {
     const bvxi_camera *const c = &s->picture.camera;
     double const q[3] = {(x + 0.5 - c->half[0]) / c->scale + c->middle[0] - s->corner[0],
-                         (c->half[1] - y - 0.5) / c->scale + c->middle[1] - s->corner[1], depth / c->scale - s->corner[2]};
+                         (c->half[1] - y - 0.5) / c->scale + c->middle[1] - s->corner[1],
+                         depth / c->scale - s->corner[2]};
+
     for (int a = 0; a < 3; a++) {
         double const along = q[0] * c->axis[0][a] + q[1] * c->axis[1][a] + q[2] * c->axis[2][a];
         double const half_in = a != axis ? 0.0 : s->step_z[a] > 0.0 ? -0.5 : 0.5;
@@ -37,6 +40,7 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
     double const longest = bvxi_longest_spacing(spacing);
     double const relative[3] = {spacing[0] / longest, spacing[1] / longest, spacing[2] / longest};
     double world[3], length2;
+
     bvxi_voxel_normal(s->grid, s->also, relative, voxel[0], voxel[1], voxel[2], world);
     for (int a = 0; a < 3; a++) n[a] = bvxi_vec_dot(s->picture.camera.axis[a], world);
     if (n[2] < 0.0) n[2] = 0.0;
@@ -49,6 +53,7 @@ static double light_of_lines(const bvxi_grid_scene *s, int axis, const double pa
 {
     double const side = s->picture.options.samples, scale = s->picture.camera.scale;
     double ink = 0.0;
+
     for (int u = 0; u < 3; u++) { /* lines square to axis u lie along the third axis */
         if (u == axis) continue;
         const double *const across = s->edge[u], *const along = s->edge[3 - u - axis];
@@ -63,7 +68,8 @@ static double light_of_lines(const bvxi_grid_scene *s, int axis, const double pa
     return 1.0 - ink;
 }
 
-static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], const double face[3], bvxi_seen *seen)
+static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], const double face[3],
+                             bvxi_seen *seen)
 {
     double mix[3], length2;
     if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
@@ -73,16 +79,19 @@ static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], c
     for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
 }
 
-static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen)
+static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
+                     bvxi_seen *seen)
 {
     const bvxi_grid_scene *const s = user;
     int const axis = bvxi_face_axis(id), bare = bvxi_face_bare(id), member = bvxi_face_member(id);
     double const depth = (double)raster->depth[(size_t)y * (size_t)raster->width + (size_t)x];
-    const uint8_t *const colour = member == BVXI_FACE_FIRST ? removed_colour
-                                  : member == BVXI_FACE_SECOND ? added_colour : s->picture.options.colour;
+    const uint8_t *const colour = member == BVXI_FACE_FIRST    ? removed_colour
+                                  : member == BVXI_FACE_SECOND ? added_colour
+                                                               : s->picture.options.colour;
     double face[3], part[3];
     int32_t voxel[3];
     uint64_t row, key;
+
     voxel_of_sample(s, depth, axis, x, y, voxel, part);
     seen->light = s->picture.options.wireframe ? light_of_lines(s, axis, part) : 1.0;
     if (bare) seen->light *= GRID_BARE;
@@ -116,6 +125,7 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
 {
     static const char *const function = "bvx_render_grid";
     bvxi_grid_scene s;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
@@ -125,17 +135,21 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
     return render_grid_scene(context, &s, image);
 }
 
-bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options, bvx_image *image)
+bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options,
+                           bvx_image *image)
 {
     return BVXI_CALL(context, run_render_grid(context, grid, options, image));
 }
 
-static bvx_status check_same_place(bvx_context *ctx, const char *function, const bvx_grid *before, const bvx_grid *after)
+static bvx_status check_same_place(bvx_context *ctx, const char *function, const bvx_grid *before,
+                                   const bvx_grid *after)
 {
     if (!bvxi_lattice_equal(&before->lattice, &after->lattice))
         return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: before and after are on different lattices", function);
-    if (memcmp(before->low, after->low, sizeof before->low) != 0 || memcmp(before->size, after->size, sizeof before->size) != 0)
-        return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: before and after cover different windows of their lattice", function);
+    if (memcmp(before->low, after->low, sizeof before->low) != 0 ||
+        memcmp(before->size, after->size, sizeof before->size) != 0)
+        return bvxi_fail(ctx, BVX_ERR_LATTICE,
+                         "%s: before and after cover different windows of their lattice", function);
     return BVX_OK;
 }
 
@@ -144,6 +158,7 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
 {
     static const char *const function = "bvx_render_difference";
     bvxi_grid_scene s;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));

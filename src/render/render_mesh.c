@@ -1,9 +1,10 @@
 /* render_mesh.c - a shaded picture of a triangle mesh: bvx_render_mesh.
  *
- * Vertices are placed in the frame and snapped once, so triangles that share an edge share it in the picture too.
- * Triangles are sorted into bands of rows, bands are drawn apart with a depth buffer, and what each sample sees (the
- * number of its triangle) is shaded afterwards, once.
- * A cut clips triangles before they are snapped, anew wherever one is drawn: what is left of each fits on the stack. */
+ * Vertices are placed in the frame and snapped once, so triangles that share an edge share it in the picture
+ * too. Triangles are sorted into bands of rows, bands are drawn apart with a depth buffer, and what each
+ * sample sees (the number of its triangle) is shaded afterwards, once.
+ * A cut clips triangles before they are snapped, anew wherever one is drawn: what is left of each fits on the
+ * stack. */
 #include "mesh/facet.h"
 #include "render/mesh_scene.h"
 
@@ -27,6 +28,7 @@ static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_C
 {
     double p[3][3];
     int32_t n;
+
     scaled_corners(s, t, p);
     n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
     for (int32_t k = 0; k < n; k++) {
@@ -40,6 +42,7 @@ static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_C
 static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
 {
     const bvx_render_options *const o = &s->picture.options;
+
     for (int a = 0; a < 3; a++) {
         s->cut.low[a] = o->cut_low[a] * s->picture.camera.unit;
         s->cut.high[a] = o->cut_high[a] * s->picture.camera.unit;
@@ -59,6 +62,7 @@ static void extent_of_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     uint32_t c[3];
     double p[3], q[3];
+
     (void)worker;
     bvxi_piece(s->view->triangle_count, s->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
@@ -83,6 +87,7 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
     bvx_status status;
+
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
@@ -90,7 +95,8 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_free(ctx, s->extent, size);
     BVXI_TRY(status);
-    if (all.low[0] > all.high[0]) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
+    if (all.low[0] > all.high[0])
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
     bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
@@ -112,6 +118,7 @@ static void place_piece(void *user, int32_t index, int32_t worker)
     const bvxi_raster *const r = &s->picture.raster;
     uint64_t begin, end;
     double p[3], q[3], at[3];
+
     (void)worker;
     bvxi_piece(s->view->vertex_count, s->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
@@ -127,7 +134,8 @@ static void place_piece(void *user, int32_t index, int32_t worker)
 static bvx_status place_vertices(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     if (s->cut.on) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex, "the picture's vertices", &s->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex,
+                        "the picture's vertices", &s->vertex));
     s->pieces = bvxi_piece_count(s->view->vertex_count, SCENE_GRAIN);
     return bvxi_parallel(ctx, "render", 0.05, 0.1, s->pieces, place_piece, s);
 }
@@ -138,6 +146,7 @@ static bvx_status place_vertices(bvx_context *ctx, bvxi_mesh_scene *s)
 void bvxi_mesh_scene_corners(const bvxi_mesh_scene *s, uint32_t t, uint32_t c[3], double p[3][3])
 {
     double const part = 1.0 / (double)((int64_t)1 << s->picture.raster.fraction_bits);
+
     bvxi_view_triangle(s->view, t, c);
     for (int k = 0; k < 3 && s->cut.on; k++) { /* corners that are cut off have no place in the frame */
         double at[3], q[3];
@@ -161,6 +170,7 @@ static int32_t place_cut_triangle(const bvxi_mesh_scene *s, uint32_t t, int32_t 
     const bvxi_raster *const r = &s->picture.raster;
     double q[BVXI_CUT_MOST][3], at[3];
     int32_t const n = cut_corners(s, t, q);
+
     for (int32_t k = 0; k < n; k++) {
         bvxi_camera_place(&s->picture.camera, q[k], at);
         corner[k][0] = snap_in_frame(at[0], r->width, r->fraction_bits);
@@ -179,10 +189,12 @@ static int32_t place_cut_triangle(const bvxi_mesh_scene *s, uint32_t t, int32_t 
 static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32_t *last)
 {
     const bvxi_mesh_scene *const s = user;
-    int32_t const bits = s->picture.raster.fraction_bits, rows = BVXI_PICTURE_BAND * s->picture.options.samples;
+    int32_t const bits = s->picture.raster.fraction_bits;
+    int32_t const rows = BVXI_PICTURE_BAND * s->picture.options.samples;
     int32_t const bottom = s->picture.raster.height - 1;
     uint32_t c[3];
     int32_t low = INT32_MAX, high = 0;
+
     if (s->cut.on) {
         int32_t corner[BVXI_CUT_MOST][2];
         bvxi_raster_plane plane;
@@ -207,12 +219,14 @@ static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32
     return 1;
 }
 
-static void draw_scene_triangle(const bvxi_mesh_scene *s, const bvxi_raster *raster, bvxi_raster_rows rows, uint32_t t)
+static void draw_scene_triangle(const bvxi_mesh_scene *s, const bvxi_raster *raster, bvxi_raster_rows rows,
+                                uint32_t t)
 {
     uint32_t c[3];
     double p[3][3], n[3];
     int32_t corner[BVXI_CUT_MOST][2];
     bvxi_raster_plane plane;
+
     bvxi_mesh_scene_corners(s, t, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     if (n[2] == 0.0) return; /* seen along its edge: covers no sample */
@@ -252,6 +266,7 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
 static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
+
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));

@@ -1,21 +1,26 @@
 /* render_slices.c - a sheet of slices through a voxel set: bvx_render_slices.
  *
- * All slices show the same rectangle of voxels, the box of the set, and take the same whole number of pixels, so they can
- * be compared. Everything on the sheet is placed in integers. Along a direction that has a pixel or more for each voxel a
- * pixel shows one voxel; where voxels are smaller it shows the share of them that is set, by exact areas, and at least a
- * quarter of the colour where any is, so that thin walls do not vanish. */
+ * All slices show the same rectangle of voxels, the box of the set, and take the same whole number of pixels,
+ * so they can be compared. Everything on the sheet is placed in integers. Along a direction that has a pixel
+ * or more for each voxel a pixel shows one voxel; where voxels are smaller it shows the share of them that is
+ * set, by exact areas, and at least a quarter of the colour where any is, so that thin walls do not
+ * vanish. */
 #include "render/grid_scene.h"
 
 #include <math.h>
 
-enum { SLICES_MOST = 1024, SLICES_GRAIN = 4096 /* rows a piece, at least */, SLICES_LEAST = 4 /* one part in it shows */ };
+enum {
+    SLICES_MOST = 1024,
+    SLICES_GRAIN = 4096 /* rows a piece, at least */,
+    SLICES_LEAST = 4 /* one part in it shows */
+};
 
 /* A direction on the sheet: voxels shown, and pixels for them. */
 typedef struct sheet_side {
-    int32_t axis;            /* of the grid */
+    int32_t axis; /* of the grid */
     int32_t begin, voxels;
-    int32_t pixels;          /* of a slice */
-    int32_t cells, length;   /* on the sheet; pixels of the whole sheet */
+    int32_t pixels;        /* of a slice */
+    int32_t cells, length; /* on the sheet; pixels of the whole sheet */
 } sheet_side;
 
 typedef struct slice_sheet {
@@ -39,12 +44,14 @@ static void box_of_piece(void *user, int32_t index, int32_t worker)
     const bvx_grid *const g = s->grid;
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         int32_t first[3], last[3];
         bvxi_kept_row(s->begin, s->end, row, &first[1], &first[2]);
-        size_t const at = ((size_t)first[2] * (size_t)g->size[1] + (size_t)first[1]) * (size_t)g->words_per_row;
+        size_t const at = ((size_t)first[2] * (size_t)g->size[1] + (size_t)first[1]) *
+                          (size_t)g->words_per_row;
         if (!bvxi_row_span(g->words + at, g->words + at, s->begin, s->end, &first[0], &last[0])) continue;
         last[1] = first[1];
         last[2] = first[2];
@@ -62,9 +69,11 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
     uint64_t size;
     bvx_status status;
+
     bvxi_grid_cut(s->grid, s->options.cut_low, s->options.cut_high, s->begin, s->end);
     for (int a = 0; a < 3; a++)
-        if (s->begin[a] == s->end[a]) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->function);
+        if (s->begin[a] == s->end[a])
+            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), SLICES_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->box;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the sheet's boxes", &s->box));
@@ -76,7 +85,8 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
         }
     bvxi_free(ctx, s->box, size);
     BVXI_TRY(status);
-    if (high[0] < 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set in what is shown", s->function);
+    if (high[0] < 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set in what is shown", s->function);
     for (int a = 0; a < 3; a++) {
         s->begin[a] = low[a];
         s->end[a] = high[a] + 1;
@@ -102,7 +112,8 @@ static int32_t room_in_cell(int32_t length, int32_t cells)
 static double scale_of_columns(const slice_sheet *s, int32_t columns, double w, double h)
 {
     int32_t const rows = (s->count + columns - 1) / columns;
-    double const across = room_in_cell(s->options.width, columns) / w, upwards = room_in_cell(s->options.height, rows) / h;
+    double const across = room_in_cell(s->options.width, columns) / w;
+    double const upwards = room_in_cell(s->options.height, rows) / h;
     return across < upwards ? across : upwards;
 }
 
@@ -112,13 +123,14 @@ static int32_t slice_pixels(double size, double scale, int32_t room)
     return n < 1.0 ? 1 : n > room ? room : (int32_t)n;
 }
 
-/* The number of columns that shows slices largest; the fewest where several do. Sizes are divided by the larger one: they
- * may lie anywhere in what doubles hold. */
+/* The number of columns that shows slices largest; the fewest where several do. Sizes are divided by the
+ * larger one: they may lie anywhere in what doubles hold. */
 static void lay_out_sheet(slice_sheet *s)
 {
     const double *const spacing = s->grid->lattice.spacing;
     double const longest = bvxi_longest_spacing(spacing);
     double best = 0.0, w, h;
+
     s->right.axis = s->axis == 0 ? 1 : 0;
     s->up.axis = s->axis == 2 ? 1 : 2;
     for (int side = 0; side < 2; side++) {
@@ -144,7 +156,8 @@ static void lay_out_sheet(slice_sheet *s)
 
 /* ---- pixels ---- */
 
-/* Voxels [*begin, *end) that a pixel shows, and the shares of the first and the last one; whole is that of those between.
+/* Voxels [*begin, *end) that a pixel shows, and the shares of the first and the last one; whole is that of
+ * those between.
  * In units where the slice is voxels * pixels long, a pixel is as long as there are voxels. */
 typedef struct pixel_span {
     int32_t begin, end;
@@ -155,6 +168,7 @@ static pixel_span span_of_pixel(const sheet_side *side, int32_t pixel)
 {
     int64_t const low = (int64_t)pixel * side->voxels, high = low + side->voxels, voxel = side->pixels;
     pixel_span s = {(int32_t)(low / voxel), (int32_t)((high + voxel - 1) / voxel), side->voxels, 0, voxel};
+
     if (side->pixels >= side->voxels) s.begin = s.end - 1; /* the voxel in which its end lies */
     else {
         s.first = (s.begin + 1) * voxel - low;
@@ -179,6 +193,7 @@ static int64_t slice_bit(const uint64_t *row, int32_t x)
 static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
 {
     int64_t count = 0;
+
     for (int32_t x = begin; x < end;) {
         int32_t const next = (x & ~63) + 64 < end ? (x & ~63) + 64 : end;
         uint64_t const mask = (next & 63) != 0 ? bvxi_tail_mask(next) : ~UINT64_C(0);
@@ -193,6 +208,7 @@ static int64_t sum_along_right(const slice_sheet *s, const pixel_span *p, int32_
 {
     const bvx_grid *const g = s->grid;
     int64_t sum = 0;
+
     if (s->axis == 0) { /* rows run into the sheet */
         for (int32_t u = p->begin; u < p->end; u++) {
             int64_t const share = u == p->begin ? p->first : u == p->end - 1 ? p->last : p->whole;
@@ -203,13 +219,16 @@ static int64_t sum_along_right(const slice_sheet *s, const pixel_span *p, int32_
     const uint64_t *const row = s->axis == 1 ? slice_row(g, slice, v) : slice_row(g, v, slice);
     sum = p->first * slice_bit(row, p->begin);
     if (p->end - p->begin == 1) return sum;
-    return sum + p->whole * count_slice_run(row, p->begin + 1, p->end - 1) + p->last * slice_bit(row, p->end - 1);
+    return sum + p->whole * count_slice_run(row, p->begin + 1, p->end - 1) +
+           p->last * slice_bit(row, p->end - 1);
 }
 
-static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, const pixel_span *up, int32_t slice, uint8_t *pixel)
+static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, const pixel_span *up,
+                             int32_t slice, uint8_t *pixel)
 {
     int64_t const all = (int64_t)s->right.voxels * s->up.voxels; /* below 2^50 */
     int64_t sum = 0;
+
     for (int32_t v = up->begin; v < up->end; v++) {
         int64_t const share = v == up->begin ? up->first : v == up->end - 1 ? up->last : up->whole;
         sum += share * sum_along_right(s, right, slice, v);
@@ -217,13 +236,15 @@ static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, cons
     if (sum == 0) return;
     if (sum < all / SLICES_LEAST) sum = all / SLICES_LEAST;
     for (int a = 0; a < 3; a++)
-        pixel[a] = (uint8_t)((s->options.background[a] * (all - sum) + s->options.colour[a] * sum + all / 2) / all);
+        pixel[a] = (uint8_t)((s->options.background[a] * (all - sum) + s->options.colour[a] * sum + all / 2) /
+                             all);
 }
 
 /* Pixel row y of the slices that a row of cells shows. */
 static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 {
     int32_t cell = 0, inside;
+
     while (cell + 1 < s->up.cells && cell_begin(&s->up, cell + 1) <= y) cell++;
     inside = y - cell_begin(&s->up, cell);
     inside -= (cell_begin(&s->up, cell + 1) - cell_begin(&s->up, cell) + (cell > 0) - s->up.pixels) / 2;
@@ -234,7 +255,8 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
         int64_t const length = s->end[s->axis] - s->begin[s->axis];
         pixel_span up;
         if (number >= s->count || inside < 0 || inside >= s->up.pixels) continue;
-        int32_t const slice = s->begin[s->axis] + (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
+        int32_t const slice = s->begin[s->axis] +
+                              (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
         up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
         for (int32_t x = 0; x < s->right.pixels && left + x < s->right.length; x++) {
             pixel_span const right = span_of_pixel(&s->right, x);
@@ -247,7 +269,8 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 static int is_sheet_line(const sheet_side *side, int32_t at)
 {
     int64_t const cell = ((int64_t)at * side->cells + side->cells - 1) / side->length;
-    return side->length / side->cells >= 4 && cell > 0 && cell < side->cells && cell_begin(side, (int32_t)cell) == at;
+    return side->length / side->cells >= 4 && cell > 0 && cell < side->cells &&
+           cell_begin(side, (int32_t)cell) == at;
 }
 
 static void draw_sheet_band(void *user, int32_t index, int32_t worker)
@@ -255,12 +278,14 @@ static void draw_sheet_band(void *user, int32_t index, int32_t worker)
     const slice_sheet *const s = user;
     int32_t const begin = index * BVXI_PICTURE_BAND, height = s->image.height;
     int32_t const end = begin + BVXI_PICTURE_BAND < height ? begin + BVXI_PICTURE_BAND : height;
+
     (void)worker;
     for (int32_t y = begin; y < end; y++) {
         uint8_t *const row = s->image.pixels + (size_t)y * (size_t)s->image.width * 3;
         int const across = is_sheet_line(&s->up, y);
         for (int32_t x = 0; x < s->image.width; x++)
-            memcpy(row + (size_t)x * 3, across || is_sheet_line(&s->right, x) ? s->line : s->options.background, 3);
+            memcpy(row + (size_t)x * 3,
+                   across || is_sheet_line(&s->right, x) ? s->line : s->options.background, 3);
         draw_sheet_row(s, y, row);
     }
 }
@@ -270,6 +295,7 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
     uint64_t const size = (uint64_t)s->options.width * (uint64_t)s->options.height * 3;
     int32_t const bands = (s->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;
@@ -283,6 +309,7 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
 {
     static const char *const function = "bvx_render_slices";
     slice_sheet s;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));
@@ -290,8 +317,8 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
     if (axis < 0 || axis > 2)
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: axis is %d, not 0, 1 or 2", function, (int64_t)axis);
     if (count < 1 || count > SLICES_MOST)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: %d slices are outside 1 to %d", function, (int64_t)count,
-                         (int64_t)SLICES_MOST);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: %d slices are outside 1 to %d", function,
+                         (int64_t)count, (int64_t)SLICES_MOST);
     s.grid = grid;
     s.function = function;
     s.axis = axis;

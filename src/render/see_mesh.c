@@ -1,11 +1,13 @@
 /* see_mesh.c - what a sample of a drawn mesh shows: the normal there, the colour, the lines along edges.
  *
- * Normals and colours of the corners are blended by areas in the frame, which is exact as rays are parallel. */
+ * Normals and colours of the corners are blended by areas in the frame, which is exact as rays are
+ * parallel. */
 #include "mesh/facet.h"
 #include "render/mesh_scene.h"
 #include "render/wire.h"
 
-#define SCENE_SHARP 0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */
+#define SCENE_SHARP \
+    0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */
 
 /* ---- normals ---- */
 
@@ -22,7 +24,9 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     double p[3][3], n[3];
     uint32_t c[3];
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
+
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
     for (uint64_t t = 0; t < s->view->triangle_count; t++) {
         bvxi_mesh_scene_corners(s, (uint32_t)t, c, p);
         bvxi_facet_normal((const double(*)[3])p, n);
@@ -32,20 +36,21 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
     return BVX_OK;
 }
 
-/* Twice the area of the triangle that the edge across from corner k makes with a sample, in the frame; it has the
- * sign of the whole where the sample lies inside. */
+/* Twice the area of the triangle that the edge across from corner k makes with a sample, in the frame; it has
+ * the sign of the whole where the sample lies inside. */
 static double area_across(const double p[3][3], int k, double x, double y)
 {
     const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];
     return (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y);
 }
 
-/* Blend the corners' normals by the areas across from them into n. flat is the facet's own, which stands in where a
- * corner's mean is far from it, so sharp edges stay sharp. */
-static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], const double p[3][3], double x, double y,
-                                 const double flat[3], double n[3])
+/* Blend the corners' normals by the areas across from them into n. flat is the facet's own, which stands in
+ * where a corner's mean is far from it, so sharp edges stay sharp. */
+static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], const double p[3][3],
+                                 double x, double y, const double flat[3], double n[3])
 {
     double blend[3] = {0.0, 0.0, 0.0}, whole = 0.0;
+
     for (int k = 0; k < 3; k++) {
         double const area = area_across(p, k, x, y);
         double m[3];
@@ -60,10 +65,11 @@ static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], 
 }
 
 /* Blend the corners' colours like their normals. Samples on the border may lie outside by the snapping. */
-static void blend_vertex_colours(const bvxi_mesh_scene *s, const uint32_t c[3], const double p[3][3], double x, double y,
-                                 double colour[3])
+static void blend_vertex_colours(const bvxi_mesh_scene *s, const uint32_t c[3], const double p[3][3],
+                                 double x, double y, double colour[3])
 {
     double share[3], whole = 0.0, sum = 0.0;
+
     for (int k = 0; k < 3; k++) {
         share[k] = area_across(p, k, x, y);
         whole += share[k];
@@ -74,7 +80,8 @@ static void blend_vertex_colours(const bvxi_mesh_scene *s, const uint32_t c[3], 
     }
     for (int a = 0; a < 3; a++) {
         colour[a] = 0.0;
-        for (int k = 0; k < 3; k++) colour[a] += s->view->colours[(size_t)c[k] * 4 + (size_t)a] * (share[k] / sum);
+        for (int k = 0; k < 3; k++)
+            colour[a] += s->view->colours[(size_t)c[k] * 4 + (size_t)a] * (share[k] / sum);
     }
 }
 
@@ -83,6 +90,7 @@ static double light_of_wires(const bvxi_mesh_scene *s, const double p[3][3], dou
 {
     double const side = s->picture.options.samples;
     double whole = 0.0, area[3], ink = 0.0;
+
     for (int k = 0; k < 3; k++) {
         area[k] = area_across(p, k, x, y);
         whole += area[k];
@@ -98,22 +106,28 @@ static double light_of_wires(const bvxi_mesh_scene *s, const double p[3][3], dou
     return 1.0 - ink;
 }
 
-void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y, bvxi_seen *seen)
+void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
+                         bvxi_seen *seen)
 {
     const bvxi_mesh_scene *const s = user;
     uint32_t c[3];
     double p[3][3], n[3];
+
     (void)raster;
-    if (s->normal == NULL && s->view->colours == NULL && !s->picture.options.wireframe && seen->key == id) return;
+    if (s->normal == NULL && s->view->colours == NULL && !s->picture.options.wireframe && seen->key == id)
+        return;
     seen->key = id;
     bvxi_mesh_scene_corners(s, id - 1, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     scene_unit(n);
     memcpy(seen->normal, n, sizeof n);
-    if (s->normal != NULL) blend_vertex_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);
+    if (s->normal != NULL)
+        blend_vertex_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);
     for (int a = 0; a < 3; a++) seen->colour[a] = s->picture.options.colour[a];
-    if (s->view->colours != NULL) blend_vertex_colours(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), seen->colour);
-    seen->light = s->picture.options.wireframe ? light_of_wires(s, (const double(*)[3])p, x + 0.5, -(y + 0.5)) : 1.0;
+    if (s->view->colours != NULL)
+        blend_vertex_colours(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), seen->colour);
+    seen->light = s->picture.options.wireframe ? light_of_wires(s, (const double(*)[3])p, x + 0.5, -(y + 0.5))
+                                               : 1.0;
     seen->inside = n[2] < 0.0;
     for (int a = 0; a < 3; a++) {
         seen->tangent[a] = seen->inside ? -n[a] : n[a];

@@ -1,10 +1,12 @@
-/* shade.c - drawn samples to pixels: one light near the eye, ambient light from the depths around, a thin outline.
+/* shade.c - drawn samples to pixels: one light near the eye, ambient light from the depths around, a thin
+ * outline.
  *
- * Ambient light: from a sample, rays go out over the picture in evenly spread directions; what rises highest above the
- * sample's tangent plane along a ray takes away the light from there, the less the farther it is (screen-space
- * ambient occlusion). The samples of a pixel share out the directions, so a pixel sees all of them.
- * Source of the idea: Bavoil, Sainz, Dimitrov. Image-space Horizon-based Ambient Occlusion. 2008. Ours needs no angles:
- * the sine of the elevation is normal . ray / length, and the greatest one is found from squares.
+ * Ambient light: from a sample, rays go out over the picture in evenly spread directions; what rises highest
+ * above the sample's tangent plane along a ray takes away the light from there, the less the farther it is
+ * (screen-space ambient occlusion). The samples of a pixel share out the directions, so a pixel sees all of
+ * them.
+ * Source of the idea: Bavoil, Sainz, Dimitrov. Image-space Horizon-based Ambient Occlusion. 2008. Ours needs
+ * no angles: the sine of the elevation is normal . ray / length, and the greatest one is found from squares.
  * Outline: a sample beside one that lies far behind its tangent plane, or beside nothing, is darkened.
  * Insides (triangles seen from behind) get a reddish colour, so that holes and flipped triangles show. */
 #include "render/picture.h"
@@ -13,10 +15,11 @@
 
 enum { SHADE_ROUND = 48, SHADE_STEPS = 4, SHADE_MOST_TAPS = 12 * SHADE_STEPS };
 
-#define SHADE_REACH 0.16      /* how far occlusion looks, of the picture's shorter side */
+#define SHADE_REACH      0.16 /* how far occlusion looks, of the picture's shorter side */
 #define SHADE_LEAST_RISE 0.04 /* sines below it come from rounding and from facets of smooth shapes */
-#define SHADE_WRAP 0.15       /* how far light reaches round the edge of the lit side: shapes show in the shadow too */
-#define SHADE_JUMP 0.012      /* depth behind the tangent plane that makes an outline, of the shorter side */
+#define SHADE_WRAP \
+    0.15 /* how far light reaches round the edge of the lit side: shapes show in the shadow too */
+#define SHADE_JUMP 0.012 /* depth behind the tangent plane that makes an outline, of the shorter side */
 
 static const double shade_light[3] = {-0.34, 0.46, 0.82};
 static const double shade_inside[3] = {1.0, 0.74, 0.64}; /* times the colour */
@@ -28,12 +31,13 @@ typedef struct shade_tap {
 
 struct bvxi_shade {
     const bvxi_picture *picture;
-    int32_t directions;                       /* of each of a pixel's samples */
-    double reach2;                            /* square of the reach [Units: samples^2] */
-    double jump;                              /* [Units: samples] */
+    int32_t directions; /* of each of a pixel's samples */
+    double reach2;      /* square of the reach [Units: samples^2] */
+    double jump;        /* [Units: samples] */
     double light[3];
-    int32_t reach;                            /* no tap is farther away along a side [Units: samples] */
-    shade_tap tap[16][SHADE_MOST_TAPS];       /* of each of a pixel's samples: directions, each with its steps */
+    int32_t reach; /* no tap is farther away along a side [Units: samples] */
+    /* of each of a pixel's samples: directions, each with its steps */
+    shade_tap tap[16][SHADE_MOST_TAPS];
 };
 
 /* ---- which places are looked at ---- */
@@ -42,6 +46,7 @@ struct bvxi_shade {
 static void shade_circle(double circle[SHADE_ROUND][2])
 {
     double c = 0.5, s = sqrt(0.75);
+
     for (int k = 0; k < 3; k++) {
         double const half = sqrt((1.0 + c) * 0.5);
         s = s / (2.0 * half);
@@ -64,6 +69,7 @@ static int32_t shade_offset(double v)
 static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
 {
     double circle[SHADE_ROUND][2];
+
     shade_circle(circle);
     for (int32_t p = 0; p < patterns; p++) {
         double const phase = ((double)p + 0.5) / (double)patterns;
@@ -90,6 +96,7 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     double const side = (double)(r->width < r->height ? r->width : r->height);
     double const length = sqrt(bvxi_vec_dot(shade_light, shade_light));
     bvxi_shade *s;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *s, "the picture's shading", &s));
     s->picture = picture;
     s->directions = directions[picture->options.samples];
@@ -118,12 +125,14 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
     int const inner = x >= s->reach && y >= s->reach && x < r->width - s->reach && y < r->height - s->reach;
     double sum = 0.0;
+
     for (int32_t d = 0; d < s->directions; d++, ray += SHADE_STEPS) {
         double most = 0.0;
         for (int32_t k = 0; k < SHADE_STEPS; k++) {
             const shade_tap *const tap = ray + k;
             int32_t const tx = x + tap->dx, ty = y + tap->dy;
-            if (!inner && (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height)) break; /* so are the steps behind it */
+            /* so are the steps behind it */
+            if (!inner && (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height)) break;
             double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
             double const rise = n[0] * tap->x - n[1] * tap->y + n[2] * dz - roughness;
             if (rise > 0.0) {
@@ -147,6 +156,7 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     int32_t const away = s->picture->options.samples;
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
     double const steep = n[2] > 0.1 ? n[2] : 0.1;
+
     for (int k = 0; k < 4; k++) {
         int32_t const dx = side[k][0] * away, dy = side[k][1] * away;
         if (x + dx < 0 || y + dy < 0 || x + dx >= r->width || y + dy >= r->height) continue;
@@ -156,7 +166,8 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     return 0;
 }
 
-static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern, const bvxi_seen *seen)
+static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t pattern,
+                             const bvxi_seen *seen)
 {
     double const open = 1.0 - shade_occlusion(s, x, y, pattern, seen->tangent);
     double const facing = (bvxi_vec_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
@@ -178,6 +189,7 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
     const bvxi_raster *const r = &p->raster;
     int32_t const side = p->options.samples;
     double sum[3] = {0.0, 0.0, 0.0};
+
     for (int32_t k = 0; k < side * side; k++) {
         int32_t const x = px * side + k % side, y = py * side + k / side;
         uint32_t const id = r->id[(size_t)y * (size_t)r->width + (size_t)x];
@@ -188,7 +200,8 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
         bvxi_seen *const here = seen + k / side; /* a row of samples goes from neighbour to neighbour */
         p->see(p->model, r, id, x, y, here);
         double const strength = shade_strength(s, x, y, k, here) * here->light;
-        for (int a = 0; a < 3; a++) sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
+        for (int a = 0; a < 3; a++)
+            sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }
     for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
 }
@@ -200,5 +213,6 @@ void bvxi_shade_rows(const bvxi_shade *shade, int32_t begin, int32_t end)
     memset(seen, 0, sizeof seen);
     for (int32_t y = begin; y < end; y++)
         for (int32_t x = 0; x < image->width; x++)
-            shade_pixel(shade, x, y, seen, image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
+            shade_pixel(shade, x, y, seen,
+                        image->pixels + ((size_t)y * (size_t)image->width + (size_t)x) * 3);
 }

@@ -1,7 +1,7 @@
 /* triangle_bins.c - triangles sorted into bands by counting.
  *
- * Pieces of triangles count how many reach each band, prefix sums give each piece its places, and the pieces fill them
- * in. A band has its triangles in ascending order, so the result depends on no thread. */
+ * Pieces of triangles count how many reach each band, prefix sums give each piece its places, and the pieces
+ * fill them in. A band has its triangles in ascending order, so the result depends on no thread. */
 #include "render/triangle_bins.h"
 
 enum { BINS_GRAIN = 16384 /* triangles a piece, at least */, BINS_PIECES = 64 };
@@ -20,6 +20,7 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     uint64_t *const place = w->place + (size_t)index * (size_t)w->bins->bands;
     uint64_t begin, end;
     int32_t first, last;
+
     bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
@@ -45,6 +46,7 @@ static void fill_bins_piece(void *user, int32_t index, int32_t worker)
 static void place_bins(const bins_work *w)
 {
     uint64_t sum = 0;
+
     for (int32_t b = 0; b < w->bins->bands; b++) {
         w->bins->begin[b] = sum;
         for (int32_t p = 0; p < w->pieces; p++) {
@@ -58,12 +60,13 @@ static void place_bins(const bins_work *w)
     w->bins->total = sum;
 }
 
-bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, int32_t bands, bvxi_bands_fn *reach,
-                                   const void *user, bvxi_triangle_bins *bins)
+bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, int32_t bands,
+                                   bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
 {
     bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
     uint64_t places;
     bvx_status status;
+
     w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
     places = (uint64_t)w.pieces * (uint64_t)bands;
     bins->bands = bands;

@@ -1,9 +1,11 @@
-/* arcs.c - the loops of a section cut at the grid's lines: crossings, the arcs between them by cell, the grid points inside.
+/* arcs.c - the loops of a section cut at the grid's lines: crossings, the arcs between them by cell, the grid
+ * points inside.
  *
- * A loop is walked once; along a segment the next line to cross is found by the exact order of two crossings. Each crossing of a
- * line of one v turns the grid points beyond it on that line; the bits inside are the running parity of a row. How many crossings
- * there will be is counted before, so all planes share arrays and none grows. Arcs are put into the order of the cells, by counting
- * columns, then rows: cells that are gone through in that order find theirs one behind the other. */
+ * A loop is walked once; along a segment the next line to cross is found by the exact order of two crossings.
+ * Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside are the
+ * running parity of a row. How many crossings there will be is counted before, so all planes share arrays and
+ * none grows. Arcs are put into the order of the cells, by counting columns, then rows: cells that are gone
+ * through in that order find theirs one behind the other. */
 #include "section/section.h"
 
 /* ---- crossings ---- */
@@ -12,6 +14,7 @@
 static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
 {
     bvxi_line_cut *larger = NULL;
+
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *larger, "the crossings of a section", &larger));
     if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
     if (p->owns_cuts) bvxi_free(s->ctx, p->cut, p->cut_room * sizeof *larger);
@@ -21,13 +24,16 @@ static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
     return BVX_OK;
 }
 
-static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
+static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
+                              uint32_t *number)
 {
     bvxi_line_cut *c;
+
     if (p->cut_count == p->cut_room) {
         uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
-        if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times", s->function,
-                                               (uint64_t)p->section);
+        if (room > INT32_MAX)
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times",
+                             s->function, (uint64_t)p->section);
         BVXI_TRY(own_cuts(s, p, (uint32_t)room));
     }
     *number = p->cut_count++;
@@ -40,7 +46,8 @@ static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
 }
 
 /* Crossings of a nesting level are its section's: one ring holds them all. */
-bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line, uint32_t *number)
+bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
+                              uint32_t *number)
 {
     bvxi_plane *const whole = p->whole;
 
@@ -80,9 +87,9 @@ typedef struct arc_walk {
     bvxi_plane *p;
     const bvxi_arc_scratch *out;
     int32_t cell[2];
-    uint32_t last;          /* the cut before, or none yet in this loop */
-    uint32_t point, count;  /* points since */
-    bvxi_arc head;          /* what lies before the loop's first cut */
+    uint32_t last;         /* the cut before, or none yet in this loop */
+    uint32_t point, count; /* points since */
+    bvxi_arc head;         /* what lies before the loop's first cut */
 } arc_walk;
 
 static void add_arc(arc_walk *w, uint32_t from, uint32_t to, uint32_t point, uint32_t count)
@@ -108,6 +115,7 @@ static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
     int32_t const index = w->cell[axis] + up;
     uint32_t const cut = w->p->cut_count++;
     bvxi_line_cut *const c = &w->p->cut[cut];
+
     c->segment = segment;
     c->axis = axis;
     c->line = (int32_t)((uint32_t)index << w->s->fine);
@@ -130,6 +138,7 @@ static void walk_segment(arc_walk *w, uint32_t i)
     const int32_t *const a = w->p->q[i], *const b = w->p->q[w->p->next[i]];
     int const up[2] = {b[0] > a[0], b[1] > a[1]};
     int32_t left[2]; /* lines still to cross */
+
     for (int k = 0; k < 2; k++) {
         int32_t const d = (b[k] >> w->s->fine) - w->cell[k];
         left[k] = d < 0 ? -d : d;
@@ -137,7 +146,8 @@ static void walk_segment(arc_walk *w, uint32_t i)
     while (left[0] != 0 || left[1] != 0) {
         int axis = left[0] == 0;
         if (left[0] != 0 && left[1] != 0)
-            axis = !bvxi_x_first(a, b, (w->cell[0] + up[0]) << w->s->fine, (w->cell[1] + up[1]) << w->s->fine);
+            axis = !bvxi_x_first(a, b, (w->cell[0] + up[0]) << w->s->fine,
+                                 (w->cell[1] + up[1]) << w->s->fine);
         cross_grid_line(w, i, axis, up[axis]);
         left[axis]--;
     }
@@ -146,6 +156,7 @@ static void walk_segment(arc_walk *w, uint32_t i)
 static void walk_loop(arc_walk *w, const bvxi_contour *c)
 {
     const bvxi_plane *const p = w->p;
+
     w->last = BVXI_NONE;
     w->count = 0;
     w->cell[0] = p->q[c->first][0] >> w->s->fine;
@@ -161,9 +172,11 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
 /* ---- arcs by cell ---- */
 
 /* A stable sort of numbers by sixteen bits of their cell; from NULL stands for 0, 1, 2... */
-static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size, const uint32_t *from, uint32_t *to)
+static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size,
+                     const uint32_t *from, uint32_t *to)
 {
     uint32_t sum = 0;
+
     memset(x->start, 0, (size_t)size * 4);
     for (uint32_t i = 0; i < p->arc_count; i++) x->start[x->cell[i] >> shift & 0xffff]++;
     for (int32_t i = 0; i < size; i++) {
@@ -199,6 +212,7 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 {
     uint32_t sides = 0;
     int asks = 0;
+
     for (uint32_t i = 0; i < p->arc_count; i++) {
         const bvxi_arc *const a = &p->arc[i];
         bvxi_ring_arc *const r = &p->ring_arc[i];
@@ -215,13 +229,15 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
             asks |= (sides >> r->to_side & 1) != 0;
             sides |= UINT32_C(1) << r->to_side;
         }
-        if (asks && (p->asking_count == 0 || p->asking[p->asking_count - 1] != p->arc_cell[i])) p->asking[p->asking_count++] = p->arc_cell[i];
+        if (asks && (p->asking_count == 0 || p->asking[p->asking_count - 1] != p->arc_cell[i]))
+            p->asking[p->asking_count++] = p->arc_cell[i];
     }
 }
 
 uint32_t bvxi_plane_arcs_in(const bvxi_plane *p, uint32_t key, uint32_t *count)
 {
     uint32_t low = 0, high = p->arc_count;
+
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (p->arc_cell[middle] < key) low = middle + 1;
@@ -248,6 +264,7 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratch)
 {
     arc_walk w;
+
     memset(&w, 0, sizeof w);
     w.s = s;
     w.p = p;

@@ -1,7 +1,8 @@
-/* cap_lines.c - flat caps of bodies made in the field's way: the region within lines between vertices of the mesh.
+/* cap_lines.c - flat caps of bodies made in the field's way: the region within lines between vertices of the
+ * mesh.
  *
- * The lines of the first or last plane, which the cells beside it have left, are followed into loops; from there it is a section like
- * others, whose points are vertices and whose segments nothing crosses. */
+ * The lines of the first or last plane, which the cells beside it have left, are followed into loops; from
+ * there it is a section like others, whose points are vertices and whose segments nothing crosses. */
 #include "section/section.h"
 
 #include <math.h>
@@ -16,10 +17,13 @@ double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
     return sum;
 }
 
-/* Follow the lines into loops: points in order, contours, directions of holes. behind: [vertices] the next one, or none. */
-static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count, uint32_t *behind)
+/* Follow the lines into loops: points in order, contours, directions of
+ * holes. behind: [vertices] the next one, or none. */
+static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count,
+                               uint32_t *behind)
 {
     double const unit = (double)(1 << (s->fine - 1));
+
     for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
     for (uint32_t i = 0; i < count; i++) {
         bvxi_contour *const c = &p->contour[p->contour_count];
@@ -38,7 +42,8 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
             behind[v] = BVXI_NONE;
             v = next;
         }
-        if (v != edge[i][0]) return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
+        if (v != edge[i][0])
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
         c->count = p->point_count - c->first;
         p->next[p->point_count - 1] = c->first;
         c->hole = bvxi_cap_area(p, c) < 0.0;
@@ -53,14 +58,20 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
     uint32_t *behind = NULL;
     bvxi_plane p;
     bvx_status status;
+
     memset(&p, 0, sizeof p);
     if (count == 0) return BVX_OK;
     p.lines = 1;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap", &p.contour);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
+                            &p.contour);
     if (status == BVX_OK) {
         memset(behind, 0xff, (size_t)vertices * 4);
         status = follow_lines(s, &p, edge, count, behind);

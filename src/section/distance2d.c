@@ -1,8 +1,9 @@
 /* distance2d.c - distances on a section's plane: from a place to the nearest segment of its contours.
  *
- * Groups of four segments, in the order of the loops, are the leaves of a binary heap of boxes: a loop's order keeps near things
- * together, so nothing is sorted. A search goes up from the segment that was nearest to the last place, and leaves out boxes that lie
- * farther off by more than all rounding: the result is the least of the same squares whatever the start.
+ * Groups of four segments, in the order of the loops, are the leaves of a binary heap of boxes: a loop's
+ * order keeps near things together, so nothing is sorted. A search goes up from the segment that was nearest
+ * to the last place, and leaves out boxes that lie farther off by more than all rounding: the result is the
+ * least of the same squares whatever the start.
  */
 #include "section/section.h"
 
@@ -20,11 +21,13 @@ static inline uint32_t segment_at(const bvxi_plane *p, uint32_t i)
 static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
 {
     uint32_t const first = leaf * BVXI_SEGMENT_GROUP;
+
     box[0] = box[1] = 1e300;
     box[2] = box[3] = -1e300;
     if (first >= p->segment_count) return;
     for (uint32_t n = 0; n < BVXI_SEGMENT_GROUP; n++) {
-        uint32_t const i = segment_at(p, first + n < p->segment_count ? first + n : first); /* the last group repeats its first */
+        /* the last group repeats its first */
+        uint32_t const i = segment_at(p, first + n < p->segment_count ? first + n : first);
         const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
         bvxi_segment_group *const g = &p->group[leaf];
         g->u[n] = a[0];
@@ -52,6 +55,7 @@ void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes)
 void bvxi_plane_tree(bvxi_plane *p)
 {
     uint64_t groups, boxes;
+
     if (p->segment == NULL) p->segment_count = p->point_count;
     bvxi_plane_tree_size(p->segment_count, &groups, &boxes);
     p->leaf_count = (uint32_t)(boxes / 2);
@@ -63,11 +67,13 @@ void bvxi_plane_tree(bvxi_plane *p)
             p->box[i][k + 2] = a[k + 2] > b[k + 2] ? a[k + 2] : b[k + 2];
         }
     p->slack = 0.0;
-    for (int k = 0; k < 2 && p->segment_count != 0; k++) p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
+    for (int k = 0; k < 2 && p->segment_count != 0; k++)
+        p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
     p->slack *= DISTANCE_ROUNDING * DISTANCE_ROUNDING;
 }
 
-/* Boxes from this square on hold nothing nearer: a computed distance d is off by less than a share of d and one of the contours' extent. */
+/* Boxes from this square on hold nothing nearer: a computed distance d is
+ * off by less than a share of d and one of the contours' extent. */
 static inline double farthest_box(const bvxi_plane *p, double best)
 {
     return best * (1.0 + 1e-6) + p->slack;
@@ -82,7 +88,8 @@ static inline double box_square(const double box[4], double u, double v)
 }
 
 /* Squares of the distances to a group of segments. */
-static inline void squares_of_group(const bvxi_segment_group *g, double u, double v, double d[BVXI_SEGMENT_GROUP])
+static inline void squares_of_group(const bvxi_segment_group *g, double u, double v,
+                                    double d[BVXI_SEGMENT_GROUP])
 {
     for (int i = 0; i < BVXI_SEGMENT_GROUP; i++) {
         double const x = u - g->u[i], y = v - g->v[i];
@@ -95,9 +102,11 @@ static inline void squares_of_group(const bvxi_segment_group *g, double u, doubl
 }
 
 /* The least square in a group, where it is less than best. All four are computed before any is looked at. */
-static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best, uint32_t *hint)
+static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double u, double v, double best,
+                                      uint32_t *hint)
 {
     double d[BVXI_SEGMENT_GROUP], least;
+
     squares_of_group(&p->group[leaf], u, v, d);
     least = d[0] < d[1] ? d[0] : d[1];
     if (d[2] < least) least = d[2];
@@ -108,10 +117,12 @@ static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double
 }
 
 /* The same for all segments below a box. */
-static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double v, double best, uint32_t *hint)
+static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double v, double best,
+                            uint32_t *hint)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;
     double far[DISTANCE_STACK], limit = farthest_box(p, best);
+
     for (;;) {
         if (node >= p->leaf_count) {
             best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
@@ -135,24 +146,29 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
     }
 }
 
-/* From the group of the hint upwards: at each step the box beside is looked into when it may hold something nearer. */
+/* From the group of the hint upwards: at each step the box beside is looked
+ * into when it may hold something nearer. */
 double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hint)
 {
     uint32_t node;
     double best;
+
     if (*hint >= p->segment_count) *hint = 0;
     node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
     best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
     for (; node > 1; node >>= 1)
-        if (box_square(p->box[node ^ 1], u, v) < farthest_box(p, best)) best = nearest_below(p, node ^ 1, u, v, best, hint);
+        if (box_square(p->box[node ^ 1], u, v) < farthest_box(p, best))
+            best = nearest_below(p, node ^ 1, u, v, best, hint);
     return sqrt(best);
 }
 
-/* From the top; boxes as near as the nearest segment are looked into too, since one with a lower number may be there. */
+/* From the top; boxes as near as the nearest segment are looked into too,
+ * since one with a lower number may be there. */
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;
     double best = 1e300;
+
     *segment = BVXI_NONE;
     stack[top++] = 1;
     while (top > 0) {
@@ -175,14 +191,16 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
     return sqrt(best);
 }
 
-/* An odd number of segments to the right; the place is snapped to odd numbers as the contours are, so one on a contour falls on
- * some side. */
+/* An odd number of segments to the right; the place is snapped to odd
+ * numbers as the contours are, so one on a contour falls on some side. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, double v)
 {
     double const unit = (double)(1 << stack->fine);
-    double const x = (u - stack->origin[0]) / stack->step[0] * unit, y = (v - stack->origin[1]) / stack->step[1] * unit;
+    double const x = (u - stack->origin[0]) / stack->step[0] * unit;
+    double const y = (v - stack->origin[1]) / stack->step[1] * unit;
     int64_t const qx = (int64_t)floor(x), qy = (int64_t)floor(y * 0.5) * 2;
     int odd = p->turned;
+
     for (uint32_t n = 0; n < p->segment_count; n++) {
         uint32_t const i = segment_at(p, n);
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];

@@ -1,10 +1,11 @@
 /* fill_loop.c - triangles inside a loop that runs over the faces of a cell.
  *
- * An inner edge whose ends lie on one face of the cell could be an edge of the neighbour's triangles too, and of two planes' at
- * once; so inner edges join different faces, and then no other cell can have them. Among the triangulations that this leaves the
- * one with the least sum of squared inner edges is found by dynamic programming (short loops); a long loop of one stretch of contour
- * below and one above becomes a strip; of other long ones the ears with the shortest inner edge are cut off one by one. Where none of
- * this ends well, a vertex inside the cell is joined to the whole loop.
+ * An inner edge whose ends lie on one face of the cell could be an edge of the neighbour's triangles too, and
+ * of two planes' at once; so inner edges join different faces, and then no other cell can have them. Among
+ * the triangulations that this leaves the one with the least sum of squared inner edges is found by dynamic
+ * programming (short loops); a long loop of one stretch of contour below and one above becomes a strip; of
+ * other long ones the ears with the shortest inner edge are cut off one by one. Where none of this ends well,
+ * a vertex inside the cell is joined to the whole loop.
  *
  * Source: Klincsek. Minimal triangulations of polygonal domains. 1980 (the dynamic program). */
 #include "section/section.h"
@@ -32,6 +33,7 @@ static bvx_status emit_table(bvxi_stack *s, const bvxi_loop_fill *l, const fill_
 {
     uint8_t stack[2 * FILL_EXACT];
     uint32_t top = 0;
+
     stack[top++] = 0;
     stack[top++] = (uint8_t)(l->count - 1);
     while (top > 0) {
@@ -50,6 +52,7 @@ static bvx_status emit_table(bvxi_stack *s, const bvxi_loop_fill *l, const fill_
 static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_table *t)
 {
     uint32_t const n = l->count;
+
     for (uint32_t i = 0; i + 1 < n; i++) t->cost[i][i + 1] = 0.0;
     for (uint32_t gap = 2; gap < n; gap++)
         for (uint32_t i = 0; i + gap < n; i++) {
@@ -80,13 +83,16 @@ static int fill_four(const bvxi_loop_fill *l, const double *const *at, uint32_t 
 
 /* ---- a strip ---- */
 
-/* A loop of one stretch below and one above: below and above hold their corners, side by side. Returns how many lie below, 0 for another
- * loop. */
+/* A loop of one stretch below and one above: below and above hold their
+ * corners, side by side. Returns how many lie below, 0 for another loop. */
 static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_t *above)
 {
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
-    while (start < n && !((l->faces[start] & FILL_BELOW) != 0 && (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0)) start++;
+
+    while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
+                          (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
+        start++;
     if (start == n) return 0;
     for (uint32_t k = 0, at_k = start; k < n; k++, at_k = at_k + 1 == n ? 0 : at_k + 1) {
         if ((l->faces[at_k] & FILL_BELOW) != 0 && k == m) below[m++] = at_k;
@@ -96,19 +102,23 @@ static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_
     return m;
 }
 
-/* A strip between two stretches, always over the shorter next edge. Returns BVX_ERR_EMPTY, and makes nothing, for another loop and
- * where an edge would lie on a face. */
-static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at, uint32_t *below, uint32_t *above)
+/* A strip between two stretches, always over the shorter next edge. Returns BVX_ERR_EMPTY, and makes nothing,
+ * for another loop and where an edge would lie on a face. */
+static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at,
+                                uint32_t *below, uint32_t *above)
 {
     uint32_t const m = find_stretches(l, below, above), end = l->count - m;
     uint64_t const start = s->mesh.triangle_count;
+
     if (m == 0) return BVX_ERR_EMPTY;
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
         uint32_t const a = below[i], b = above[j];
         uint32_t const on = below[i + 1 < m ? i + 1 : i], beside = above[j + 1 < end ? j + 1 : j];
         uint32_t const shorter = (uint32_t)(fill_length(at[on], at[b]) <= fill_length(at[a], at[beside]));
-        uint32_t const up = ((uint32_t)(j + 1 == end) | shorter) & (uint32_t)(i + 1 < m); /* no branch: which one comes next is a toss */
-        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[a], l->vertex[beside + (up * (on - beside))], l->vertex[b]));
+        /* no branch: which one comes next is a toss */
+        uint32_t const up = ((uint32_t)(j + 1 == end) | shorter) & (uint32_t)(i + 1 < m);
+        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[a], l->vertex[beside + (up * (on - beside))],
+                                           l->vertex[b]));
         i += up;
         j += 1 - up;
         if ((i + 1 < m || j + 1 < end) && (l->faces[below[i]] & l->faces[above[j]]) != 0) {
@@ -122,11 +132,13 @@ static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const do
 /* ---- ears ---- */
 
 /* The corners between left, as a ring of numbers. Returns BVX_ERR_EMPTY when no ear may be cut off. */
-static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at, uint32_t *next, uint32_t *before)
+static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at,
+                               uint32_t *next, uint32_t *before)
 {
     uint32_t const n = l->count;
     uint32_t left = n, from = 0;
     uint64_t const start = s->mesh.triangle_count;
+
     for (uint32_t i = 0; i < n; i++) {
         next[i] = i + 1 == n ? 0 : i + 1;
         before[i] = i == 0 ? n - 1 : i - 1;
@@ -162,16 +174,20 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
 {
     double middle[3] = {0.0, 0.0, 0.0}, centre[3], uv[2];
     uint32_t faces = 0xff, number;
+
     for (uint32_t i = 0; i < l->count; i++) {
         faces &= l->faces[i];
         for (int k = 0; k < 3; k++) middle[k] += at[i][k];
     }
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
-    for (int k = 0; k < 2; k++) uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
+    for (int k = 0; k < 2; k++)
+        uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
     bvxi_section_place(s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
     if (l->cone == 2) {
         for (int k = 0; k < 3; k++) middle[k] += 0.5 * (centre[k] - middle[k]);
-    } else if (faces != 0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
+    } else if (
+        faces !=
+        0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
         double reach = 0.0, share;
         for (uint32_t i = 0; i < l->count; i++) {
             double const d = fill_length(at[i], middle);
@@ -184,7 +200,8 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     s->report.inner_vertices++;
     BVXI_TRY(bvxi_section_add_vertex(s, middle, &number));
     for (uint32_t i = 0; i < l->count; i++)
-        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 1 == l->count ? 0 : i + 1], number));
+        BVXI_TRY(
+            bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 1 == l->count ? 0 : i + 1], number));
     return BVX_OK;
 }
 
@@ -192,11 +209,14 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
 {
     bvx_status status = BVX_ERR_EMPTY;
     uint32_t common = 0xff;
+
     l->strip = 0;
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
-    if (l->count == 3 && common == 0 && !l->cone) return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
+    if (l->count == 3 && common == 0 && !l->cone)
+        return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
     for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(s, l->vertex[i]);
-    if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at); /* common: flat on one face, where the neighbour has the same loop */
+    /* common: flat on one face, where the neighbour has the same loop */
+    if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at);
     if (l->count == 4) {
         uint32_t i;
         if (fill_four(l, l->at, &i)) {

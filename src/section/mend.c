@@ -71,16 +71,20 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
 }
 
 /* The stack without loops of fewer than three different points; it shares all arrays but the loops. */
-static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given, bvx_sections *kept, uint64_t *dropped)
+static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                  bvx_sections *kept, uint64_t *dropped)
 {
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *kept->loops, "the loops to mend", &kept->loops));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *kept->loops, "the loops to mend",
+                        &kept->loops));
     for (uint64_t i = 0; i < given->loop_count; i++)
         if (mend_has_three_points(given, &given->loops[i])) kept->loops[kept->loop_count++] = given->loops[i];
     *dropped = given->loop_count - kept->loop_count;
-    return kept->loop_count != 0 ? BVX_OK : bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
+    return kept->loop_count != 0
+               ? BVX_OK
+               : bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
 }
 
 /* ---- planes ---- */
@@ -151,8 +155,8 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     return status;
 }
 
-bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                     bvxi_mended *m)
+bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
+                     const bvx_sections_options *options, bvxi_mended *m)
 {
     bvx_sections kept;
     bvxi_stack s;
@@ -165,7 +169,8 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     m->sections = *given;
     m->sections.points = NULL;
     m->sections.loops = NULL;
-    m->sections.point_count = m->sections.loop_count = m->sections.point_capacity = m->sections.loop_capacity = 0;
+    m->sections.point_count = m->sections.loop_count = m->sections.point_capacity =
+        m->sections.loop_capacity = 0;
     if (status == BVX_OK) status = bvxi_stack_begin(ctx, function, &kept, options, &s);
     if (status == BVX_OK) {
         m->spacing = options->grid[0] == 0 ? s.step[0] : 0.0;

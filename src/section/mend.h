@@ -4,13 +4,14 @@
 
 #include "section/section.h"
 
-/* A stack whose loops neither cross nor touch, once its points are moved apart in fixed point by their nudges. */
+/* A stack whose loops neither cross nor touch, once its points are moved
+ * apart in fixed point by their nudges. */
 typedef struct bvxi_mended {
     bvx_sections sections; /* arrays of its own, but for the positions */
     int8_t (*nudge)[2];    /* of each point, in steps of its fixed point */
     uint64_t nudge_room;
-    uint64_t loops;        /* that were changed or left out */
-    double spacing;        /* of the grid whose fixed point decided */
+    uint64_t loops; /* that were changed or left out */
+    double spacing; /* of the grid whose fixed point decided */
 } bvxi_mended;
 
 /* Close it also after a failure. */
@@ -38,11 +39,12 @@ typedef struct bvxi_mend_split {
 typedef struct bvxi_mend_work {
     bvxi_stack *s;
     const bvxi_plane *plane;
-    uint8_t *changed;        /* of each loop */
+    uint8_t *changed; /* of each loop */
     bvxi_mend_node *node;
     bvxi_mend_edge *edge, *split_edge;
     bvxi_mend_split *split;
-    uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count, split_room;
+    uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count,
+        split_room;
     uint64_t *key;
     uint32_t *order, *active;
     uint32_t key_room, order_room, active_room;
@@ -54,9 +56,11 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *work, int *done);
 
 /* ---- mend_trace.c: loops along the edges that are left ---- */
 
-/* Edges of changed loops that lie on each other an even number of times go; what is left becomes loops of the stack. */
+/* Edges of changed loops that lie on each other an even number of times go;
+ * what is left becomes loops of the stack. */
 bvx_status bvxi_mend_trace(bvxi_mend_work *work, bvxi_mended *mended);
 bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *mended, uint32_t section, int32_t label);
-bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *mended, const double at[3], int32_t u, int32_t v);
+bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *mended, const double at[3], int32_t u,
+                                 int32_t v);
 
 #endif

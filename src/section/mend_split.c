@@ -18,7 +18,8 @@ enum { MEND_ROUNDS = 16, MEND_MOST = 64 }; /* segments that one becomes, in the 
 
 static int mend_turn(const int32_t *a, const int32_t *b, const int32_t *c)
 {
-    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) -
+                      ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
 
     return (t > 0) - (t < 0);
 }
@@ -43,7 +44,8 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     if (*found != BVXI_NONE) return BVX_OK;
 
     *number = *found = w->node_count;
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->node, w->node_count, &w->node_room, sizeof *w->node, "the points of loops to mend"));
+    BVXI_TRY(bvxi_slab_grow(w->s, &w->node, w->node_count, &w->node_room, sizeof *w->node,
+                            "the points of loops to mend"));
     n = &w->node[w->node_count++];
     memcpy(n->q, q, sizeof n->q);
     memcpy(n->at, at, sizeof n->at);
@@ -52,8 +54,8 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     return BVX_OK;
 }
 
-static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint32_t *room, uint32_t a, uint32_t b,
-                                uint32_t loop)
+static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint32_t *room,
+                                uint32_t a, uint32_t b, uint32_t loop)
 {
     bvxi_mend_edge *e;
 
@@ -101,19 +103,24 @@ static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
     bvxi_mend_edge *const e = &w->edge[edge];
 
     if (node == e->node[0] || node == e->node[1]) return BVX_OK;
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->split, w->split_count, &w->split_room, sizeof *w->split, "the splits of segments"));
+    BVXI_TRY(bvxi_slab_grow(w->s, &w->split, w->split_count, &w->split_room, sizeof *w->split,
+                            "the splits of segments"));
     w->split[w->split_count].edge = edge;
     w->split[w->split_count++].node = node;
     return BVX_OK;
 }
 
 /* The point of the fixed grid nearest to where two segments cross, about, and its place on the first one. */
-static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const bvxi_mend_edge *f, uint32_t *number)
+static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const bvxi_mend_edge *f,
+                             uint32_t *number)
 {
     const bvxi_mend_node *const a = &w->node[e->node[0]], *const b = &w->node[e->node[1]];
     const int32_t *const c = w->node[f->node[0]].q, *const d = w->node[f->node[1]].q;
     double const ux = (double)b->q[0] - a->q[0], uy = (double)b->q[1] - a->q[1];
-    double const vx = (double)d[0] - c[0], vy = (double)d[1] - c[1], x = (double)c[0] - a->q[0], y = (double)c[1] - a->q[1];
+    double const vx = (double)d[0] - c[0];
+    double const vy = (double)d[1] - c[1];
+    double const x = (double)c[0] - a->q[0];
+    double const y = (double)c[1] - a->q[1];
     double const t = (x * vy - y * vx) / (ux * vy - uy * vx);
     double at[3];
     int32_t q[2];
@@ -139,11 +146,13 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
         if (mend_on(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
     }
     if (w->split_count == before) {
-        if (mend_turn(a, b, c) * mend_turn(a, b, d) >= 0 || mend_turn(c, d, a) * mend_turn(c, d, b) >= 0) return BVX_OK;
+        if (mend_turn(a, b, c) * mend_turn(a, b, d) >= 0 || mend_turn(c, d, a) * mend_turn(c, d, b) >= 0)
+            return BVX_OK;
         BVXI_TRY(mend_cross(w, &e, &f, &node));
         BVXI_TRY(mend_split_at(w, i, node));
         BVXI_TRY(mend_split_at(w, j, node));
-        if (w->split_count == before) w->split_count = BVXI_NONE; /* both end at that point, and cross all the same */
+        /* both end at that point, and cross all the same */
+        if (w->split_count == before) w->split_count = BVXI_NONE;
     }
     w->changed[e.loop] = w->changed[f.loop] = 1;
     return BVX_OK;
@@ -164,9 +173,13 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
     uint32_t reach = 0;
     int32_t low, high, left, right;
 
-    while (w->key_room < n) BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
-    while (w->order_room < n) BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
-    while (w->active_room < n) BVXI_TRY(bvxi_slab_grow(w->s, &w->active, w->active_room, &w->active_room, 4, "the order of segments"));
+    while (w->key_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
+    while (w->order_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+    while (w->active_room < n)
+        BVXI_TRY(
+            bvxi_slab_grow(w->s, &w->active, w->active_room, &w->active_room, 4, "the order of segments"));
 
     for (uint32_t i = 0; i < n; i++) {
         mend_range(w, i, 0, &left, &right);
@@ -204,7 +217,9 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
 /* How far along an edge a node lies. */
 static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint32_t node)
 {
-    const int32_t *const a = w->node[e->node[0]].q, *const b = w->node[e->node[1]].q, *const c = w->node[node].q;
+    const int32_t *const a = w->node[e->node[0]].q;
+    const int32_t *const b = w->node[e->node[1]].q;
+    const int32_t *const c = w->node[node].q;
 
     return ((int64_t)b[0] - a[0]) * ((int64_t)c[0] - a[0]) + ((int64_t)b[1] - a[1]) * ((int64_t)c[1] - a[1]);
 }
@@ -230,8 +245,10 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
     uint32_t const room = w->edge_room;
     uint32_t at = 0;
 
-    while (w->key_room < n) BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
-    while (w->order_room < n) BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+    while (w->key_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
+    while (w->order_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = w->split[i].edge;
         w->order[i] = i;
@@ -246,7 +263,8 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
         for (; at <= end; at++) {
             uint32_t const to = at < end ? w->split[w->order[at]].node : w->edge[e].node[1];
             if (to != from)
-                BVXI_TRY(mend_add_edge(w, &w->split_edge, &w->split_edge_count, &w->split_edge_room, from, to, w->edge[e].loop));
+                BVXI_TRY(mend_add_edge(w, &w->split_edge, &w->split_edge_count, &w->split_edge_room, from, to,
+                                       w->edge[e].loop));
             from = to;
         }
         at = end;

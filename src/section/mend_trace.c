@@ -23,16 +23,16 @@ typedef struct mend_stop {
 typedef struct mend_trace {
     bvxi_mend_work *w;
     bvxi_mended *mended;
-    uint32_t *edge;         /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
+    uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
     uint32_t edge_count;
-    uint32_t *start;        /* of each node: its first end in turn; one more */
-    uint32_t *end;          /* ends of edges by node, counter-clockwise */
-    uint32_t *rank;         /* of each end: where it stands in its node's turn */
-    uint8_t *used;          /* edges */
-    uint32_t *place;        /* of each node: its stop on the path, or none */
-    mend_stop *path;        /* all stops of one path */
-    mend_stop *stop;        /* those of all loops, loop by loop */
-    uint32_t *loop;         /* where each loop's stops begin */
+    uint32_t *start; /* of each node: its first end in turn; one more */
+    uint32_t *end;   /* ends of edges by node, counter-clockwise */
+    uint32_t *rank;  /* of each end: where it stands in its node's turn */
+    uint8_t *used;   /* edges */
+    uint32_t *place; /* of each node: its stop on the path, or none */
+    mend_stop *path; /* all stops of one path */
+    mend_stop *stop; /* those of all loops, loop by loop */
+    uint32_t *loop;  /* where each loop's stops begin */
     uint32_t stop_count, loop_count;
 } mend_trace;
 
@@ -67,7 +67,8 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 
 static void mend_direction(const mend_trace *t, uint32_t end, int64_t d[2])
 {
-    const int32_t *const a = t->w->node[mend_end_node(t, end)].q, *const b = t->w->node[mend_end_node(t, end ^ 1)].q;
+    const int32_t *const a = t->w->node[mend_end_node(t, end)].q;
+    const int32_t *const b = t->w->node[mend_end_node(t, end ^ 1)].q;
 
     for (int k = 0; k < 2; k++) d[k] = (int64_t)b[k] - a[k];
 }
@@ -175,7 +176,8 @@ static double mend_middle(const mend_trace *t, uint32_t from, uint32_t to, doubl
     return middle[0] * u[0] + middle[1] * u[1];
 }
 
-/* Where a stop may be moved: into the angle between its ends that no other end lies in. Returns 0 where both have some. */
+/* Where a stop may be moved: into the angle between its ends that no other
+ * end lies in. Returns 0 where both have some. */
 static int mend_free_angle(const mend_trace *t, const mend_stop *s, double middle[2], double *narrow)
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
@@ -186,7 +188,8 @@ static int mend_free_angle(const mend_trace *t, const mend_stop *s, double middl
     return 1;
 }
 
-/* Of the stops at one node the one in the narrowest angle stays, unless one is there that cannot be moved. narrowest, fixed: by node. */
+/* Of the stops at one node the one in the narrowest angle stays, unless one
+ * is there that cannot be moved. narrowest, fixed: by node. */
 static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *stays)
 {
     for (uint32_t i = 0; i < t->w->node_count; i++) {
@@ -215,7 +218,8 @@ static bvx_status mend_give_loops(mend_trace *t, double *narrowest, uint32_t *st
         for (uint32_t i = t->loop[l]; i < end; i++) {
             const mend_stop *const s = &t->stop[i];
             double middle[2] = {0.0, 0.0}, narrow;
-            int const moves = t->start[s->node + 1] - t->start[s->node] > 2 && stays[s->node] != i && mend_free_angle(t, s, middle, &narrow);
+            int const moves = t->start[s->node + 1] - t->start[s->node] > 2 && stays[s->node] != i &&
+                              mend_free_angle(t, s, middle, &narrow);
             BVXI_TRY(bvxi_mended_add_point(ctx, t->mended, w->node[s->node].at,
                                            moves ? (int32_t)floor(MEND_STEPS * middle[0] + 0.5) : 0,
                                            moves ? (int32_t)floor(MEND_STEPS * middle[1] + 0.5) : 0));
@@ -226,7 +230,8 @@ static bvx_status mend_give_loops(mend_trace *t, double *narrowest, uint32_t *st
 
 /* ---- memory ---- */
 
-static bvx_status mend_trace_in(mend_trace *t, uint64_t *key, uint32_t *order, double *narrowest, uint32_t *stays)
+static bvx_status mend_trace_in(mend_trace *t, uint64_t *key, uint32_t *order, double *narrowest,
+                                uint32_t *stays)
 {
     BVXI_TRY(mend_keep_edges(t, key, order));
     mend_turn_ends(t);
@@ -248,7 +253,8 @@ static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
 bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
 {
     uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(mend_stop);
-    uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) + (nodes + 1) * (8 + 4 + 4 + 4 + stops);
+    uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) +
+                          (nodes + 1) * (8 + 4 + 4 + 4 + stops);
     unsigned char *block, *at;
     double *narrowest;
     uint64_t *key;

@@ -26,11 +26,11 @@ typedef struct nest_loop {
 
 typedef struct nest_work {
     bvxi_stack *s;
-    nest_loop *loop;         /* of all planes */
+    nest_loop *loop; /* of all planes */
     const bvxi_plane *plane[2];
-    nest_loop *on[2];        /* the loops of these planes */
+    nest_loop *on[2]; /* the loops of these planes */
     uint64_t *key;
-    uint32_t *order;         /* segments of candidates: numbers, with the highest bit for those above */
+    uint32_t *order; /* segments of candidates: numbers, with the highest bit for those above */
     uint32_t *active[2];
 } nest_work;
 
@@ -73,7 +73,8 @@ static void nest_find_parents(const bvxi_plane *p, nest_loop *loop)
 
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n && loop[i].depth != 0; j++)
-            if (j != i && loop[j].depth + 1 == loop[i].depth && nest_contains(p, j, loop, p->q[p->contour[i].first]))
+            if (j != i && loop[j].depth + 1 == loop[i].depth &&
+                nest_contains(p, j, loop, p->q[p->contour[i].first]))
                 loop[i].parent = j;
 }
 
@@ -120,7 +121,8 @@ static bvx_status nest_order_segments(nest_work *w, uint32_t *count)
     for (uint32_t k = 0; k < 2; k++) {
         const bvxi_plane *const p = w->plane[k];
         for (uint32_t c = 0; c < p->contour_count; c++)
-            for (uint32_t i = p->contour[c].first; w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++) {
+            for (uint32_t i = p->contour[c].first;
+                 w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++) {
                 w->key[*count] = (uint64_t)(uint32_t)nest_segment_left(p, i);
                 w->order[(*count)++] = i | k << NESTING_ABOVE_BIT;
             }
@@ -133,7 +135,9 @@ static void nest_hold_segment(nest_work *w, uint32_t k, uint32_t i, uint32_t *re
 {
     const bvxi_plane *const p = w->plane[k], *const o = w->plane[1 - k];
     const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-    int32_t const left = nest_segment_left(p, i), low = nest_lesser(a[1], b[1]), high = nest_greater(a[1], b[1]);
+    int32_t const left = nest_segment_left(p, i);
+    int32_t const low = nest_lesser(a[1], b[1]);
+    int32_t const high = nest_greater(a[1], b[1]);
     nest_loop *const own = &w->on[k][bvxi_contour_of(p, i)];
     uint32_t *const active = w->active[1 - k];
     uint32_t kept = 0;
@@ -159,7 +163,8 @@ static bvx_status nest_meet_by_segments(nest_work *w)
 
     BVXI_TRY(nest_order_segments(w, &count));
     for (uint32_t n = 0; n < count; n++) {
-        uint32_t const k = w->order[n] >> NESTING_ABOVE_BIT, i = w->order[n] & ~(UINT32_C(1) << NESTING_ABOVE_BIT);
+        uint32_t const k = w->order[n] >> NESTING_ABOVE_BIT;
+        uint32_t const i = w->order[n] & ~(UINT32_C(1) << NESTING_ABOVE_BIT);
         nest_hold_segment(w, k, i, &reach[1 - k]);
         w->active[k][reach[k]++] = i;
     }
@@ -290,7 +295,8 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order);
     for (int k = 0; k < 2; k++)
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]);
+        if (status == BVX_OK)
+            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]);
     if (status == BVX_OK) status = nest_find_all(&w);
     for (int k = 2; k-- > 0;) bvxi_free(s->ctx, w.active[k], n * 4);
     bvxi_free(s->ctx, w.order, n * 4);
@@ -304,11 +310,14 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
 
-    if (s->report.holes == 0 || s->options.crossings != BVX_CROSSINGS_EXACT || s->options.nesting != BVX_NESTING_LEVELS) return BVX_OK;
+    if (s->report.holes == 0 || s->options.crossings != BVX_CROSSINGS_EXACT ||
+        s->options.nesting != BVX_NESTING_LEVELS)
+        return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->count));
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->joined));
     for (int k = 0; k < 2; k++)
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->all.contour_room, "the levels of loops", &n->level[k]));
+        BVXI_TRY(
+            bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->all.contour_room, "the levels of loops", &n->level[k]));
     return BVX_OK;
 }
 

@@ -11,7 +11,7 @@ void bvxi_nesting_close(bvxi_stack *stack);
 /* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
 bvx_status bvxi_nesting_find(bvxi_stack *stack);
 
-/* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring ---- */
+/* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring  */
 
 /* The levels of all slabs. */
 bvx_status bvxi_nesting_make(bvxi_stack *stack);

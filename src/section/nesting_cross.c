@@ -35,15 +35,19 @@ static const double *nest_slab_vertex(const nest_mesh *m, const bvxi_slab *slab,
 /* ---- cells ---- */
 
 /* The cells that a triangle lies in or touches: first and last of both axes. */
-static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, uint64_t triangle, int32_t first[2], int32_t last[2])
+static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, uint64_t triangle,
+                                   int32_t first[2], int32_t last[2])
 {
     const bvxi_stack *const s = m->s;
 
     for (int k = 0; k < 2; k++) {
         double low = 1e300, high = -1e300;
         for (int c = 0; c < 3; c++) {
-            const double *const p = nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]);
-            double const at = ((s->axis[k][0] * p[0] + s->axis[k][1] * p[1]) + s->axis[k][2] * p[2] - s->origin[k]) / s->step[k];
+            const double *const p = nest_slab_vertex(m, slab,
+                                                     slab->mesh.triangle[3 * triangle + (uint64_t)c]);
+            double const at = ((s->axis[k][0] * p[0] + s->axis[k][1] * p[1]) + s->axis[k][2] * p[2] -
+                               s->origin[k]) /
+                              s->step[k];
             if (at < low) low = at;
             if (at > high) high = at;
         }
@@ -80,7 +84,8 @@ static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t tr
     nest_cells_of_triangle(m, slab, triangle, first, last);
     for (int32_t j = first[1]; j <= last[1]; j++)
         for (int32_t i = first[0]; i <= last[0]; i++)
-            if ((m->shared[(size_t)j * (size_t)m->s->words + (size_t)(i >> 6)] >> (i & 63) & 1) != 0) return 1;
+            if ((m->shared[(size_t)j * (size_t)m->s->words + (size_t)(i >> 6)] >> (i & 63) & 1) != 0)
+                return 1;
     return 0;
 }
 
@@ -91,8 +96,11 @@ static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint6
     uint64_t const larger = *room < 256 ? 256 : 2 * *room;
 
     if (m->triangles < *room) return BVX_OK;
-    if (larger > INT32_MAX) return bvxi_fail(m->s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^31 triangles", m->s->function);
-    BVXI_TRY(bvxi_resize(m->s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the surfaces of levels"));
+    if (larger > INT32_MAX)
+        return bvxi_fail(m->s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^31 triangles",
+                         m->s->function);
+    BVXI_TRY(
+        bvxi_resize(m->s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the surfaces of levels"));
     *room = larger;
     return BVX_OK;
 }
@@ -104,7 +112,8 @@ static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t tri
     BVXI_TRY(nest_more_room(m, &m->position, 72, &m->position_room));
     BVXI_TRY(nest_more_room(m, &m->owner, 4, &m->owner_room));
     for (int c = 0; c < 3; c++)
-        memcpy(m->position + 9 * m->triangles + 3 * c, nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]), 24);
+        memcpy(m->position + 9 * m->triangles + 3 * c,
+               nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]), 24);
     m->owner[m->triangles++] = number;
     return BVX_OK;
 }
@@ -130,13 +139,15 @@ static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
     return BVX_OK;
 }
 
-/* Mark the slabs in which triangles of two levels cross; crossings within one level are the cells' own matter. */
+/* Mark the slabs in which triangles of two levels cross; crossings within
+ * one level are the cells' own matter. */
 static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t count, uint32_t *found)
 {
     uint8_t *const joined = m->s->nesting.joined;
 
     for (uint64_t i = 0; i < count; i++) {
-        const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]], *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
+        const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]];
+        const bvxi_slab *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
 
         if (a->below != b->below || a->level == b->level || joined[a->below]) continue;
         joined[a->below] = 1;

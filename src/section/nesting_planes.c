@@ -24,18 +24,21 @@ static uint64_t level_inside_words(const bvxi_stack *s)
     return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
 }
 
-static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, const uint8_t *level, uint32_t number, nest_sizes *size)
+static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, const uint8_t *level,
+                               uint32_t number, nest_sizes *size)
 {
     memset(size, 0, sizeof *size);
     for (uint32_t c = 0; c < whole->contour_count; c++)
         if (level[c] == number) size->segments += whole->contour[c].count;
-    for (uint32_t i = 0; i < whole->arc_count; i++) size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
+    for (uint32_t i = 0; i < whole->arc_count; i++)
+        size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
 
     bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
     size->inside = level_inside_words(s);
-    size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group + size->boxes * sizeof *whole->box +
-                  size->inside * sizeof *whole->inside +
-                  size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell + sizeof *whole->asking) +
+    size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
+                  size->boxes * sizeof *whole->box + size->inside * sizeof *whole->inside +
+                  size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell +
+                                sizeof *whole->asking) +
                   (uint64_t)size->segments * sizeof *whole->segment;
 }
 
@@ -46,7 +49,7 @@ static void nest_place_level(bvxi_plane *p, unsigned char *at, const nest_sizes 
     at += p->contour_count * sizeof *p->contour;
     p->group = (bvxi_segment_group *)(void *)at;
     at += size->groups * sizeof *p->group;
-    p->box = (double (*)[4])(void *)at;
+    p->box = (double(*)[4])(void *)at;
     at += size->boxes * sizeof *p->box;
     p->inside = (uint64_t *)(void *)at;
     at += size->inside * sizeof *p->inside;
@@ -96,13 +99,15 @@ static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
     for (uint64_t i = 0; i < level_inside_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
 }
 
-static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number, uint32_t *segment)
+static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
+                            uint32_t *segment)
 {
     const bvxi_plane *const whole = p->whole;
 
     p->segment_count = p->arc_count = p->asking_count = 0;
     for (uint32_t c = 0; c < p->contour_count; c++)
-        for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++) segment[p->segment_count++] = p->contour[c].first + i;
+        for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++)
+            segment[p->segment_count++] = p->contour[c].first + i;
 
     for (uint32_t i = 0; i < whole->arc_count; i++) {
         if (level[nest_contour_of_arc(whole, &whole->arc[i])] != number) continue;
@@ -115,7 +120,8 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     bvxi_plane_tree(p);
 }
 
-/* side: 0 where the level lies between its section and the one above, 1 where the one below. part: scratch, one a loop. */
+/* side: 0 where the level lies between its section and the one above, 1
+ * where the one below. part: scratch, one a loop. */
 static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, uint32_t number, uint32_t *part)
 {
     const uint8_t *const level = s->nesting.level[side] + (whole->contour - s->all.contour);
@@ -144,7 +150,8 @@ static bvx_status nest_make_levels(bvxi_stack *s, uint32_t *part)
 
     for (uint32_t i = 0; i + 1 < s->plane_count; i++)
         for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
-            for (int k = 0; k < 2; k++) BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
+            for (int k = 0; k < 2; k++)
+                BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
     return BVX_OK;
 }
 
@@ -162,7 +169,8 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     }
     if (n->plane_room == 0) return BVX_OK;
 
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane);
+    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops",
+                        &n->plane);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part);
     if (status == BVX_OK) status = nest_make_levels(s, part);
     bvxi_free(s->ctx, part, most * 4);
@@ -184,7 +192,8 @@ void bvxi_nesting_drop(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
 
-    for (uint32_t i = n->plane_count; i-- > 0;) bvxi_free(s->ctx, n->plane[i].contour, n->plane[i].level_bytes);
+    for (uint32_t i = n->plane_count; i-- > 0;)
+        bvxi_free(s->ctx, n->plane[i].contour, n->plane[i].level_bytes);
     bvxi_free(s->ctx, n->plane, n->plane_room * sizeof *n->plane);
     n->plane = NULL;
     n->plane_count = n->plane_room = 0;

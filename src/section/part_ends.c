@@ -1,20 +1,22 @@
-/* part_ends.c - parts of a section that end before the next one: they narrow to a ridge half a spacing beyond.
+/* part_ends.c - parts of a section that end before the next one: they narrow to a ridge half a spacing
+ * beyond.
  *
- * A part is a loop with the holes in it. All parts end towards a section without loops and, where ends taper, beyond the first and the
- * last section. Where ends taper, a part also ends towards a section that it has nothing in common with: no point of the grid lies inside
- * both, none of its contours' points inside the section, none of the section's inside it. The blend of both sections' distances
- * would end it there too, but sooner the farther off that section's other parts are. */
+ * A part is a loop with the holes in it. All parts end towards a section without loops and, where ends taper,
+ * beyond the first and the last section. Where ends taper, a part also ends towards a section that it has
+ * nothing in common with: no point of the grid lies inside both, none of its contours' points inside the
+ * section, none of the section's inside it. The blend of both sections' distances would end it there too, but
+ * sooner the farther off that section's other parts are. */
 #include "section/slab.h"
 
 #include <math.h>
 
 typedef struct ends_work {
     bvxi_stack *s;
-    bvxi_plane *plane;       /* whose parts are looked at */
+    bvxi_plane *plane; /* whose parts are looked at */
     const bvxi_plane *other;
-    uint32_t *owner;         /* of each loop: the outer loop of its part */
-    uint8_t *met;            /* of outer loops */
-    uint32_t left;           /* outer loops that are not met yet */
+    uint32_t *owner; /* of each loop: the outer loop of its part */
+    uint8_t *met;    /* of outer loops */
+    uint32_t left;   /* outer loops that are not met yet */
     uint32_t hint;
 } ends_work;
 
@@ -60,12 +62,16 @@ static void meet_part(ends_work *w, uint32_t part)
 static void meet_by_grid(ends_work *w)
 {
     const bvxi_stack *const s = w->s;
+
     for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
         int last = 0;
         for (int32_t i = 0; i <= s->size[0] + 1; i++) {
-            int const is = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) && bvxi_grid_bit(s, w->other, i, j);
+            int const is = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
+                           bvxi_grid_bit(s, w->other, i, j);
             double d;
-            if (is != last) meet_part(w, part_of_place(w, s->origin[0] + (is ? i : i - 1) * s->step[0], s->origin[1] + j * s->step[1], &d));
+            if (is != last)
+                meet_part(w, part_of_place(w, s->origin[0] + (is ? i : i - 1) * s->step[0],
+                                           s->origin[1] + j * s->step[1], &d));
             last = is;
         }
     }
@@ -77,6 +83,7 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     const bvxi_plane *const p = w->plane, *const o = w->other;
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
+
     for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
         for (int k = 0; k < 2; k++) {
             if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
@@ -88,19 +95,23 @@ static int is_met_by_points(ends_work *w, uint32_t part)
         if (bvxi_plane_inside(w->s, p, at[0], at[1]) && part_of_place(w, at[0], at[1], &d) == part) return 1;
     }
     for (uint32_t c = 0; c < p->contour_count; c++)
-        for (uint32_t i = p->contour[c].first; w->owner[c] == part && i < p->contour[c].first + p->contour[c].count; i++)
+        for (uint32_t i = p->contour[c].first;
+             w->owner[c] == part && i < p->contour[c].first + p->contour[c].count; i++)
             if (bvxi_plane_inside(w->s, o, p->uv[i][0], p->uv[i][1])) return 1;
     return 0;
 }
 
-/* How deep inside their part the grid's points lie at most; for a part that holds none, an estimate by its area and border. */
+/* How deep inside their part the grid's points lie at most; for a part that
+ * holds none, an estimate by its area and border. */
 static void measure_depths(ends_work *w, double *depth)
 {
     const bvxi_stack *const s = w->s;
     const bvxi_plane *const p = w->plane;
     int32_t low[2] = {INT32_MAX, INT32_MAX}, high[2] = {0, 0};
+
     for (uint32_t c = 0; c < p->contour_count; c++)
-        for (uint32_t i = p->contour[c].first; !w->met[w->owner[c]] && i < p->contour[c].first + p->contour[c].count; i++)
+        for (uint32_t i = p->contour[c].first;
+             !w->met[w->owner[c]] && i < p->contour[c].first + p->contour[c].count; i++)
             for (int k = 0; k < 2; k++) {
                 int32_t const line = p->q[i][k] >> s->fine;
                 if (line < low[k]) low[k] = line;
@@ -138,6 +149,7 @@ void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
 static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;
+
     bvxi_plane_parts(p, w->owner);
     w->other = other;
     w->left = w->hint = 0;
@@ -176,13 +188,15 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
     double *depth = NULL;
     ends_work w;
     bvx_status status;
+
     memset(&w, 0, sizeof w);
     w.s = s;
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth);
     for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
         status = bvxi_progress(s->ctx, "ends", (double)i / s->plane_count);
         for (int side = 0; side < 2 && status == BVX_OK; side++) mark_parts_on(&w, i, side, depth);

@@ -1,8 +1,9 @@
-/* planes.c - what every plane needs before cells are looked at, side by side: places on the plane; then points in fixed point, loops
- * that are surely simple, their directions, areas and distances' boxes; then, once it is known how much there is, crossings.
+/* planes.c - what every plane needs before cells are looked at, side by side: places on the plane; then
+ * points in fixed point, loops that are surely simple, their directions, areas and distances' boxes; then,
+ * once it is known how much there is, crossings.
  *
- * A piece of work neither takes memory nor leaves a message. Planes on which anything is wrong, or not surely right, are gone over
- * once more in order on the calling thread, which says what it is. */
+ * A piece of work neither takes memory nor leaves a message. Planes on which anything is wrong, or not surely
+ * right, are gone over once more in order on the calling thread, which says what it is. */
 #include "section/section.h"
 
 enum { PLANES_SPARE_CUTS = 32 /* for subdivided cells */, PLANES_GRAIN = 1024 /* points */ };
@@ -15,14 +16,14 @@ typedef struct planes_scratch {
 
 typedef struct planes_job {
     bvxi_stack *s;
-    bvxi_stack view;          /* fixed: for pieces */
+    bvxi_stack view; /* fixed: for pieces */
     int32_t pieces, workers;
-    planes_scratch *scratch;  /* one a worker */
-    double (*bounds)[4];      /* of each plane */
-    uint8_t *unsure;          /* a plane each */
-    uint64_t *count;          /* crossings and arcs of each plane */
+    planes_scratch *scratch; /* one a worker */
+    double (*bounds)[4];     /* of each plane */
+    uint8_t *unsure;         /* a plane each */
+    uint64_t *count;         /* crossings and arcs of each plane */
     uint64_t most_points, most_loops, most_arcs;
-    int32_t rows;             /* the larger of columns and rows of cells, and one more */
+    int32_t rows; /* the larger of columns and rows of cells, and one more */
 } planes_job;
 
 typedef struct planes_block {
@@ -41,6 +42,7 @@ static void plane_place_piece(void *user, int32_t index, int32_t worker)
 {
     planes_job *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -54,6 +56,7 @@ static void plane_place_piece(void *user, int32_t index, int32_t worker)
 static bvx_status place_in_job(planes_job *job)
 {
     bvxi_stack *const s = job->s;
+
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.0, 0.25, job->pieces, plane_place_piece, job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         const double *const b = job->bounds[i];
@@ -71,6 +74,7 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
     uint64_t const n = s->plane_count;
     planes_job job;
     bvx_status status;
+
     memset(&job, 0, sizeof job);
     job.s = s;
     job.view = *s;
@@ -91,11 +95,13 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
     planes_job *const job = user;
     const planes_scratch *const x = &job->scratch[worker];
     uint64_t begin, end;
+
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
         bvxi_plane_snap(&job->view, p);
-        job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) || bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
+        job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
+                         bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
         if (job->unsure[i]) continue;
         p->area = bvxi_plane_area(&job->view, p);
         bvxi_plane_tree(p);
@@ -107,6 +113,7 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 static bvx_status settle_planes(planes_job *job)
 {
     bvxi_stack *const s = job->s;
+
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         if (job->unsure[i]) {
@@ -129,20 +136,27 @@ static bvx_status open_cuts(planes_job *job)
     bvxi_stack *const s = job->s;
     bvxi_plane *const all = &s->all;
     uint64_t cut = 0, arc = 0;
+
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t const cuts = job->count[2 * (size_t)i], arcs = job->count[2 * (size_t)i + 1];
         if (cuts > INT32_MAX)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times", s->function, (uint64_t)s->plane[i].section);
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times",
+                             s->function, (uint64_t)s->plane[i].section);
         s->cut_room += cuts + PLANES_SPARE_CUTS;
         s->arc_room += arcs;
         s->report.crossings += cuts;
         if (arcs > job->most_arcs) job->most_arcs = arcs;
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->cut_room * sizeof *all->cut, "the crossings of sections", &all->cut));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc, "the arcs of sections", &all->arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->ring_arc, "the arcs of sections", &all->ring_arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc_cell, "the arcs of sections", &all->arc_cell));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections", &all->asking));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->cut_room * sizeof *all->cut, "the crossings of sections",
+                        &all->cut));
+    BVXI_TRY(
+        bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc, "the arcs of sections", &all->arc));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->ring_arc, "the arcs of sections",
+                        &all->ring_arc));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc_cell, "the arcs of sections",
+                        &all->arc_cell));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
+                        &all->asking));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->cut = all->cut + cut;
@@ -162,7 +176,8 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     planes_job *const job = user;
     uint64_t begin, end;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) bvxi_plane_cut(&job->view, &job->s->plane[i], &job->scratch[worker].arcs);
+    for (uint64_t i = begin; i < end; i++)
+        bvxi_plane_cut(&job->view, &job->s->plane[i], &job->scratch[worker].arcs);
 }
 
 /* ---- all of it ---- */
@@ -170,15 +185,17 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
 /* Scratch of all workers in one block. */
 static bvx_status open_snap_scratch(planes_job *job, planes_block *b)
 {
-    uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box), loops = job->most_loops * sizeof *job->scratch->box;
+    uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box);
+    uint64_t const loops = job->most_loops * sizeof *job->scratch->box;
     unsigned char *at;
+
     b->size = (uint64_t)job->workers * (2 * boxes + loops);
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of segments", &b->block));
     at = b->block;
     for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
         job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
         job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
-        job->scratch[i].box = (int32_t (*)[4])(void *)(at + 2 * boxes);
+        job->scratch[i].box = (int32_t(*)[4])(void *)(at + 2 * boxes);
     }
     return BVX_OK;
 }
@@ -187,6 +204,7 @@ static bvx_status open_cut_scratch(planes_job *job, planes_block *b)
 {
     uint64_t const n = job->most_arcs, each = n * sizeof(bvxi_arc) + (3 * n + (uint64_t)job->rows) * 4;
     unsigned char *at;
+
     b->size = (uint64_t)job->workers * each;
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of arcs", &b->block));
     at = b->block;
@@ -204,14 +222,17 @@ static bvx_status open_cut_scratch(planes_job *job, planes_block *b)
 static bvx_status open_trees(bvxi_stack *s)
 {
     uint64_t group = 0, box = 0;
+
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
         s->group_room += groups;
         s->box_room += boxes;
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->group_room * sizeof *s->all.group, "the segments of contours", &s->all.group));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->box_room * sizeof *s->all.box, "the boxes of contours", &s->all.box));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->group_room * sizeof *s->all.group,
+                        "the segments of contours", &s->all.group));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->box_room * sizeof *s->all.box, "the boxes of contours",
+                        &s->all.box));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
@@ -228,7 +249,8 @@ static bvx_status snap_planes(planes_job *job)
     bvxi_stack *const s = job->s;
     planes_block block = {NULL, 0};
     bvx_status status = open_snap_scratch(job, &block);
-    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job);
+    if (status == BVX_OK)
+        status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job);
     if (status == BVX_OK) status = settle_planes(job);
     bvxi_free(s->ctx, block.block, block.size);
     return status;
@@ -239,9 +261,11 @@ static bvx_status cut_planes(planes_job *job)
     bvxi_stack *const s = job->s;
     planes_block block = {NULL, 0};
     bvx_status status;
+
     BVXI_TRY(open_cuts(job));
     status = open_cut_scratch(job, &block);
-    if (status == BVX_OK) status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
+    if (status == BVX_OK)
+        status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
     bvxi_free(s->ctx, block.block, block.size);
     return status;
 }
@@ -251,6 +275,7 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     uint64_t const n = s->plane_count;
     planes_job job;
     bvx_status status;
+
     memset(&job, 0, sizeof job);
     job.s = s;
     job.view = *s;
@@ -263,9 +288,11 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
     }
     BVXI_TRY(open_trees(s));
-    status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch, "the sections' scratch", &job.scratch);
+    status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch,
+                             "the sections' scratch", &job.scratch);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count);
     if (status == BVX_OK) status = snap_planes(&job);
     if (status == BVX_OK) status = cut_planes(&job);
     bvxi_free(s->ctx, job.count, n * 16);

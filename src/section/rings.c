@@ -1,6 +1,7 @@
-/* rings.c - the ring of each plane is what the cells above and below it share: the points and crossings of each loop one behind the
- * other, crossings of subdivided cells from above and below included, so an arc's vertices are a stretch of it whatever cells it was cut
- * for. Rings are the first vertices of the mesh, plane by plane; planes are gone over side by side, once to count and once to place. */
+/* rings.c - the ring of each plane is what the cells above and below it share: the points and crossings of
+ * each loop one behind the other, crossings of subdivided cells from above and below included, so an arc's
+ * vertices are a stretch of it whatever cells it was cut for. Rings are the first vertices of the mesh, plane
+ * by plane; planes are gone over side by side, once to count and once to place. */
 #include "section/nesting.h"
 
 enum { RINGS_GRAIN = 4096 };
@@ -23,6 +24,7 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
 static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 {
     uint32_t sum = 0;
+
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
     for (uint32_t i = 0; i < p->point_count; i++) {
         uint32_t const n = start[i];
@@ -37,7 +39,8 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
             uint32_t const x = sorted[i];
             uint32_t j = i;
             if (x < p->grid_cut_count) continue; /* those come first, and in order */
-            for (; j > start[k] && order_on_segment(p, &p->cut[x], &p->cut[sorted[j - 1]]) < 0; j--) sorted[j] = sorted[j - 1];
+            for (; j > start[k] && order_on_segment(p, &p->cut[x], &p->cut[sorted[j - 1]]) < 0; j--)
+                sorted[j] = sorted[j - 1];
             sorted[j] = x;
         }
     }
@@ -46,12 +49,14 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *sorted)
 {
     uint32_t n = 0;
+
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
             bvxi_line_cut *const c = &p->cut[sorted[i]];
-            int const may_repeat = i > start[k] && (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
+            int const may_repeat = i > start[k] &&
+                                   (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
             if (may_repeat && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;
             c->ring = n++;
         }
@@ -70,8 +75,8 @@ void bvxi_plane_ring_arcs(bvxi_plane *p)
 
 /* ---- places ---- */
 
-/* Where a crossing lies, on the segment as given. One through a meeting of two lines, which are two crossings at one place, is
- * moved a little along the segment, as the lines are thought to be. */
+/* Where a crossing lies, on the segment as given. One through a meeting of two lines, which are two crossings
+ * at one place, is moved a little along the segment, as the lines are thought to be. */
 static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_cut *c, double at[3])
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
@@ -80,9 +85,13 @@ static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_
     double const length = (double)((int64_t)b[c->axis] - a[c->axis]);
     double t = (double)((int64_t)c->line - a[c->axis]) / length;
     int const o = 1 - c->axis;
+
     if (c->axis == 0) { /* the line u + e_u */
-        int64_t const d = (int64_t)b[o] - a[o], num = ((int64_t)c->line - a[0]) * d, den = (int64_t)b[0] - a[0];
-        if (num % den == 0 && ((a[o] + num / den) & ((1 << (s->fine - BVXI_SECTION_DEEPEST)) - 1)) == 0) t += 0.25 / length;
+        int64_t const d = (int64_t)b[o] - a[o];
+        int64_t const num = ((int64_t)c->line - a[0]) * d;
+        int64_t const den = (int64_t)b[0] - a[0];
+        if (num % den == 0 && ((a[o] + num / den) & ((1 << (s->fine - BVXI_SECTION_DEEPEST)) - 1)) == 0)
+            t += 0.25 / length;
     }
     for (int k = 0; k < 3; k++) at[k] = from[k] + t * (to[k] - from[k]);
 }
@@ -92,15 +101,16 @@ static void place_ring(const bvxi_stack *s, const bvxi_plane *p)
     double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
     for (uint32_t i = 0; i < p->point_count; i++)
         memcpy(position + 3 * (uint64_t)p->ring[i], s->given->points + 3 * (uint64_t)p->given[i], 24);
-    for (uint32_t i = 0; i < p->cut_count; i++) cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
+    for (uint32_t i = 0; i < p->cut_count; i++)
+        cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
 }
 
 /* ---- all planes ---- */
 
 typedef struct ring_job {
     bvxi_stack *s;
-    uint32_t *start, *sorted;      /* of each plane */
-    uint64_t *first;               /* where its part of sorted begins */
+    uint32_t *start, *sorted; /* of each plane */
+    uint64_t *first;          /* where its part of sorted begins */
     int32_t pieces;
 } ring_job;
 
@@ -108,11 +118,13 @@ static void ring_count_piece(void *user, int32_t index, int32_t worker)
 {
     const ring_job *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
-        uint32_t *const start = job->start + (p->ring - job->s->all.ring), *const sorted = job->sorted + job->first[i];
+        uint32_t *const start = job->start + (p->ring - job->s->all.ring);
+        uint32_t *const sorted = job->sorted + job->first[i];
         sort_cuts(p, start, sorted);
         number_ring(p, start, sorted);
         bvxi_plane_ring_arcs(p);
@@ -132,11 +144,14 @@ static bvx_status make_in_job(ring_job *job)
 {
     bvxi_stack *const s = job->s;
     uint64_t vertices = 0;
+
     BVXI_TRY(bvxi_parallel(s->ctx, "rings", 0.0, 0.5, job->pieces, ring_count_piece, job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         s->plane[i].vertex = (uint32_t)vertices;
         vertices += s->plane[i].ring_count;
-        if (vertices > UINT32_MAX - 1) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices", s->function);
+        if (vertices > UINT32_MAX - 1)
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices",
+                             s->function);
     }
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;
@@ -153,13 +168,16 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     uint64_t cuts = 0;
     ring_job job;
     bvx_status status;
+
     memset(&job, 0, sizeof job);
     job.s = s;
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
     job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
     status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first);
     cuts = 0;
     for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
         job.first[i] = cuts;

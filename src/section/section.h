@@ -1,13 +1,14 @@
-/* section.h - contour stacks made ready: planes in fixed point, their crossings with the grid, cells between two of them.
- * Not installed.
+/* section.h - contour stacks made ready: planes in fixed point, their crossings with the grid, cells between
+ * two of them. Not installed.
  *
- * Coordinates. A stack has a frame u, v, w (w along the normal). On the planes u and v are snapped to fixed point: 2^fine units
- * a grid cell, contour points on odd numbers, grid lines of every level on even ones (fine is larger than the depth of
- * subdivision). So no contour point lies on a line. A segment may pass through a meeting of two lines: there every line
- * is thought of as moved by (e_u, e_v), e_u >> e_v > 0, so that all order along lines and segments is strict.
+ * Coordinates. A stack has a frame u, v, w (w along the normal). On the planes u and v are snapped to fixed
+ * point: 2^fine units a grid cell, contour points on odd numbers, grid lines of every level on even ones
+ * (fine is larger than the depth of subdivision). So no contour point lies on a line. A segment may pass
+ * through a meeting of two lines: there every line is thought of as moved by (e_u, e_v), e_u >> e_v > 0, so
+ * that all order along lines and segments is strict.
  *
- * Bit budgets. |q| < 2^30, differences < 2^31, products < 2^62, sums of two < 2^63; the order of two crossings on one line
- * compares fractions by products below 2^94: 128 bits. */
+ * Bit budgets. |q| < 2^30, differences < 2^31, products < 2^62, sums of two < 2^63; the order of two
+ * crossings on one line compares fractions by products below 2^94: 128 bits. */
 #ifndef BVXI_SECTION_H
 #define BVXI_SECTION_H
 
@@ -22,11 +23,11 @@ typedef struct bvxi_line_cut {
     uint32_t segment; /* from point segment to the next one of its loop */
     int32_t line;     /* fixed point */
     int32_t axis;
-    uint32_t ring;    /* its place in the plane's ring, once that is known */
+    uint32_t ring; /* its place in the plane's ring, once that is known */
 } bvxi_line_cut;
 
-/* A piece of a loop within a cell, inside on its left: from a cut over count points, the first of them point, to a cut.
- * A loop that lies in the cell whole has no cuts. */
+/* A piece of a loop within a cell, inside on its left: from a cut over count points, the first of them point,
+ * to a cut. A loop that lies in the cell whole has no cuts. */
 typedef struct bvxi_arc {
     uint32_t from, to;
     uint32_t point, count;
@@ -36,12 +37,13 @@ typedef struct bvxi_contour {
     uint32_t first, count; /* points */
     uint32_t given;        /* number in the stack given */
     int32_t hole;
-    double end[2];         /* a part that ends below, above: how deep its inside is at most; else 0 */
+    double end[2]; /* a part that ends below, above: how deep its inside is at most; else 0 */
 } bvxi_contour;
 
-/* An arc as stretch of the plane's ring, between two places on sides of its cell (0 low v, 1 high u, 2 high v, 3 low u). */
+/* An arc as stretch of the plane's ring, between two places on sides of its
+ * cell (0 low v, 1 high u, 2 high v, 3 low u). */
 typedef struct bvxi_ring_arc {
-    uint32_t from, to;       /* places in the ring; from is none where the loop lies in the cell whole */
+    uint32_t from, to; /* places in the ring; from is none where the loop lies in the cell whole */
     uint8_t from_side, to_side;
 } bvxi_ring_arc;
 
@@ -49,7 +51,8 @@ enum { BVXI_SEGMENT_GROUP = 4 };
 
 /* Segments as distances take them: where each begins, where it leads, the square of its length. */
 typedef struct bvxi_segment_group {
-    double u[BVXI_SEGMENT_GROUP], v[BVXI_SEGMENT_GROUP], du[BVXI_SEGMENT_GROUP], dv[BVXI_SEGMENT_GROUP], square[BVXI_SEGMENT_GROUP];
+    double u[BVXI_SEGMENT_GROUP], v[BVXI_SEGMENT_GROUP], du[BVXI_SEGMENT_GROUP], dv[BVXI_SEGMENT_GROUP],
+        square[BVXI_SEGMENT_GROUP];
 } bvxi_segment_group;
 
 /* How a plane meets the grid's edges. */
@@ -57,38 +60,42 @@ enum { BVXI_PLANE_EXACT, BVXI_PLANE_FIELD, BVXI_PLANE_EMPTY };
 
 typedef struct bvxi_plane {
     double w;
-    uint32_t section;        /* number in the stack given */
+    uint32_t section; /* number in the stack given */
     uint32_t point_count, contour_count;
     uint64_t point_room, contour_room; /* of all */
-    uint32_t *given;         /* number of each point in the stack given */
+    uint32_t *given;                   /* number of each point in the stack given */
     int32_t (*q)[2];
     double (*uv)[2];
     uint32_t *next;
     bvxi_contour *contour;
-    uint64_t *inside;        /* a bit a grid point, rows of words */
-    bvxi_line_cut *cut;      /* first those with lines of the grid, in ring order, then those of subdivided cells */
+    uint64_t *inside; /* a bit a grid point, rows of words */
+    /* first those with lines of the grid, in ring order, then those of subdivided cells */
+    bvxi_line_cut *cut;
     uint32_t cut_count, cut_room, grid_cut_count;
     int owns_cuts;           /* 1: an array of its own, else a stretch of all planes' */
     bvxi_arc *arc;           /* in the cells of the grid, in the order of the cells */
     bvxi_ring_arc *ring_arc; /* the same; once the ring is known */
     uint32_t *arc_cell;      /* of each, see bvxi_cell_key */
-    uint32_t *asking;        /* cells whose sides the contours cross more than once, or that hold a loop; ascending */
+    /* cells whose sides the contours cross more than once, or that hold a loop; ascending */
+    uint32_t *asking;
     uint32_t arc_count, asking_count;
-    uint32_t *ring;          /* place of each point in the ring: points and cuts in the order of the loops */
+    uint32_t *ring; /* place of each point in the ring: points and cuts in the order of the loops */
     uint32_t ring_count;
-    uint32_t vertex;         /* the mesh's vertex at place 0 of the ring */
+    uint32_t vertex; /* the mesh's vertex at place 0 of the ring */
     bvxi_segment_group *group;
-    double (*box)[4];        /* binary heap over groups of segments */
-    uint32_t leaf_count;     /* power of two */
-    double slack;            /* what rounding may make of squares of distances */
+    double (*box)[4];    /* binary heap over groups of segments */
+    uint32_t leaf_count; /* power of two */
+    double slack;        /* what rounding may make of squares of distances */
     double area;
-    int lines;               /* of a cap: points are vertices, and their segments cross nothing */
-    uint8_t ends[2];         /* some part ends below, above */
-    struct bvxi_plane *whole; /* of a nesting level (nesting.h): the section that it is a part of; else NULL */
-    const uint32_t *segment; /* the segments that distances and inside tests are taken from, ascending; NULL: all */
+    int lines;       /* of a cap: points are vertices, and their segments cross nothing */
+    uint8_t ends[2]; /* some part ends below, above */
+    /* of a nesting level (nesting.h): the section that it is a part of; else NULL */
+    struct bvxi_plane *whole;
+    /* the segments that distances and inside tests are taken from, ascending; NULL: all */
+    const uint32_t *segment;
     uint32_t segment_count;
-    int turned;              /* 1: what its loops enclose is outside: a level of holes */
-    uint64_t level_bytes;    /* of its own arrays, when it is a level */
+    int turned;           /* 1: what its loops enclose is outside: a level of holes */
+    uint64_t level_bytes; /* of its own arrays, when it is a level */
 } bvxi_plane;
 
 /* A plane without loops, where a body begins or ends between sections. */
@@ -106,10 +113,13 @@ typedef struct bvxi_section_mesh {
 
 /* Loops that are blended apart from those round them; see nesting.c. */
 typedef struct bvxi_nesting {
-    uint8_t *level[2];       /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
-    uint8_t *count;          /* [planes] levels between a plane and the next one; 1: the sections are blended as they are */
-    uint8_t *joined;         /* [planes] 1: so because levels crossed there */
-    bvxi_plane *plane;       /* levels as planes of their own: below and above, level by level, from slab to slab */
+    /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
+    uint8_t *level[2];
+    /* [planes] levels between a plane and the next one; 1: the sections are blended as they are */
+    uint8_t *count;
+    uint8_t *joined; /* [planes] 1: so because levels crossed there */
+    /* levels as planes of their own: below and above, level by level, from slab to slab */
+    bvxi_plane *plane;
     uint32_t plane_count, plane_room;
 } bvxi_nesting;
 
@@ -117,39 +127,44 @@ typedef struct bvxi_stack {
     bvx_context *ctx;
     const char *function;
     const bvx_sections *given;
-    const int8_t (*nudge)[2]; /* of each point given: steps by which it is moved in fixed point; or NULL. See mend.c */
-    double axis[3][3];       /* u, v, w in the world */
-    double low[2], high[2];  /* bounds of the contours */
-    double origin[2];        /* grid point (0, 0) */
-    double step[2];          /* sides of a cell */
-    int32_t size[2];         /* cells */
-    int32_t fine;            /* bits below a cell */
-    int32_t words;           /* a row of grid points */
-    bvxi_plane *plane;       /* ascending in w */
+    /* of each point given: steps by which it is moved in fixed point; or NULL. See mend.c */
+    const int8_t (*nudge)[2];
+    double axis[3][3];      /* u, v, w in the world */
+    double low[2], high[2]; /* bounds of the contours */
+    double origin[2];       /* grid point (0, 0) */
+    double step[2];         /* sides of a cell */
+    int32_t size[2];        /* cells */
+    int32_t fine;           /* bits below a cell */
+    int32_t words;          /* a row of grid points */
+    bvxi_plane *plane;      /* ascending in w */
     uint32_t plane_count;
-    bvxi_plane all;          /* arrays that the planes have stretches of */
+    bvxi_plane all;                                    /* arrays that the planes have stretches of */
     uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
-    bvxi_plane nothing;      /* a plane without loops: only its bits are there */
+    bvxi_plane nothing;                                /* a plane without loops: only its bits are there */
     bvxi_nesting nesting;
     uint32_t slab_count;
     bvx_sections_options options;
     bvx_sections_report report;
     bvxi_section_mesh mesh;
     bvxi_section_mesh slab_mesh; /* arrays that the slabs' meshes are stretches of */
-    const double *ring_position; /* in a slab's own view of the stack: of the vertices before those of its mesh */
+    /* in a slab's own view of the stack: of the vertices before those of its mesh */
+    const double *ring_position;
     uint32_t ring_vertices;
-    int fixed;               /* 1: a view on another thread, whose arrays do not grow and which leaves no messages */
-    uint32_t (*cap_edge[2])[2]; /* in the field's way: the lines on the first and the last plane, inside on their left */
+    /* 1: a view on another thread, whose arrays do not grow and which leaves no messages */
+    int fixed;
+    /* in the field's way: the lines on the first and the last plane, inside on their left */
+    uint32_t (*cap_edge[2])[2];
     uint32_t cap_edge_count[2], cap_edge_room[2];
 } bvxi_stack;
 
-/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left ---- */
+/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left  */
 
-bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                           bvxi_stack *stack);
-/* The same in two steps: loops and grid; then, with stack->nudge set where points are moved apart, all that fixed point decides. */
-bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                            bvxi_stack *stack);
+bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given,
+                           const bvx_sections_options *options, bvxi_stack *stack);
+/* The same in two steps: loops and grid; then, with stack->nudge set where
+ * points are moved apart, all that fixed point decides. */
+bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
+                            const bvx_sections_options *options, bvxi_stack *stack);
 bvx_status bvxi_stack_finish(bvxi_stack *stack);
 void bvxi_stack_close(bvxi_stack *stack);
 
@@ -162,11 +177,13 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 /* Refuse a result that is NULL or in use, which would be lost. */
 bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result);
 /* An orthonormal frame with w along normal, exact where that is an axis. */
-bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3], double axis[3][3]);
+bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3],
+                              double axis[3][3]);
 
 /* ---- planes.c: what each plane needs, side by side ---- */
 
-/* Pieces for so many planes or slabs with so much work in all: small bodies are not worth waking a thread for. */
+/* Pieces for so many planes or slabs with so much work in all: small bodies
+ * are not worth waking a thread for. */
 static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_t grain)
 {
     int32_t const pieces = bvxi_piece_count(work, grain);
@@ -196,7 +213,8 @@ typedef struct bvxi_segment_box {
     uint32_t segment;
 } bvxi_segment_box;
 
-/* 1 when loops surely neither cross nor touch; 0 asks for the check above. sorted, active: scratch, one a segment. */
+/* 1 when loops surely neither cross nor touch; 0 asks for the check above.
+ * sorted, active: scratch, one a segment. */
 int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
 /* 1 when two segments that follow each other in no loop meet. */
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d);
@@ -211,7 +229,8 @@ static inline uint32_t bvxi_cell_key(int32_t i, int32_t j)
     return (uint32_t)j << 16 | (uint32_t)i;
 }
 
-/* Room for sorting the arcs of one plane by cell: one an arc, and one a column or row of cells and one more. */
+/* Room for sorting the arcs of one plane by cell: one an arc, and one a column or row of cells and one
+ * more. */
 typedef struct bvxi_arc_scratch {
     bvxi_arc *arc;
     uint32_t *cell, *order[2], *start;
@@ -224,7 +243,8 @@ void bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane, const bvxi_arc_scratch
 /* The arcs in a cell: the first of them, and how many. */
 uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *count);
 /* A new crossing's number. */
-bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis, int32_t line, uint32_t *number);
+bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis,
+                              int32_t line, uint32_t *number);
 /* Sides of arcs, and the cells that ask for subdivision; arcs are in order. */
 void bvxi_plane_look_at_cells(const bvxi_stack *stack, bvxi_plane *plane);
 /* Bits at which a row's parity changes, into the bits inside. */
@@ -234,7 +254,8 @@ double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 
 /* ---- rings.c ---- */
 
-/* Number points and cuts of each plane along its loops, one number for cuts that are one; they become the first vertices of the mesh. */
+/* Number points and cuts of each plane along its loops, one number for cuts
+ * that are one; they become the first vertices of the mesh. */
 bvx_status bvxi_rings_make(bvxi_stack *stack);
 /* Arcs as stretches of a ring whose crossings are numbered. */
 void bvxi_plane_ring_arcs(bvxi_plane *plane);
@@ -245,7 +266,8 @@ void bvxi_plane_ring_arcs(bvxi_plane *plane);
 void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
 /* Fill them. */
 void bvxi_plane_tree(bvxi_plane *plane);
-/* Distance from a place to the nearest contour; *hint is a segment thought to be near, and becomes the nearest found. */
+/* Distance from a place to the nearest contour; *hint is a segment thought
+ * to be near, and becomes the nearest found. */
 double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint);
 /* The same distance, and the segment of least number among those that lie so near. */
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
@@ -266,18 +288,20 @@ uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 
 typedef struct bvxi_loop_fill {
     uint32_t count;
-    const uint32_t *vertex;  /* of the mesh, in the direction of the triangles */
-    const uint8_t *faces;    /* cell faces that each lies on */
-    const int32_t *low;      /* of the cell, in fixed point */
+    const uint32_t *vertex; /* of the mesh, in the direction of the triangles */
+    const uint8_t *faces;   /* cell faces that each lies on */
+    const int32_t *low;     /* of the cell, in fixed point */
     int32_t size;
     double low_w, high_w;
-    int cone;                /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
-    int strip;               /* out: it became a strip from below to above */
-    const double **at;       /* scratch: count each */
+    /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int cone;
+    int strip;         /* out: it became a strip from below to above */
+    const double **at; /* scratch: count each */
     uint32_t *next, *before;
 } bvxi_loop_fill;
 
-/* Triangles inside a loop whose inner edges lie on no cell face; where there are none, round a vertex inside the cell. */
+/* Triangles inside a loop whose inner edges lie on no cell face; where
+ * there are none, round a vertex inside the cell. */
 bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
 /* ---- section_mesh.c ---- */
@@ -290,6 +314,7 @@ static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a
 {
     bvxi_section_mesh *const m = &stack->mesh;
     uint32_t *t;
+
     if (BVXI_UNLIKELY(m->triangle_count == m->triangle_room)) BVXI_TRY(bvxi_section_more_triangles(stack));
     t = m->triangle + 3 * m->triangle_count++;
     t[0] = a;
@@ -301,8 +326,9 @@ static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a
 /* Where a vertex is. */
 static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_t number)
 {
-    return number < stack->ring_vertices ? stack->ring_position + 3 * (uint64_t)number
-                                         : stack->mesh.position + 3 * (uint64_t)(number - stack->ring_vertices);
+    return number < stack->ring_vertices
+               ? stack->ring_position + 3 * (uint64_t)number
+               : stack->mesh.position + 3 * (uint64_t)(number - stack->ring_vertices);
 }
 
 /* The world's place of u, v, w. */
@@ -315,7 +341,8 @@ void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 /* Subdivide cells between two planes where they ask for it; adds cuts to both. */
 typedef struct bvxi_slab bvxi_slab;
 bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
-/* The surface in all slabs: the exact way each into a mesh of its own, side by side; the field's way into the stack's. */
+/* The surface in all slabs: the exact way each into a mesh of its own, side
+ * by side; the field's way into the stack's. */
 bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The mesh of the rings, then of the slabs, then of what came last. */
 bvx_status bvxi_slabs_join(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh);
@@ -331,7 +358,8 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uin
 
 /* ---- exact order ---- */
 
-/* A segment's crossings with the lines u = x and v = y, both between its ends: 1 when that with x comes first. */
+/* A segment's crossings with the lines u = x and v = y, both between its
+ * ends: 1 when that with x comes first. */
 static inline int bvxi_x_first(const int32_t *a, const int32_t *b, int32_t x, int32_t y)
 {
     int64_t const dx = (int64_t)b[0] - a[0], dy = (int64_t)b[1] - a[1];
@@ -350,7 +378,8 @@ static inline int bvxi_cut_beyond(const bvxi_plane *p, const bvxi_line_cut *c, i
     int64_t s = ((int64_t)c->line - a[k]) * d - ((int64_t)m - a[o]) * dk;
     if (dk < 0) s = -s;
     if (s != 0) return s > 0;
-    return k == 0 && (d > 0) == (dk > 0); /* through a meeting of lines: on u + e_u it lies beyond v + e_v where it rises */
+    /* through a meeting of lines: on u + e_u it lies beyond v + e_v where it rises */
+    return k == 0 && (d > 0) == (dk > 0);
 }
 
 #endif

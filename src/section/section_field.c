@@ -1,8 +1,10 @@
-/* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between two planes.
+/* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between
+ * two planes.
  *
- * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one plane and outside on
- * the other: at the share of both distances, kept a little off the planes. Over a part that ends (part_ends.c) the other plane counts as so
- * deep outside as the part's widest place is inside: the body narrows to a ridge there. */
+ * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one
+ * plane and outside on the other: at the share of both distances, kept a little off the planes. Over a part
+ * that ends (part_ends.c) the other plane counts as so deep outside as the part's widest place is inside: the
+ * body narrows to a ridge there. */
 #include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
@@ -17,13 +19,16 @@ double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
 static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
+
     if (p->distance == NULL) {
         f->s->report.distances++;
-        return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
+        return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
+                                   f->s->origin[1] + j * f->s->step[1], &p->hint);
     }
     if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
         p->known[n >> 6] |= UINT64_C(1) << (n & 63);
-        p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0], f->s->origin[1] + j * f->s->step[1], &p->hint);
+        p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
+                                             f->s->origin[1] + j * f->s->step[1], &p->hint);
         f->s->report.distances++;
     }
     return p->distance[n];
@@ -36,7 +41,8 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
     if ((at[0] & part) == 0 && (at[1] & part) == 0) return grid_distance(f, p, at[0] >> fine, at[1] >> fine);
     f->s->report.distances++;
-    return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), &p->hint);
+    return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]),
+                               &p->hint);
 }
 
 static int is_nothing(const bvxi_field *f, int k)
@@ -44,7 +50,8 @@ static int is_nothing(const bvxi_field *f, int k)
     return bvxi_plane_is_nothing(f->slab->plane[k]);
 }
 
-/* Where the part of plane k that is nearest to a place ends before the other plane: its depth, and the distance to it; else 0. */
+/* Where the part of plane k that is nearest to a place ends before the
+ * other plane: its depth, and the distance to it; else 0. */
 static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
 {
     const bvxi_plane *const p = f->slab->plane[k];
@@ -55,8 +62,8 @@ static double ending_part(bvxi_field *f, int k, double u, double v, double *dist
     return p->contour[contour].end[1 - k];
 }
 
-/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way between two sections: a plane
- * without loops lies there already. */
+/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way
+ * between two sections: a plane without loops lies there already. */
 static double ending_depth(const bvxi_field *f, int k, double off, double depth)
 {
     return (is_nothing(f, k) ? depth : 2.0 * depth) - (off < depth ? off : depth);
@@ -68,7 +75,8 @@ static double outside_value(bvxi_field *f, int k, double u, double v, double d)
     double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
     if (!(depth > 0.0)) return -d;
     if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
-    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d; /* a part that ends the other way is nearer */
+    /* a part that ends the other way is nearer */
+    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d;
     return -off - (is_nothing(f, k) ? depth : 2.0 * depth);
 }
 
@@ -95,7 +103,8 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 
 /* ---- crossings of lines ---- */
 
-/* Both distances on the line over a place in a part that ends before the other plane, which it is inside on; 0 for other places. */
+/* Both distances on the line over a place in a part that ends before the
+ * other plane, which it is inside on; 0 for other places. */
 static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
 {
     double off, depth = ending_part(f, from, u, v, &off);
@@ -110,6 +119,7 @@ static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
 {
     double t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     int32_t l = 0;
+
     if (f->layers > 1) {
         t *= f->layers;
         l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
@@ -121,7 +131,8 @@ static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
     return (l + t) / f->layers;
 }
 
-static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer, uint32_t *vertex)
+static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer,
+                             uint32_t *vertex)
 {
     const double *const w = f->slab->w;
     double const t = line_share(f, d, layer);
@@ -144,32 +155,37 @@ static void measure_ends(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
     uint32_t n = 0;
+
     for (int32_t j = 0; j <= s->size[1]; j++)
         for (int32_t word = 0; word < s->words; word++)
-            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 double d[2] = {-1.0, -1.0};
                 for (int k = 0; k < 2; k++)
                     if (is_nothing(f, k)) d[k] = 0.0;
-                (void)ending_line(f, !bvxi_grid_bit(s, f->slab->plane[0], i, j), s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d);
+                (void)ending_line(f, !bvxi_grid_bit(s, f->slab->plane[0], i, j),
+                                  s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d);
                 f->line[0][n] = d[0];
                 f->line[1][n] = d[1];
             }
 }
 
-/* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just before, or above, so it
- * seldom goes far. ends: some are known. */
+/* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just
+ * before, or above, so it seldom goes far. ends: some are known. */
 static void measure_lines(bvxi_field *f, int k, int ends)
 {
     bvxi_stack *const s = f->s;
     bvxi_plane_field *const p = &f->plane[k];
     double *const d = f->line[k];
     uint32_t n = 0;
+
     for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
     for (int32_t j = 0; j <= s->size[1]; j++) {
         int32_t last = INT32_MIN / 2;
         for (int32_t word = 0; word < s->words; word++)
-            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 if (ends && d[n] >= 0.0) continue;
                 if (i - last > 1) start_near(p, i);
@@ -185,15 +201,18 @@ static bvx_status cross_grid_lines(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
     uint32_t n = 0;
+
     f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
     for (int32_t j = 0; j <= s->size[1]; j++)
         for (int32_t word = 0; word < s->words; word++)
-            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0; bits &= bits - 1, n++) {
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
                 double const d[2] = {f->line[0][n], f->line[1][n]};
                 uint32_t vertex;
                 uint8_t layer;
-                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d, &layer, &vertex));
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d,
+                                    &layer, &vertex));
                 if (f->layers > 1) f->layer[n] = layer;
             }
     return BVX_OK;
@@ -202,6 +221,7 @@ static bvx_status cross_grid_lines(bvxi_field *f)
 static bvx_status cross_hanging_lines(bvxi_field *f)
 {
     bvxi_slab *const slab = f->slab;
+
     for (uint32_t i = 0; i < slab->hanging_count; i++) {
         bvxi_hanging *const h = &slab->hanging[i];
         double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
@@ -220,6 +240,7 @@ static bvx_status cross_lines(bvxi_field *f)
     const bvxi_slab *const slab = f->slab;
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
     int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
+
     f->lines = 0;
     for (size_t i = 0; i < words; i++) {
         f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
@@ -255,11 +276,14 @@ static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plan
 static void index_hanging(bvxi_field *f)
 {
     const bvxi_slab *const slab = f->slab;
+
     for (int k = 0; k < 2; k++) {
         uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
         uint32_t n = 0;
         for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
-            while (n < slab->hanging_count && slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i) n++;
+            while (n < slab->hanging_count &&
+                   slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
+                n++;
             start[i] = n;
         }
     }
@@ -269,7 +293,8 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
     f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
-    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) { /* what was above is below now */
+    /* what was above is below now */
+    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
         f->plane[0] = up;
@@ -283,20 +308,29 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 
 bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 {
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
+    uint64_t const words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+
     memset(f, 0, sizeof *f);
     f->s = s;
     f->line_room = lines;
     for (int k = 0; k < 2; k++) {
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section", &f->plane[k].column));
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section", &f->line[k]));
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
+                            &f->plane[k].column));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
+                                 &f->line[k]));
         if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section", &f->plane[k].distance));
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section", &f->plane[k].known));
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
+                            &f->plane[k].distance));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section",
+                                 &f->plane[k].known));
     }
-    if (s->options.layers > 1) BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells", &f->hanging_column));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells", &f->hanging_row));
+    if (s->options.layers > 1)
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells",
+                        &f->hanging_column));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells",
+                        &f->hanging_row));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
     return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
 }
@@ -304,7 +338,9 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 void bvxi_field_close(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1), words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
+    uint64_t const words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+
     bvxi_free(s->ctx, f->crossed, words * 8);
     bvxi_free(s->ctx, f->before, words * 4);
     bvxi_free(s->ctx, f->hanging_row, ((uint64_t)s->size[1] + 2) * 4);

@@ -1,6 +1,8 @@
-/* section_field.h - the field over one slab: distances at grid points of both planes, the surface's crossings of the lines between them.
+/* section_field.h - the field over one slab: distances at grid points of both planes, the surface's crossings
+ * of the lines between them.
  *
- * Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those between are blends. */
+ * Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those
+ * between are blends. */
 #ifndef BVXI_SECTION_FIELD_H
 #define BVXI_SECTION_FIELD_H
 
@@ -10,7 +12,7 @@
 
 /* Vertices by a key; a lookup alone, so the order of keys does not matter. */
 typedef struct bvxi_vertex_map {
-    uint64_t *key;       /* UINT64_MAX: free */
+    uint64_t *key; /* UINT64_MAX: free */
     uint32_t *vertex;
     uint32_t room, count;
 } bvxi_vertex_map;
@@ -24,8 +26,8 @@ typedef struct bvxi_column_hint {
 /* Distances of one plane's grid points, computed when asked for. */
 typedef struct bvxi_plane_field {
     const bvxi_plane *plane;
-    double *distance;    /* where they may be asked for again: field levels; else none */
-    uint64_t *known;     /* a bit a grid point */
+    double *distance;         /* where they may be asked for again: field levels; else none */
+    uint64_t *known;          /* a bit a grid point */
     bvxi_column_hint *column; /* of each column of grid points, with one more on either side */
     uint32_t hint;
 } bvxi_plane_field;
@@ -35,14 +37,16 @@ typedef struct bvxi_field {
     bvxi_slab *slab;
     int32_t layers;
     bvxi_plane_field plane[2];
-    uint64_t *crossed;       /* grid points whose line to the plane above is crossed; crossings are numbered in their order */
-    uint32_t *before;        /* a word of them each: crossings before it */
-    uint32_t first;          /* the vertex of the first */
+    /* grid points whose line to the plane above is crossed; crossings are numbered in their order */
+    uint64_t *crossed;
+    uint32_t *before; /* a word of them each: crossings before it */
+    uint32_t first;   /* the vertex of the first */
     uint32_t lines, line_room;
-    double *line[2];         /* crossings each: distances on both planes */
-    uint32_t *hanging_row;   /* the slab's first hanging corner in each row of the grid or behind, and one more */
+    double *line[2]; /* crossings each: distances on both planes */
+    /* the slab's first hanging corner in each row of the grid or behind, and one more */
+    uint32_t *hanging_row;
     uint32_t *hanging_column; /* the same by column, in the order of by_u */
-    uint8_t *layer;          /* and between which levels it lies; layers > 1 */
+    uint8_t *layer;           /* and between which levels it lies; layers > 1 */
 } bvxi_field;
 
 /* lines: the most crossings of a slab. */

@@ -13,9 +13,11 @@ static bvx_status section_grow(bvxi_stack *s, void *block, uint64_t item, uint64
 bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint32_t *number)
 {
     bvxi_section_mesh *const m = &s->mesh;
+
     if (m->vertex_count == m->vertex_room) {
         if (m->vertex_count + s->ring_vertices >= UINT32_MAX - 1)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices", s->function);
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices",
+                             s->function);
         BVXI_TRY(section_grow(s, &m->position, 24, &m->vertex_room, "the vertices of a body"));
     }
     memcpy(m->position + 3 * m->vertex_count, position, 24);

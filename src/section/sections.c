@@ -1,13 +1,15 @@
 /* sections.c - the closed surface of a body through its section contours.
  *
- * Source: the paper on surface modelling in section data fields (distances on sections, marching cubes over cells from section to
- * section, contour points as vertices, faces with four crossings decided at the meeting of the lines joining opposite ones).
+ * Source: the paper on surface modelling in section data fields (distances on sections, marching cubes over
+ * cells from section to section, contour points as vertices, faces with four crossings decided at the meeting
+ * of the lines joining opposite ones).
  *
- * What is different: on a section's plane nothing is interpolated. A plane's contours are cut at the grid's lines, and at those of
- * subdivided cells on either side, into one ring of vertices; the cells above and below all take their stretches from that ring. So
- * the surface above a plane ends where the surface below it begins, whatever the cells on both sides are. Strips of cell sides between
- * the planes depend on what lies in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell
- * share no inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
+ * What is different: on a section's plane nothing is interpolated. A plane's contours are cut at the grid's
+ * lines, and at those of subdivided cells on either side, into one ring of vertices; the cells above and
+ * below all take their stretches from that ring. So the surface above a plane ends where the surface below it
+ * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
+ * in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell share no
+ * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
 #include "section/mend.h"
 #include "section/nesting.h"
 
@@ -48,9 +50,11 @@ static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_opt
 
     for (int32_t a = 0; a < 2; a++)
         if (o->grid[a] < 2 || o->grid[a] > 8192)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: grid[%d] is %d; 2 to 8192 are possible", sections_name, (int64_t)a,
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: grid[%d] is %d; 2 to 8192 are possible", sections_name, (int64_t)a,
                                  (int64_t)o->grid[a]);
-    if (o->spacing != 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
+    if (o->spacing != 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
     return BVX_OK;
 }
 
@@ -60,6 +64,7 @@ static void measure_prismoids(bvxi_stack *s)
     double sum = 0.0;
     uint32_t const n = s->plane_count;
     const bvxi_plane *const p = s->plane;
+
     for (uint32_t i = 0; i + 1 < n; i++) {
         double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
         double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
@@ -90,7 +95,8 @@ static bvx_status make_caps(bvxi_stack *s)
     for (int k = 0; k < 2; k++) {
         int32_t const side = k == 0 ? -1 : 1;
         if (s->options.crossings != BVX_CROSSINGS_EXACT)
-            BVXI_TRY(bvxi_cap_fill_edges(s, (const uint32_t (*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+            BVXI_TRY(
+                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
         else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
     }
     return BVX_OK;
@@ -132,9 +138,9 @@ static void count_nested(bvxi_stack *s)
     }
 }
 
-/* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes with that,
- * for the slabs beside it too, so the new surface is looked at again; that ends, since each time at least one slab
- * less has levels, and after some times none. */
+/* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes
+ * with that, for the slabs beside it too, so the new surface is looked at again; that ends, since each time
+ * at least one slab less has levels, and after some times none. */
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
     bvx_sections_report before;
@@ -156,37 +162,40 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     }
     if (status == BVX_OK) count_nested(s);
     if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.9, 0.95, make_caps(s));
-    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
+    if (status == BVX_OK)
+        status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
     bvxi_slabs_free(s, slabs, count);
     bvxi_nesting_close(s);
     return status;
 }
 
 /* Mended loops, on the grid that the given ones have. */
-static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections, const bvx_sections_options *options,
-                              bvxi_mended *mended, bvxi_stack *stack)
+static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
+                              const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
 {
     bvx_sections_options o = *options;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
     if (mended->sections.loop_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing is left of the loops once they are mended", sections_name);
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing is left of the loops once they are mended",
+                         sections_name);
     if (mended->spacing > 0.0) o.spacing = mended->spacing;
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, &o, stack)));
-    stack->nudge = (const int8_t (*)[2])mended->nudge;
+    stack->nudge = (const int8_t(*)[2])mended->nudge;
     stack->report.mended_loops = mended->loops;
     return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
 }
 
 /* What cannot be mended is refused by its own loops' numbers, as without. */
-static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections, const bvx_sections_options *options,
-                                bvxi_mended *mended, bvxi_stack *stack)
+static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
+                                const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
 {
     memset(mended, 0, sizeof *mended);
     memset(stack, 0, sizeof *stack);
     stack->ctx = ctx;
     if (options->mend) {
-        bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7, open_mended(ctx, sections, options, mended, stack));
+        bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7,
+                                             open_mended(ctx, sections, options, mended, stack));
         if (status != BVX_ERR_FORMAT) return status;
         bvxi_stack_close(stack);
         return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
@@ -201,6 +210,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     bvxi_mended mended;
     bvxi_stack stack;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
     bvx_sections_options_init(&o, sizeof o);
@@ -215,7 +225,9 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
         status = BVXI_SHARE(context, 0.15, 1.0, build_body(&stack, mesh));
     }
     if (status == BVX_OK && o.report != NULL) {
-        stack.report.skipped = stack.report.samples > stack.report.distances ? stack.report.samples - stack.report.distances : 0;
+        stack.report.skipped = stack.report.samples > stack.report.distances
+                                   ? stack.report.samples - stack.report.distances
+                                   : 0;
         *o.report = stack.report;
     }
     bvxi_stack_close(&stack);
@@ -223,7 +235,8 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     return status;
 }
 
-bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *options, bvx_mesh *mesh)
+bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
+                              const bvx_sections_options *options, bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_build_sections(context, sections, options, mesh));
 }

@@ -1,7 +1,8 @@
-/* simple.c - loops of a section neither cross nor touch, themselves or each other; decided exactly in fixed point.
+/* simple.c - loops of a section neither cross nor touch, themselves or each other; decided exactly in fixed
+ * point.
  *
- * Segments in the order of their least u are held against those that still reach so far. Cost: O(n log n) and the pairs whose
- * ranges of u overlap. Points of a loop that snap to one place count as one. */
+ * Segments in the order of their least u are held against those that still reach so far. Cost: O(n log n) and
+ * the pairs whose ranges of u overlap. Points of a loop that snap to one place count as one. */
 #include "section/section.h"
 
 #include "mesh/radix.h"
@@ -23,7 +24,8 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
         const bvxi_contour *const c = &p->contour[k];
         uint32_t const last = c->first + c->count - 1;
         uint32_t start = c->first;
-        while (start < last && at_one_place(p->q[start], p->q[last])) start++; /* the run that goes over the end */
+        /* the run that goes over the end */
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
         for (uint32_t i = c->first; i <= last; i++)
             place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
         for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
@@ -32,7 +34,8 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
 
 static int turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
 {
-    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) -
+                      ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
     return (t > 0) - (t < 0);
 }
 
@@ -49,14 +52,19 @@ static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
 
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
 {
-    int const ca = turn_sign(a, b, c), da = turn_sign(a, b, d), ac = turn_sign(c, d, a), bc = turn_sign(c, d, b);
+    int const ca = turn_sign(a, b, c);
+    int const da = turn_sign(a, b, d);
+    int const ac = turn_sign(c, d, a);
+    int const bc = turn_sign(c, d, b);
     if (ca * da < 0 && ac * bc < 0) return 1;
-    return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) || (bc == 0 && is_on(c, d, b));
+    return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) ||
+           (bc == 0 && is_on(c, d, b));
 }
 
 int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
 {
-    int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) + ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
+    int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) +
+                        ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
     return turn_sign(shared, a, b) == 0 && dot > 0;
 }
 
@@ -75,13 +83,20 @@ static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, ui
     uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
     const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
     uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
+
     if (a == b)
-        return bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET, "%s: loop %i of section %u (position %g) crosses or touches itself, behind its points %u and %u, near "
-                         "(%g, %g, %g)", s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
-                         s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
-    return bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET, "%s: loops %i and %u of section %u (position %g) cross or touch, behind their points %u and %u, near "
-                     "(%g, %g, %g)", s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
-                     s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+        return bvxi_fail_for(
+            s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: loop %i of section %u (position %g) crosses or touches itself, behind its points %u and %u, near "
+            "(%g, %g, %g)",
+            s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+            s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+    return bvxi_fail_for(
+        s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+        "%s: loops %i and %u of section %u (position %g) cross or touch, behind their points %u and %u, near "
+        "(%g, %g, %g)",
+        s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+        s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
 }
 
 static inline int32_t least(int32_t a, int32_t b)
@@ -97,6 +112,7 @@ static inline int32_t most(int32_t a, int32_t b)
 static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w)
 {
     uint32_t count = 0, reach = 0;
+
     find_places(p, w->place);
     for (uint32_t i = 0; i < p->point_count; i++) {
         if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
@@ -127,8 +143,10 @@ bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
     simple_work w = {NULL, NULL, NULL, NULL};
     uint64_t const n = p->point_count;
     bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key);
+
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place);
     if (status == BVX_OK) status = check_pairs(s, p, &w);
     bvxi_free(s->ctx, w.place, n * 4);

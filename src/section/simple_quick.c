@@ -1,8 +1,9 @@
-/* simple_quick.c - most sections hold simple loops whose points are some way apart: these are found good without an allocation, side by
- * side. Whatever is not surely good goes to the full check, which finds what is wrong and says so.
+/* simple_quick.c - most sections hold simple loops whose points are some way apart: these are found good
+ * without an allocation, side by side. Whatever is not surely good goes to the full check, which finds what
+ * is wrong and says so.
  *
- * Segments are put into buckets of their least u and then in order by insertion; each is held against the boxes of those that still
- * reach so far, kept one behind the other. */
+ * Segments are put into buckets of their least u and then in order by insertion; each is held against the
+ * boxes of those that still reach so far, kept one behind the other. */
 #include "section/section.h"
 
 enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };
@@ -28,6 +29,7 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
     uint32_t start[QUICK_BUCKETS], sum = 0, shift = 0;
     int32_t low = box[0].left, high = low;
     uint64_t moves = (uint64_t)n * QUICK_MOST_MOVES;
+
     for (uint32_t i = 1; i < n; i++) {
         if (box[i].left < low) low = box[i].left;
         if (box[i].left > high) high = box[i].left;
@@ -64,6 +66,7 @@ int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_seg
 {
     uint32_t const n = p->point_count;
     uint32_t reach = 0;
+
     if (n == 0) return 1;
     if (!box_segments(p, active) || !sort_boxes(active, n, sorted)) return 0;
     for (uint32_t k = 0; k < n; k++) {

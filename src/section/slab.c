@@ -1,7 +1,8 @@
-/* slab.c - what lies between neighbouring planes: cells subdivided for both, and where finer corners lie on coarser sides.
+/* slab.c - what lies between neighbouring planes: cells subdivided for both, and where finer corners lie on
+ * coarser sides.
  *
- * A cell is subdivided for both of its planes, and the crossings that this makes go to each plane's ring, so the cells on the
- * plane's other side get them as vertices too. */
+ * A cell is subdivided for both of its planes, and the crossings that this makes go to each plane's ring, so
+ * the cells on the plane's other side get them as vertices too. */
 #include "section/nesting.h"
 #include "section/split.h"
 
@@ -10,7 +11,8 @@
 bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
 {
     uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
-    if (larger > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
+    if (larger > INT32_MAX)
+        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
     if (s->fixed) return BVX_ERR_BUDGET;
     BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
     *room = (uint32_t)larger;
@@ -28,6 +30,7 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
 {
     uint32_t const n = slab->hanging_count;
     uint32_t kept = 0;
+
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = hanging_key(&slab->hanging[i], 1);
         w->order[i] = i;
@@ -48,9 +51,13 @@ static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
     bvxi_stack *const s = w->s;
     uint32_t const n = slab->hanging_count;
     if (n == 0) return BVX_OK;
-    while (w->key_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->key, &w->key_room, sizeof *w->key, "the order of corners"));
-    while (w->order_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->order, &w->order_room, sizeof *w->order, "the order of corners"));
-    while (w->sorted_room < n) BVXI_TRY(bvxi_slab_enlarge(s, &w->sorted, &w->sorted_room, sizeof *w->sorted, "the order of corners"));
+    while (w->key_room < n)
+        BVXI_TRY(bvxi_slab_enlarge(s, &w->key, &w->key_room, sizeof *w->key, "the order of corners"));
+    while (w->order_room < n)
+        BVXI_TRY(bvxi_slab_enlarge(s, &w->order, &w->order_room, sizeof *w->order, "the order of corners"));
+    while (w->sorted_room < n)
+        BVXI_TRY(
+            bvxi_slab_enlarge(s, &w->sorted, &w->sorted_room, sizeof *w->sorted, "the order of corners"));
     return sort_hanging(w, slab);
 }
 
@@ -65,9 +72,12 @@ static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t by
 static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_slab *const g = &w->grown;
-    uint64_t const split = g->split_count * sizeof *g->split, leaf = g->leaf_count * sizeof *g->leaf, arc = g->arc_count * sizeof *g->arc;
+    uint64_t const split = g->split_count * sizeof *g->split;
+    uint64_t const leaf = g->leaf_count * sizeof *g->leaf;
+    uint64_t const arc = g->arc_count * sizeof *g->arc;
     uint64_t const hanging = g->hanging_count * sizeof *g->hanging, by_u = (uint64_t)g->hanging_count * 4;
     unsigned char *at;
+
     if (g->split_count == 0) return BVX_OK;
     slab->block_size = split + leaf + arc + hanging + by_u;
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, slab->block_size, "the parts of cells", &slab->block));
@@ -97,17 +107,21 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
     const bvxi_plane *const below = slab->plane[0], *const above = slab->plane[1];
     uint32_t i = 0, j = 0;
     bvxi_slab *const g = &w->grown;
+
     w->slab = g;
-    for (int k = 0; k < 2; k++) { /* levels of one section are split one after the other, and share its crossings */
+    /* levels of one section are split one after the other, and share its crossings */
+    for (int k = 0; k < 2; k++) {
         bvxi_nesting_refresh(slab->plane[k]);
         g->plane[k] = slab->plane[k];
     }
     g->split_count = g->leaf_count = g->arc_count = g->hanging_count = 0;
     while (i < below->asking_count || j < above->asking_count) {
-        uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX, b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
+        uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX;
+        uint32_t const b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
         i += a <= b;
         j += b <= a;
-        BVXI_TRY(bvxi_split_grid_cell(w, (int32_t)((a < b ? a : b) & 0xffff), (int32_t)((a < b ? a : b) >> 16)));
+        BVXI_TRY(
+            bvxi_split_grid_cell(w, (int32_t)((a < b ? a : b) & 0xffff), (int32_t)((a < b ? a : b) >> 16)));
     }
     BVXI_TRY(order_hanging(w, g));
     return keep_slab(w, slab);
@@ -117,6 +131,7 @@ static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     bvxi_split_work w;
     bvx_status status = BVX_OK;
+
     memset(&w, 0, sizeof w);
     w.s = s;
     for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
@@ -157,8 +172,8 @@ static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below
     return levels;
 }
 
-/* Between neighbours; towards an empty plane half the way; beyond the ends half a spacing when they taper. nothing: a plane without
- * loops. */
+/* Between neighbours; towards an empty plane half the way; beyond the ends
+ * half a spacing when they taper. nothing: a plane without loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
 {
     uint32_t const n = s->plane_count;
@@ -166,6 +181,7 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
     uint32_t count = 0;
     bvxi_plane *level = s->nesting.plane;
     int const taper = s->options.caps == BVX_CAPS_TAPER;
+
     slabs[0].below = BVXI_NONE;
     if (taper) set_slab(&slabs[count++], nothing, &p[0], p[0].w - 0.5 * (p[1].w - p[0].w), p[0].w);
     for (uint32_t i = 0; i + 1 < n; i++) {
@@ -183,7 +199,9 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);
     }
     slabs[count].below = n - 1;
-    if (taper) set_slab(&slabs[count++], &p[n - 1], nothing, p[n - 1].w, p[n - 1].w + 0.5 * (p[n - 1].w - p[n - 2].w));
+    if (taper)
+        set_slab(&slabs[count++], &p[n - 1], nothing, p[n - 1].w,
+                 p[n - 1].w + 0.5 * (p[n - 1].w - p[n - 2].w));
     return count;
 }
 
@@ -191,10 +209,12 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
 {
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
+
     *count = (uint32_t)room;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
     nothing->section = BVXI_NONE;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8, "an empty plane", &nothing->inside));
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8,
+                             "an empty plane", &nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
@@ -211,7 +231,8 @@ void bvxi_slabs_free(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
         }
         bvxi_free(s->ctx, b->block, b->block_size);
     }
-    bvxi_free(s->ctx, s->nothing.inside, s->nothing.inside == NULL ? 0 : ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
+    bvxi_free(s->ctx, s->nothing.inside,
+              s->nothing.inside == NULL ? 0 : ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
     s->nothing.inside = NULL;
     bvxi_free(s->ctx, slabs, (uint64_t)count * sizeof *slabs);
 }

@@ -1,4 +1,5 @@
-/* slab.h - what lies between two planes: cells of the grid, those that were subdivided, grid points inside the grid's own edges. */
+/* slab.h - what lies between two planes: cells of the grid, those that were
+ * subdivided, grid points inside the grid's own edges. */
 #ifndef BVXI_SLAB_H
 #define BVXI_SLAB_H
 
@@ -6,9 +7,9 @@
 
 /* Corners of a cell as bits: 1 low u low v, 2 high u low v, 4 low u high v, 8 both high. */
 typedef struct bvxi_leaf {
-    int32_t low[2], size;              /* fixed point */
-    uint8_t inside[2];                 /* corners inside on the plane below, above */
-    uint32_t arc[2], arc_count[2];     /* in the slab's arcs */
+    int32_t low[2], size;          /* fixed point */
+    uint8_t inside[2];             /* corners inside on the plane below, above */
+    uint32_t arc[2], arc_count[2]; /* in the slab's arcs */
 } bvxi_leaf;
 
 typedef struct bvxi_split {
@@ -20,11 +21,11 @@ typedef struct bvxi_hanging {
     int32_t at[2];
     uint8_t inside[2];
     uint8_t layer;
-    uint32_t vertex;                   /* where the surface crosses the line over it */
+    uint32_t vertex; /* where the surface crosses the line over it */
 } bvxi_hanging;
 
 struct bvxi_slab {
-    bvxi_plane *plane[2];              /* below, above; one of them may be an empty one */
+    bvxi_plane *plane[2]; /* below, above; one of them may be an empty one */
     double w[2];
     bvxi_split *split;
     uint32_t split_count, split_room;
@@ -32,17 +33,19 @@ struct bvxi_slab {
     uint32_t leaf_count, leaf_room;
     bvxi_arc *arc;
     uint32_t arc_count, arc_room;
-    bvxi_hanging *hanging;             /* by v, then u */
-    uint32_t *by_u;                    /* numbers of them by u, then v */
+    bvxi_hanging *hanging; /* by v, then u */
+    uint32_t *by_u;        /* numbers of them by u, then v */
     uint32_t hanging_count, hanging_room;
-    unsigned char *block;              /* of all these arrays */
+    unsigned char *block; /* of all these arrays */
     uint64_t block_size;
-    /* the surface between the planes, when each slab has its own: vertices behind those of the rings, numbered from there */
+    /* the surface between the planes, when each slab has its own: vertices
+     * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
-    uint32_t lines;                    /* grid points whose line is crossed */
+    uint32_t lines; /* grid points whose line is crossed */
     uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
-    int owns_mesh;                     /* 1: arrays of its own, else stretches of all slabs' */
-    uint32_t below, level;             /* number of the plane below that has loops, or none; which nesting level it holds */
+    int owns_mesh; /* 1: arrays of its own, else stretches of all slabs' */
+    /* number of the plane below that has loops, or none; which nesting level it holds */
+    uint32_t below, level;
 };
 
 /* Which side of a cell a cut lies on: 0 low v, 1 high u, 2 high v, 3 low u: counter-clockwise. */
@@ -60,7 +63,8 @@ static inline int bvxi_grid_bit(const bvxi_stack *s, const bvxi_plane *p, int32_
 /* An array with room for one more. */
 bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
 
-static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room, uint64_t item, const char *what)
+static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room,
+                                        uint64_t item, const char *what)
 {
     return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
 }

@@ -1,6 +1,8 @@
-/* slab_fill.c - the surface between two sections: every cell that it may cross, layer by layer, in the order of the grid.
+/* slab_fill.c - the surface between two sections: every cell that it may cross, layer by layer, in the order
+ * of the grid.
  *
- * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one behind the other. */
+ * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one
+ * behind the other. */
 #include "section/slab_fill.h"
 
 static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
@@ -8,16 +10,18 @@ static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
     return row[i] >> 1 | (i + 1 < words ? row[i + 1] << 63 : 0);
 }
 
-/* Cells of a row that the surface may cross: corners whose line is crossed, contours, corners unlike each other where the field
- * decides. */
+/* Cells of a row that the surface may cross: corners whose line is crossed,
+ * contours, corners unlike each other where the field decides. */
 static void find_active(bvxi_slab_work *w, int32_t j)
 {
     bvxi_stack *const s = w->s;
     int32_t const words = s->words, last = s->size[0] >> 6;
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
     const uint64_t *const c = w->field.crossed;
+
     for (int32_t i = 0; i < words; i++)
-        w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) | row_word_up(c + high, i, words);
+        w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) |
+                    row_word_up(c + high, i, words);
     for (int k = 0; k < 2; k++) {
         const bvxi_plane *const p = w->field.slab->plane[k];
         if (s->options.crossings == BVX_CROSSINGS_EXACT) {
@@ -27,7 +31,8 @@ static void find_active(bvxi_slab_work *w, int32_t j)
         }
         for (int32_t i = 0; i < words; i++) {
             uint64_t const a = p->inside[low + (size_t)i], b = p->inside[high + (size_t)i];
-            uint64_t const x = row_word_up(p->inside + low, i, words), y = row_word_up(p->inside + high, i, words);
+            uint64_t const x = row_word_up(p->inside + low, i, words);
+            uint64_t const y = row_word_up(p->inside + high, i, words);
             w->row[i] |= (a | b | x | y) & ~(a & b & x & y);
         }
     }
@@ -64,15 +69,16 @@ static void count_arcs(const bvxi_slab_work *w, uint32_t key, uint32_t count[2])
     }
 }
 
-/* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left corners was met at the right ones
- * of the cell before, which it makes one to look at too. */
+/* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left
+ * corners was met at the right ones of the cell before, which it makes one to look at too. */
 static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], uint32_t line[4])
 {
     static const uint8_t left[2] = {0, 3}, right[2] = {1, 2};
     uint32_t const crossed = inside[0] ^ inside[1];
     for (int k = 0; k < 2; k++) {
         line[left[k]] = line[right[k]] = BVXI_NONE;
-        if ((crossed >> left[k] & 1) != 0) line[left[k]] = w->field.first + (i == 0 ? w->line[k]++ : w->line[k] - 1);
+        if ((crossed >> left[k] & 1) != 0)
+            line[left[k]] = w->field.first + (i == 0 ? w->line[k]++ : w->line[k] - 1);
         if ((crossed >> right[k] & 1) != 0) line[right[k]] = w->field.first + w->line[k]++;
     }
 }
@@ -81,8 +87,10 @@ static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], u
 static uint32_t inside_corners(const bvxi_stack *s, const bvxi_plane *p, int32_t i, int32_t j)
 {
     const uint64_t *const low = p->inside + (size_t)j * (size_t)s->words, *const high = low + s->words;
-    uint32_t const a = (uint32_t)(low[i >> 6] >> (i & 63) & 1), b = (uint32_t)(low[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
-    uint32_t const c = (uint32_t)(high[(i + 1) >> 6] >> ((i + 1) & 63) & 1), d = (uint32_t)(high[i >> 6] >> (i & 63) & 1);
+    uint32_t const a = (uint32_t)(low[i >> 6] >> (i & 63) & 1);
+    uint32_t const b = (uint32_t)(low[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
+    uint32_t const c = (uint32_t)(high[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
+    uint32_t const d = (uint32_t)(high[i >> 6] >> (i & 63) & 1);
     return a | b << 1 | c << 2 | d << 3;
 }
 
@@ -90,6 +98,7 @@ static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)
 {
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
+
     t->beside_split = 1;
     for (uint32_t n = split->leaf; n < split->leaf + split->leaf_count; n++) {
         const bvxi_leaf *const leaf = &slab->leaf[n];
@@ -110,13 +119,15 @@ static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, cons
     bvxi_trace *const t = &w->trace;
     const bvxi_slab *const slab = w->field.slab;
     int32_t const fine = w->s->fine;
+
     t->key = bvxi_cell_key(i, j);
-    if (w->split < slab->split_count && slab->split[w->split].cell == t->key) return fill_leaves(w, &slab->split[w->split++]);
+    if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
+        return fill_leaves(w, &slab->split[w->split++]);
     t->low[0] = (int32_t)((uint32_t)i << fine);
     t->low[1] = (int32_t)((uint32_t)j << fine);
     t->size = 1 << fine;
-    t->beside_split = slab->split_count != 0 &&
-                      (is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) || is_split(w, i, j + 1));
+    t->beside_split = slab->split_count != 0 && (is_split(w, i - 1, j) || is_split(w, i + 1, j) ||
+                                                 is_split(w, i, j - 1) || is_split(w, i, j + 1));
     for (int k = 0; k < 2; k++) {
         t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
         t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
@@ -126,8 +137,9 @@ static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, cons
 
 static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
 {
-    return w->field.slab->split_count != 0 && (is_split(w, i, j) || is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) ||
-                                               is_split(w, i, j + 1));
+    return w->field.slab->split_count != 0 &&
+           (is_split(w, i, j) || is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) ||
+            is_split(w, i, j + 1));
 }
 
 static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
@@ -135,10 +147,12 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     bvxi_trace *const t = &w->trace;
     uint32_t arcs[2] = {0, 0};
     int done = 0;
+
     if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
     if (w->plain) {
         uint32_t line[4];
-        uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j), inside_corners(w->s, w->field.slab->plane[1], i, j)};
+        uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j),
+                                    inside_corners(w->s, w->field.slab->plane[1], i, j)};
         next_lines(w, i, inside, line);
         if (!is_beside_split(w, i, j)) {
             t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
@@ -155,12 +169,14 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
 static bvx_status fill_layer(bvxi_slab_work *w)
 {
     bvxi_stack *const s = w->s;
+
     w->split = w->arc[0] = w->arc[1] = 0;
     for (int32_t j = 0; j < s->size[1]; j++) {
         find_active(w, j);
         for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
         for (int32_t k = 0; k < s->words; k++)
-            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1) BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
+            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
+                BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
     }
     return BVX_OK;
 }
@@ -171,6 +187,7 @@ static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 {
     const bvxi_slab *const slab = w->field.slab;
     int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
+
     memset(level, 0, sizeof *level);
     level->t = (double)number / w->field.layers;
     level->w = k >= 0 ? slab->w[k] : slab->w[0] + level->t * (slab->w[1] - slab->w[0]);
@@ -186,6 +203,7 @@ static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 static bvx_status fill_layers(bvxi_slab_work *w)
 {
     bvxi_trace *const t = &w->trace;
+
     for (int32_t layer = 0; layer < w->field.layers; layer++) {
         w->map_top = 1 - w->map_top;
         bvxi_map_clear(&w->map[w->map_top]);
@@ -205,6 +223,7 @@ static bvx_status fill_layers(bvxi_slab_work *w)
 bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
 {
     bvx_status status;
+
     if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
@@ -237,6 +256,7 @@ bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines,
 void bvxi_slab_work_close(bvxi_slab_work *w)
 {
     bvxi_stack *const s = w->s;
+
     if (s == NULL) return;
     for (int k = 2; k-- > 0;) bvxi_map_free(s, &w->map[k]);
     bvxi_trace_free(&w->trace);

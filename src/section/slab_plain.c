@@ -1,32 +1,37 @@
-/* slab_plain.c - the surface in a plain cell: each of its edges is crossed at most once, no corner of a finer cell lies on its sides.
+/* slab_plain.c - the surface in a plain cell: each of its edges is crossed at most once, no corner of a finer
+ * cell lies on its sides.
  *
- * These are nearly all cells, and what trace.c finds for them fits twelve places: the sides below, the sides above, the heights over the
- * corners. A side with two crossings joins them by a table of which of its four corners are inside; one with four is left to trace.c, as
- * all that is not plain is, and cells whose triangles cross. Contours join crossings below and above. Loops, their first vertices and
- * their order are those of trace.c. */
+ * These are nearly all cells, and what trace.c finds for them fits twelve places: the sides below, the sides
+ * above, the heights over the corners. A side with two crossings joins them by a table of which of its four
+ * corners are inside; one with four is left to trace.c, as all that is not plain is, and cells whose
+ * triangles cross. Contours join crossings below and above. Loops, their first vertices and their order are
+ * those of trace.c. */
 #include "section/slab_fill.h"
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };
 
-/* From one crossing (low four bits) to the other: 0 below, 1 right, 2 above, 3 left. Bits of the number: inside at the left and right
- * corner below, then above. */
-static const uint8_t plain_strip[16] = {PLAIN_NONE, 0x03,       0x10, 0x13, 0x32, 0x02, PLAIN_OPEN, 0x12,
-                                        0x21,       PLAIN_OPEN, 0x20, 0x23, 0x31, 0x01, 0x30,       PLAIN_NONE};
+/* From one crossing (low four bits) to the other: 0 below, 1 right, 2 above, 3 left. Bits of the number:
+ * inside at the left and right corner below, then above. */
+static const uint8_t plain_strip[16] = {PLAIN_NONE, 0x03, 0x10, 0x13, 0x32, 0x02, PLAIN_OPEN, 0x12, 0x21,
+                                        PLAIN_OPEN, 0x20, 0x23, 0x31, 0x01, 0x30, PLAIN_NONE};
 
 static const uint8_t plain_faces[PLAIN_PLACES] = {
-    BVXI_FACE_BELOW | BVXI_FACE_SIDE,           BVXI_FACE_BELOW | BVXI_FACE_SIDE << 1,      BVXI_FACE_BELOW | BVXI_FACE_SIDE << 2,
-    BVXI_FACE_BELOW | BVXI_FACE_SIDE << 3,      BVXI_FACE_ABOVE | BVXI_FACE_SIDE,           BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 1,
-    BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 2,      BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 3,      BVXI_FACE_SIDE | BVXI_FACE_SIDE << 3,
-    BVXI_FACE_SIDE | BVXI_FACE_SIDE << 1,       BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2,  BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
+    BVXI_FACE_BELOW | BVXI_FACE_SIDE,          BVXI_FACE_BELOW | BVXI_FACE_SIDE << 1,
+    BVXI_FACE_BELOW | BVXI_FACE_SIDE << 2,     BVXI_FACE_BELOW | BVXI_FACE_SIDE << 3,
+    BVXI_FACE_ABOVE | BVXI_FACE_SIDE,          BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 1,
+    BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 2,     BVXI_FACE_ABOVE | BVXI_FACE_SIDE << 3,
+    BVXI_FACE_SIDE | BVXI_FACE_SIDE << 3,      BVXI_FACE_SIDE | BVXI_FACE_SIDE << 1,
+    BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
 
 typedef struct plain_cell {
     uint32_t vertex[PLAIN_PLACES];
     uint8_t next[PLAIN_PLACES];
     uint8_t order[PLAIN_PLACES];
     uint32_t count;
-    uint32_t present, from, to;           /* bits of places: crossed, left, reached */
-    uint32_t along;                       /* left along a contour */
-    uint32_t first[PLAIN_ABOVE * 2];      /* the ring between: places first to end - 1, below forwards, above backwards */
+    uint32_t present, from, to; /* bits of places: crossed, left, reached */
+    uint32_t along;             /* left along a contour */
+    /* the ring between: places first to end - 1, below forwards, above backwards */
+    uint32_t first[PLAIN_ABOVE * 2];
     uint32_t end[PLAIN_ABOVE * 2];
 } plain_cell;
 
@@ -73,6 +78,7 @@ static int plain_sides(plain_cell *c, const uint32_t inside[2])
 {
     /* bits of corners run counter-clockwise; the fifth is the first again */
     uint32_t const below = inside[0] | inside[0] << 4, above = inside[1] | inside[1] << 4;
+
     for (uint32_t side = 0; side < 4; side++) {
         uint8_t const link = plain_strip[(below >> side & 3) | (above >> side & 3) << 2];
         uint8_t place[4];
@@ -91,6 +97,7 @@ static bvx_status plain_loop(bvxi_slab_work *w, const plain_cell *c, uint32_t st
 {
     bvxi_trace *const t = &w->trace;
     uint32_t count = 0, i = start;
+
     do {
         *seen |= UINT32_C(1) << i;
         t->vertex[count] = c->vertex[i];
@@ -107,11 +114,13 @@ static bvx_status plain_loop(bvxi_slab_work *w, const plain_cell *c, uint32_t st
     return bvxi_trace_fill(t, count);
 }
 
-bvx_status bvxi_slab_plain_cell(bvxi_slab_work *w, const uint32_t arcs[2], const uint32_t inside[2], const uint32_t line[4], int *done)
+bvx_status bvxi_slab_plain_cell(bvxi_slab_work *w, const uint32_t arcs[2], const uint32_t inside[2],
+                                const uint32_t line[4], int *done)
 {
     uint32_t seen = 0, inner = 0;
     bvxi_trace_made made;
     plain_cell c;
+
     c.count = c.present = c.from = c.to = c.along = 0;
     *done = 0;
     if (!plain_arcs(w, arcs, &c, &inner)) return BVX_OK;

@@ -1,8 +1,9 @@
 /* slice.c - the contours of a mesh on parallel planes.
  *
- * A triangle that a plane parts gives one piece of contour, from the edge that its boundary comes down by to the one that it goes up
- * by. Pieces are joined by their edges, the two numbers of their ends, so that no comparison of coordinates decides; vertices on
- * a plane count as above it, so no plane meets a vertex. On a closed and oriented mesh every piece has one before and one behind. */
+ * A triangle that a plane parts gives one piece of contour, from the edge that its boundary comes down by to
+ * the one that it goes up by. Pieces are joined by their edges, the two numbers of their ends, so that no
+ * comparison of coordinates decides; vertices on a plane count as above it, so no plane meets a vertex. On a
+ * closed and oriented mesh every piece has one before and one behind. */
 #include "section/section.h"
 
 #include "mesh/radix.h"
@@ -17,18 +18,18 @@ typedef struct slice_work {
     bvx_context *ctx;
     const bvx_mesh_view *view;
     double axis[3][3];
-    uint32_t *weld;          /* [vertices] */
-    double *height;          /* [vertices] */
-    double *position;        /* of the planes */
+    uint32_t *weld;   /* [vertices] */
+    double *height;   /* [vertices] */
+    double *position; /* of the planes */
     uint64_t plane_count;
-    double narrow;           /* loops up to this width are left out */
-    uint64_t *first;         /* [planes + 1] of each plane's triangles in list */
+    double narrow;   /* loops up to this width are left out */
+    uint64_t *first; /* [planes + 1] of each plane's triangles in list */
     uint32_t *list;
     uint64_t list_count;
-    uint64_t *from, *to;     /* edges of one plane's pieces, as the lower number << 32 | the higher */
-    uint32_t *order;         /* pieces by from */
+    uint64_t *from, *to; /* edges of one plane's pieces, as the lower number << 32 | the higher */
+    uint32_t *order;     /* pieces by from */
     uint8_t *used;
-    uint64_t most;           /* pieces of a plane */
+    uint64_t most; /* pieces of a plane */
     bvx_sections made;
     int32_t label;
 } slice_work;
@@ -46,18 +47,23 @@ void bvx_slice_options_init(bvx_slice_options *options, size_t size)
 
 enum { SLICE_MOST_PLANES = 1 << 20 };
 
-#define SLICE_NARROW (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections tells no less apart */
+#define SLICE_NARROW \
+    (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections tells no less apart */
 
 static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
 {
-    if (o->spacing != 0.0) return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: spacing and positions are both given", slice_name);
+    if (o->spacing != 0.0)
+        return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: spacing and positions are both given", slice_name);
     if (o->position_count < 1 || o->position_count > SLICE_MOST_PLANES)
-        return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: %u positions, allowed are 1 to %d", slice_name, o->position_count, (int64_t)SLICE_MOST_PLANES);
+        return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: %u positions, allowed are 1 to %d", slice_name,
+                         o->position_count, (int64_t)SLICE_MOST_PLANES);
     for (uint64_t i = 0; i < o->position_count; i++) {
         if (!(o->positions[i] - o->positions[i] == 0.0))
-            return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: position %i is not finite", slice_name, i);
+            return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: position %i is not finite", slice_name, i);
         if (i > 0 && !(o->positions[i] > o->positions[i - 1]))
-            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: position %i does not lie above the one before it", slice_name, i);
+            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: position %i does not lie above the one before it",
+                             slice_name, i);
     }
     return BVX_OK;
 }
@@ -70,11 +76,12 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
     } else {
         double count;
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)
-            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: a spacing above 0 or positions are needed", slice_name);
+            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: a spacing above 0 or positions are needed",
+                             slice_name);
         count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
-            return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: a spacing of %g makes %g planes, %d is the limit", slice_name, o->spacing, count,
-                             (int64_t)SLICE_MOST_PLANES);
+            return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: a spacing of %g makes %g planes, %d is the limit",
+                             slice_name, o->spacing, count, (int64_t)SLICE_MOST_PLANES);
         w->plane_count = count < 1.0 ? 1 : (uint64_t)count;
     }
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->plane_count * 8, "the planes", &w->position));
@@ -100,6 +107,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
 {
     double across[2][2] = {{1e308, -1e308}, {1e308, -1e308}}, reach = 0.0;
     uint64_t different;
+
     *low = 1e308;
     *high = -1e308;
     BVXI_TRY(bvxi_weld(w->ctx, w->view, w->weld, &different));
@@ -140,6 +148,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 {
     double low, high;
     uint32_t c[3];
+
     slice_corners(w, t, c);
     low = high = w->height[c[0]];
     for (int k = 1; k < 3; k++) {
@@ -153,7 +162,8 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 
 static bvx_status list_by_plane(slice_work *w)
 {
-    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes", &w->first));
+    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes",
+                             &w->first));
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -164,8 +174,10 @@ static bvx_status list_by_plane(slice_work *w)
         w->first[i + 1] += w->first[i];
     }
     w->list_count = w->first[w->plane_count];
-    if (w->list_count == 0) return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets the mesh", slice_name);
-    if (w->list_count > INT32_MAX) return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: planes part more than 2^31 triangles", slice_name);
+    if (w->list_count == 0)
+        return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets the mesh", slice_name);
+    if (w->list_count > INT32_MAX)
+        return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: planes part more than 2^31 triangles", slice_name);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->list_count * 4, "the triangles of planes", &w->list));
     for (uint64_t t = w->view->triangle_count; t-- > 0;) {
         uint64_t begin, end;
@@ -189,6 +201,7 @@ static void edge_place(const slice_work *w, uint64_t key, double position, doubl
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
     double const share = (position - w->height[a]) / (w->height[b] - w->height[a]);
     double from[3], to[3];
+
     bvxi_view_position(w->view, a, from);
     bvxi_view_position(w->view, b, to);
     for (int k = 0; k < 3; k++) {
@@ -202,20 +215,24 @@ static bvx_status open_contour(const slice_work *w, double position, uint64_t ke
 {
     double p[3];
     edge_place(w, key, position, p);
-    return bvxi_fail(w->ctx, BVX_ERR_FORMAT, "%s: the contour at %g does not close near (%g, %g, %g): the mesh has a hole or flipped triangles there",
-                     slice_name, position, p[0], p[1], p[2]);
+    return bvxi_fail(
+        w->ctx, BVX_ERR_FORMAT,
+        "%s: the contour at %g does not close near (%g, %g, %g): the mesh has a hole or flipped triangles there",
+        slice_name, position, p[0], p[1], p[2]);
 }
 
 static uint64_t gather_pieces(slice_work *w, uint64_t plane)
 {
     double const z = w->position[plane];
     uint64_t n = 0;
+
     for (uint64_t i = w->first[plane]; i < w->first[plane + 1]; i++) {
         uint32_t c[3];
         slice_corners(w, w->list[i], c);
         for (int k = 0; k < 3; k++) {
             uint32_t const a = c[k], b = c[(k + 1) % 3];
-            int const up = w->height[a] < z && w->height[b] >= z, down = w->height[a] >= z && w->height[b] < z;
+            int const up = w->height[a] < z && w->height[b] >= z;
+            int const down = w->height[a] >= z && w->height[b] < z;
             if (up) w->to[n] = edge_key(a, b);
             if (down) w->from[n] = edge_key(a, b);
         }
@@ -240,9 +257,15 @@ static int encloses_none(const slice_work *w, const double *p, uint64_t count)
 {
     const double *const n = w->axis[2];
     double area = 0.0, way = 0.0;
+
     for (uint64_t i = 0; i < count; i++) {
         const double *const a = p + 3 * i, *const b = p + 3 * (i + 1 == count ? 0 : i + 1);
-        double const x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2], u = a[0] - p[0], v = a[1] - p[1], t = a[2] - p[2];
+        double const x = b[0] - a[0];
+        double const y = b[1] - a[1];
+        double const z = b[2] - a[2];
+        double const u = a[0] - p[0];
+        double const v = a[1] - p[1];
+        double const t = a[2] - p[2];
         area += (n[0] * (v * z - t * y) + n[1] * (t * x - u * z)) + n[2] * (u * y - v * x);
         way += sqrt((x * x + y * y) + z * z);
     }
@@ -253,6 +276,7 @@ static int encloses_none(const slice_work *w, const double *p, uint64_t count)
 static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t count, uint64_t key)
 {
     uint64_t low = 0, high = count;
+
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
         if (sorted[middle] < key) low = middle + 1;
@@ -267,6 +291,7 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
 {
     double const z = w->position[plane];
     bvx_sections *const s = &w->made;
+
     memset(w->used, 0, (size_t)n);
     for (uint64_t start = 0; start < n; start++) {
         bvx_section_loop l;
@@ -293,7 +318,8 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             l.point_count--;
             s->point_count--;
         }
-        if (l.point_count < 3 || encloses_none(w, s->points + 3 * l.first_point, l.point_count)) s->point_count = l.first_point;
+        if (l.point_count < 3 || encloses_none(w, s->points + 3 * l.first_point, l.point_count))
+            s->point_count = l.first_point;
         else s->loops[s->loop_count++] = l;
     }
     return BVX_OK;
@@ -321,6 +347,7 @@ static bvx_status slice_planes(slice_work *w)
 static bvx_status open_result(slice_work *w)
 {
     bvx_sections *const s = &w->made;
+
     s->owned = 1;
     s->section_capacity = w->plane_count;
     s->loop_capacity = w->list_count / 3 + 1;
@@ -337,10 +364,15 @@ static bvx_status open_result(slice_work *w)
 static bvx_status close_result(slice_work *w, bvx_sections *sections)
 {
     bvx_sections *const s = &w->made;
-    if (s->loop_count == 0) return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines", slice_name);
-    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops, s->loop_count * sizeof *s->loops, "the loops"));
+
+    if (s->loop_count == 0)
+        return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines",
+                         slice_name);
+    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
+                         s->loop_count * sizeof *s->loops, "the loops"));
     s->loop_capacity = s->loop_count;
-    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24, "the points"));
+    BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
+                         "the points"));
     s->point_capacity = s->point_count;
     bvx_sections_free(w->ctx, sections);
     *sections = *s;
@@ -351,11 +383,13 @@ static bvx_status close_result(slice_work *w, bvx_sections *sections)
 static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_sections *sections)
 {
     double low, high, bounds[2][3];
+
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.0));
     BVXI_TRY(bvxi_view_bounds(w->ctx, slice_name, w->view, bounds[0], bounds[1]));
     BVXI_TRY(bvxi_section_frame(w->ctx, slice_name, o->normal, w->axis));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 4, "the vertices' numbers", &w->weld));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
+    BVXI_TRY(
+        bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
     BVXI_TRY(read_heights(w, &low, &high));
     BVXI_TRY(make_planes(w, o, low, high));
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.3));
@@ -377,6 +411,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     bvx_slice_options o;
     slice_work w;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
@@ -402,7 +437,8 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     return status;
 }
 
-bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options, bvx_sections *sections)
+bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options,
+                          bvx_sections *sections)
 {
     return BVXI_CALL(context, run_slice_mesh(context, mesh, options, sections));
 }

@@ -18,9 +18,9 @@ typedef struct bvxi_split_piece {
 typedef struct bvxi_split_work {
     bvxi_stack *s;
     bvxi_slab *slab;
-    bvxi_slab grown;         /* what a slab's cells become, in arrays that the slabs have in turn */
-    int is_last;             /* 1: in the last slab */
-    uint64_t *key;           /* of its hanging corners */
+    bvxi_slab grown; /* what a slab's cells become, in arrays that the slabs have in turn */
+    int is_last;     /* 1: in the last slab */
+    uint64_t *key;   /* of its hanging corners */
     uint32_t *order;
     bvxi_hanging *sorted;
     uint32_t key_room, order_room, sorted_room;
@@ -30,7 +30,8 @@ typedef struct bvxi_split_work {
     uint32_t piece_count, piece_room;
     /* of the cell being split, on one plane */
     int32_t middle[2];
-    uint32_t odd_u[2], odd_v[2]; /* crossings of the low and high half of the line of the middle u, of the middle v */
+    /* crossings of the low and high half of the line of the middle u, of the middle v */
+    uint32_t odd_u[2], odd_v[2];
 } bvxi_split_work;
 
 /* Subdivide a cell of the grid where its contours ask for it: leaves, arcs and corners go to the slab. */

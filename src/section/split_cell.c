@@ -1,9 +1,10 @@
-/* split_cell.c - one cell of the grid, subdivided until a contour crosses each edge at most once and no loop lies in one cell.
+/* split_cell.c - one cell of the grid, subdivided until a contour crosses each edge at most once and no loop
+ * lies in one cell.
  *
- * The halves of a cell are tested again, down to the depth allowed. A side that is crossed twice asks for the same from the
- * cells on both of its sides, so neighbours agree on every edge that matters; a coarser neighbour has the corners of finer
- * cells on its side as points between the ends. Whether a new corner is inside follows from a known one by the crossings between
- * them. */
+ * The halves of a cell are tested again, down to the depth allowed. A side that is crossed twice asks for the
+ * same from the cells on both of its sides, so neighbours agree on every edge that matters; a coarser
+ * neighbour has the corners of finer cells on its side as points between the ends. Whether a new corner is
+ * inside follows from a known one by the crossings between them. */
 #include "section/split.h"
 
 enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
@@ -11,9 +12,11 @@ enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
 /* ---- when to split ---- */
 
 /* Crossings of the cell's sides by arcs of one plane; returns loops inside. */
-static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t count, const int32_t low[2], uint32_t ends[4])
+static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t count, const int32_t low[2],
+                           uint32_t ends[4])
 {
     uint32_t inner = 0;
+
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (arc[i].from == BVXI_NONE) {
@@ -41,7 +44,8 @@ static double fixed_place(const bvxi_stack *s, int axis, int32_t q)
     return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
 }
 
-/* Counts are of planes, of which most have a slab on either side: the one above counts, for the last plane the one below. */
+/* Counts are of planes, of which most have a slab on either side: the one
+ * above counts, for the last plane the one below. */
 static int counts_here(const bvxi_split_work *w, int k)
 {
     return k == 0 || w->is_last;
@@ -51,10 +55,12 @@ static int counts_here(const bvxi_split_work *w, int k)
 static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_stack *const s = w->s;
+
     for (int k = 0; k < 2; k++) {
         if (!counts_here(w, k)) continue;
         const bvxi_plane *const p = w->slab->plane[k];
-        double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2), fixed_place(s, 1, c->low[1] + c->size / 2)};
+        double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2),
+                                  fixed_place(s, 1, c->low[1] + c->size / 2)};
         uint32_t ends[4];
         uint32_t const inner = count_ends(p, w->pool + c->arc[k], c->arc_count[k], c->low, ends);
         s->report.unkept_loops += inner;
@@ -74,15 +80,19 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 
 static bvx_status add_to_pool(bvxi_split_work *w, const bvxi_arc *arc)
 {
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->pool, w->pool_count, &w->pool_room, sizeof *w->pool, "the arcs of cells"));
+    BVXI_TRY(
+        bvxi_slab_grow(w->s, &w->pool, w->pool_count, &w->pool_room, sizeof *w->pool, "the arcs of cells"));
     w->pool[w->pool_count++] = *arc;
     return BVX_OK;
 }
 
-static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from, uint32_t to, uint32_t point, uint32_t count)
+static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from, uint32_t to, uint32_t point,
+                            uint32_t count)
 {
     bvxi_split_piece *p;
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->piece, w->piece_count, &w->piece_room, sizeof *w->piece, "the pieces of arcs"));
+
+    BVXI_TRY(bvxi_slab_grow(w->s, &w->piece, w->piece_count, &w->piece_room, sizeof *w->piece,
+                            "the pieces of arcs"));
     p = &w->piece[w->piece_count++];
     p->quadrant = quadrant;
     p->arc.from = from;
@@ -99,7 +109,8 @@ static uint32_t quadrant_of_point(const bvxi_split_work *w, const int32_t q[2])
 
 static uint32_t quadrant_of_cut(const bvxi_split_work *w, const bvxi_plane *p, const bvxi_line_cut *c)
 {
-    uint32_t const own = c->line > w->middle[c->axis], other = (uint32_t)bvxi_cut_beyond(p, c, w->middle[1 - c->axis]);
+    uint32_t const own = c->line > w->middle[c->axis];
+    uint32_t const other = (uint32_t)bvxi_cut_beyond(p, c, w->middle[1 - c->axis]);
     return c->axis == 0 ? own | other << 1 : other | own << 1;
 }
 
@@ -111,6 +122,7 @@ typedef struct piece_walk {
 static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, uint32_t segment, int axis)
 {
     uint32_t cut = BVXI_NONE;
+
     BVXI_TRY(bvxi_plane_add_cut(w->s, p, segment, axis, w->middle[axis], &cut));
     if (axis == 0) w->odd_u[a->quadrant >> 1] ^= 1;
     else w->odd_v[a->quadrant & 1] ^= 1;
@@ -142,6 +154,7 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
 {
     uint32_t segment = p->cut[arc->from].segment, point = arc->point;
     piece_walk a;
+
     memset(&a, 0, sizeof a);
     a.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]);
     a.last = arc->from;
@@ -159,6 +172,7 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
 {
     uint32_t point = arc->point;
     piece_walk a;
+
     memset(&a, 0, sizeof a);
     a.quadrant = quadrant_of_point(w, p->q[point]);
     a.last = BVXI_NONE;
@@ -168,15 +182,18 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
         point = p->next[point];
     }
     if (a.last == BVXI_NONE) return add_piece(w, a.quadrant, BVXI_NONE, BVXI_NONE, arc->point, arc->count);
-    return add_piece(w, a.quadrant, a.last, a.head_to, a.count != 0 ? a.point : a.head_point, a.count + a.head_count);
+    return add_piece(w, a.quadrant, a.last, a.head_to, a.count != 0 ? a.point : a.head_point,
+                     a.count + a.head_count);
 }
 
 /* Which of the nine corners of the four quarters are inside, as bits from low to high u, row by row. */
-static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *p, const bvxi_split_cell *c, int k)
+static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *p, const bvxi_split_cell *c,
+                                    int k)
 {
     uint32_t const in = c->inside[k];
     uint32_t odd[4] = {0, 0, 0, 0}; /* of the lower half of each side */
     uint32_t bottom, top, left, right, centre;
+
     for (uint32_t i = 0; i < c->arc_count[k]; i++) {
         const bvxi_arc *const a = &w->pool[c->arc[k] + i];
         if (a->from == BVXI_NONE) continue;
@@ -190,13 +207,15 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
     top = (in >> 2 & 1) ^ odd[2];
     left = (in & 1) ^ odd[3];
     centre = bottom ^ w->odd_u[0];
-    return (in & 1) | bottom << 1 | (in >> 1 & 1) << 2 | left << 3 | centre << 4 | right << 5 | (in >> 2 & 1) << 6 | top << 7 | (in >> 3 & 1) << 8;
+    return (in & 1) | bottom << 1 | (in >> 1 & 1) << 2 | left << 3 | centre << 4 | right << 5 |
+           (in >> 2 & 1) << 6 | top << 7 | (in >> 3 & 1) << 8;
 }
 
 static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int k, bvxi_split_cell quarter[4])
 {
     bvxi_plane *const p = w->slab->plane[k];
     uint32_t corners;
+
     w->piece_count = 0;
     memset(w->odd_u, 0, sizeof w->odd_u);
     memset(w->odd_v, 0, sizeof w->odd_v);
@@ -219,6 +238,7 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
 static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bvxi_split_cell quarter[4])
 {
     int32_t const half = c->size / 2;
+
     w->middle[0] = c->low[0] + half;
     w->middle[1] = c->low[1] + half;
     for (int j = 0; j < 4; j++) {
@@ -238,8 +258,10 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
     bvxi_slab *const slab = w->slab;
     int32_t const part = (1 << w->s->fine) - 1;
     bvxi_hanging *h;
+
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room, sizeof *slab->hanging, "the corners of cells"));
+    BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room,
+                            sizeof *slab->hanging, "the corners of cells"));
     h = &slab->hanging[slab->hanging_count++];
     memset(h, 0, sizeof *h);
     h->at[0] = u;
@@ -254,7 +276,9 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_slab *const slab = w->slab;
     bvxi_leaf *leaf;
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->leaf, slab->leaf_count, &slab->leaf_room, sizeof *slab->leaf, "the parts of cells"));
+
+    BVXI_TRY(bvxi_slab_grow(w->s, &slab->leaf, slab->leaf_count, &slab->leaf_room, sizeof *slab->leaf,
+                            "the parts of cells"));
     leaf = &slab->leaf[slab->leaf_count++];
     memset(leaf, 0, sizeof *leaf);
     leaf->low[0] = c->low[0];
@@ -265,12 +289,14 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
         leaf->arc[k] = slab->arc_count;
         leaf->arc_count[k] = c->arc_count[k];
         for (uint32_t i = 0; i < c->arc_count[k]; i++) {
-            BVXI_TRY(bvxi_slab_grow(w->s, &slab->arc, slab->arc_count, &slab->arc_room, sizeof *slab->arc, "the arcs of cells"));
+            BVXI_TRY(bvxi_slab_grow(w->s, &slab->arc, slab->arc_count, &slab->arc_room, sizeof *slab->arc,
+                                    "the arcs of cells"));
             slab->arc[slab->arc_count++] = w->pool[c->arc[k] + i];
         }
     }
     for (int j = 0; j < 4; j++)
-        BVXI_TRY(add_hanging(w, c->low[0] + (j & 1) * c->size, c->low[1] + (j >> 1) * c->size, c->inside[0] >> j & 1u, c->inside[1] >> j & 1u));
+        BVXI_TRY(add_hanging(w, c->low[0] + (j & 1) * c->size, c->low[1] + (j >> 1) * c->size,
+                             c->inside[0] >> j & 1u, c->inside[1] >> j & 1u));
     return BVX_OK;
 }
 
@@ -279,6 +305,7 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
 {
     bvxi_split_cell stack[SPLIT_STACK];
     uint32_t top = 0;
+
     stack[top++] = *root;
     while (top > 0) {
         bvxi_split_cell const c = stack[--top];
@@ -301,7 +328,8 @@ static void count_supposition(bvxi_split_work *w, const bvxi_split_cell *c)
     for (int k = 0; k < 2; k++) {
         uint32_t ends[4];
         if (!counts_here(w, k)) continue;
-        w->s->report.inner_loops += count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k], c->low, ends);
+        w->s->report.inner_loops += count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k],
+                                               c->low, ends);
         w->s->report.multiple_edges += (uint64_t)(ends[0] > 1) + (uint64_t)(ends[3] > 1);
     }
 }
@@ -312,6 +340,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     bvxi_slab *const slab = w->slab;
     bvxi_split_cell c;
     bvxi_split *split;
+
     memset(&c, 0, sizeof c);
     w->pool_count = 0;
     c.low[0] = i << s->fine;
@@ -319,8 +348,8 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     c.size = 1 << s->fine;
     for (int k = 0; k < 2; k++) {
         const bvxi_plane *const p = slab->plane[k];
-        c.inside[k] = (uint8_t)(bvxi_grid_bit(s, p, i, j) | bvxi_grid_bit(s, p, i + 1, j) << 1 | bvxi_grid_bit(s, p, i, j + 1) << 2 |
-                                bvxi_grid_bit(s, p, i + 1, j + 1) << 3);
+        c.inside[k] = (uint8_t)(bvxi_grid_bit(s, p, i, j) | bvxi_grid_bit(s, p, i + 1, j) << 1 |
+                                bvxi_grid_bit(s, p, i, j + 1) << 2 | bvxi_grid_bit(s, p, i + 1, j + 1) << 3);
         c.arc[k] = w->pool_count;
         uint32_t const first = bvxi_plane_arcs_in(p, bvxi_cell_key(i, j), &c.arc_count[k]);
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
@@ -330,7 +359,8 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         count_unkept(w, &c);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_slab_grow(s, &slab->split, slab->split_count, &slab->split_room, sizeof *slab->split, "the subdivided cells"));
+    BVXI_TRY(bvxi_slab_grow(s, &slab->split, slab->split_count, &slab->split_room, sizeof *slab->split,
+                            "the subdivided cells"));
     split = &slab->split[slab->split_count++];
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;

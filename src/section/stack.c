@@ -1,8 +1,9 @@
 /* stack.c - the planes of one body: its loops gathered by section, points snapped, loops directed.
  *
- * Sections between the first and the last that hold no loop of the body stay as empty planes; those before and behind are left
- * out. A loop inside an even number of others encloses the body and runs counter-clockwise, one inside an odd number is a hole
- * and runs clockwise: the inside is on the left of all. */
+ * Sections between the first and the last that hold no loop of the body stay as empty planes; those before
+ * and behind are left out. A loop inside an even number of others encloses the body and runs
+ * counter-clockwise, one inside an odd number is a hole and runs clockwise: the inside is on the left of
+ * all. */
 #include "section/section.h"
 
 #include "lattice/wide.h"
@@ -20,17 +21,20 @@ static double along_axis(const double axis[3], const double p[3])
 static bvx_status choose_label(bvxi_stack *s)
 {
     const bvx_sections *const g = s->given;
+
     if (s->options.label != BVX_LABEL_ONLY) {
         for (uint64_t i = 0; i < g->loop_count; i++)
             if (g->loops[i].label == s->options.label) return BVX_OK;
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", s->function, (int64_t)s->options.label);
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", s->function,
+                         (int64_t)s->options.label);
     }
     s->options.label = g->loops[0].label;
     for (uint64_t i = 1; i < g->loop_count; i++)
         if (g->loops[i].label != s->options.label)
-            return bvxi_fail_for(s->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
-                                 "%s: the sections hold several bodies (labels %d and %d); choose one by its label", s->function,
-                                 (int64_t)s->options.label, (int64_t)g->loops[i].label);
+            return bvxi_fail_for(
+                s->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
+                "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
+                s->function, (int64_t)s->options.label, (int64_t)g->loops[i].label);
     return BVX_OK;
 }
 
@@ -43,11 +47,13 @@ static uint64_t sortable(double v)
     return (k >> 63) != 0 ? ~k : k | UINT64_C(0x8000000000000000);
 }
 
-/* Sections in the order of their positions, from the first to the last with a loop. counts: points of each section. */
+/* Sections in the order of their positions, from the first to the last with
+ * a loop. counts: points of each section. */
 static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *order, uint64_t *key)
 {
     const bvx_sections *const g = s->given;
     uint32_t first, end, n = (uint32_t)g->section_count;
+
     for (uint32_t i = 0; i < n; i++) {
         order[i] = i;
         key[i] = sortable(g->positions[i]);
@@ -57,12 +63,14 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
     for (end = n; loops[order[end - 1]] == 0; end--) {}
     for (uint32_t i = first + 1; i < end; i++)
         if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g", s->function, (uint64_t)order[i - 1],
-                             (uint64_t)order[i], g->positions[order[i]]);
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g",
+                             s->function, (uint64_t)order[i - 1], (uint64_t)order[i], g->positions[order[i]]);
     if (end - first < 2)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the body has loops in one section alone (number %u, at %g); it needs two", s->function,
-                         (uint64_t)order[first], g->positions[order[first]]);
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body", &s->plane));
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY,
+                         "%s: the body has loops in one section alone (number %u, at %g); it needs two",
+                         s->function, (uint64_t)order[first], g->positions[order[first]]);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body",
+                             &s->plane));
     s->plane_count = end - first;
     for (uint32_t i = 0; i < s->plane_count; i++) {
         s->plane[i].section = order[first + i];
@@ -83,11 +91,13 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
 {
     const bvx_section_loop *const l = &s->given->loops[number];
     bvxi_contour *const c = &p->contour[p->contour_count++];
+
     c->first = p->point_count;
     c->given = number;
     c->end[0] = c->end[1] = 0.0;
     for (uint64_t i = 0; i < l->point_count; i++) {
-        uint64_t const at = l->first_point + i, before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
+        uint64_t const at = l->first_point + i;
+        uint64_t const before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
         if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
             s->report.repeated_points++;
             continue;
@@ -99,8 +109,10 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     s->report.points += l->point_count;
     if (c->count >= 3) return BVX_OK;
     if (c->count == 0) c->count = 1; /* all are equal to the one before */
-    return bvxi_fail_for(s->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT, "%s: loop %i of section %u has %u different point%s; a loop needs three", s->function,
-                     (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count, c->count == 1 ? "" : "s");
+    return bvxi_fail_for(s->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT,
+                         "%s: loop %i of section %u has %u different point%s; a loop needs three",
+                         s->function, (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count,
+                         c->count == 1 ? "" : "s");
 }
 
 /* Arrays for the points and loops of all planes, of which each has a stretch. */
@@ -108,6 +120,7 @@ static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint3
 {
     bvxi_plane *const all = &s->all;
     uint64_t point = 0, loop = 0;
+
     for (uint32_t i = 0; i < s->plane_count; i++) {
         all->point_room += points[s->plane[i].section];
         all->contour_room += loops[s->plane[i].section];
@@ -117,7 +130,8 @@ static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint3
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->ring));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour, "the loops of sections", &all->contour));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
+                        "the loops of sections", &all->contour));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->given = all->given + point;
@@ -142,7 +156,8 @@ bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double 
             double const c = p->uv[i][k];
             if (c - c != 0.0)
                 return s->fixed ? BVX_ERR_RANGE
-                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %i is too far out", s->function, (uint64_t)p->given[i]);
+                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %i is too far out", s->function,
+                                            (uint64_t)p->given[i]);
             if (c < low[k]) low[k] = c;
             if (c > high[k]) high[k] = c;
         }
@@ -155,6 +170,7 @@ static bvx_status check_flatness(bvxi_stack *s)
 {
     double const u = s->high[0] - s->low[0], v = s->high[1] - s->low[1];
     double const most = 1e-3 * (u > v ? u : v);
+
     for (uint32_t k = 0; k < s->plane_count; k++) {
         const bvxi_plane *const p = &s->plane[k];
         double limit = most;
@@ -163,8 +179,10 @@ static bvx_status check_flatness(bvxi_stack *s)
         for (uint32_t i = 0; i < p->point_count; i++) {
             double const off = along_axis(s->axis[2], s->given->points + 3 * (uint64_t)p->given[i]) - p->w;
             if (off > limit || off < -limit)
-                return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed",
-                                 s->function, (uint64_t)p->given[i], (uint64_t)p->section, p->w, off, limit);
+                return bvxi_fail(
+                    s->ctx, BVX_ERR_FORMAT,
+                    "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed",
+                    s->function, (uint64_t)p->given[i], (uint64_t)p->section, p->w, off, limit);
         }
     }
     return BVX_OK;
@@ -173,6 +191,7 @@ static bvx_status check_flatness(bvxi_stack *s)
 static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint32_t *plane_of, uint64_t *key)
 {
     const bvx_sections *const g = s->given;
+
     memset(loops, 0, (size_t)g->section_count * 4);
     memset(points, 0, (size_t)g->section_count * 8);
     for (uint64_t i = 0; i < g->loop_count; i++) {
@@ -189,7 +208,8 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     BVXI_TRY(open_planes(s, points, loops));
     for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
     for (uint64_t i = 0; i < g->loop_count; i++)
-        if (g->loops[i].label == s->options.label) BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
+        if (g->loops[i].label == s->options.label)
+            BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
     BVXI_TRY(bvxi_planes_place(s));
     return check_flatness(s);
 }
@@ -200,6 +220,7 @@ static bvx_status gather_planes(bvxi_stack *s)
     uint32_t *loops = NULL, *plane_of = NULL;
     uint64_t *points = NULL, *key = NULL;
     bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops);
+
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key);
@@ -216,11 +237,13 @@ static bvx_status gather_planes(bvxi_stack *s)
 void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
 {
     double const unit = (double)(1 << (s->fine - 1));
+
     for (uint32_t i = 0; i < p->point_count; i++)
         for (int k = 0; k < 2; k++) {
             int32_t const top = (s->size[k] << s->fine) - 1;
             int32_t const steps = s->nudge == NULL ? 0 : s->nudge[p->given[i]][k];
-            int32_t const q = 2 * ((int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + steps) + 1;
+            int32_t const q = 2 * ((int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + steps) +
+                              1;
             p->q[i][k] = q < 1 ? 1 : q > top ? top : q;
         }
 }
@@ -232,6 +255,7 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 {
     bvxi_wide sum = bvxi_wide_mul(0, 0);
     const int32_t *const o = p->q[c->first];
+
     for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
         int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
         int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
@@ -243,11 +267,13 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
 {
     int odd = 0;
+
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t s;
         if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
-        s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) - ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
+        s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
+            ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);
     }
     return odd;
@@ -288,12 +314,14 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
         int const turn = turn_of(p, c);
         c->hole = 0;
         for (uint32_t j = 0; j < p->contour_count; j++)
-            if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] && at[1] <= box[j][3])
+            if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] &&
+                at[1] <= box[j][3])
                 c->hole ^= bvxi_loop_contains(p, &p->contour[j], at);
         if (turn == 0)
             return s->fixed ? BVX_ERR_FORMAT
-                            : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT, "%s: loop %i of section %u encloses no area", s->function, (uint64_t)c->given,
-                                        (uint64_t)p->section);
+                            : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
+                                            "%s: loop %i of section %u encloses no area", s->function,
+                                            (uint64_t)c->given, (uint64_t)p->section);
         if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
     }
     return BVX_OK;
@@ -308,12 +336,13 @@ static void link_loops(bvxi_plane *p)
 {
     for (uint32_t i = 0; i < p->contour_count; i++) {
         const bvxi_contour *const c = &p->contour[i];
-        for (uint32_t j = 0; j < c->count; j++) p->next[c->first + j] = c->first + (j + 1 == c->count ? 0 : j + 1);
+        for (uint32_t j = 0; j < c->count; j++)
+            p->next[c->first + j] = c->first + (j + 1 == c->count ? 0 : j + 1);
     }
 }
 
-bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                            bvxi_stack *s)
+bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
+                            const bvx_sections_options *options, bvxi_stack *s)
 {
     memset(s, 0, sizeof *s);
     s->ctx = ctx;
@@ -331,13 +360,15 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
 
 bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside", &s->all.inside));
-    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside",
+                             &s->all.inside));
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     return bvxi_planes_ready(s);
 }
 
-bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given, const bvx_sections_options *options,
-                           bvxi_stack *s)
+bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given,
+                           const bvx_sections_options *options, bvxi_stack *s)
 {
     BVXI_TRY(bvxi_stack_begin(ctx, function, given, options, s));
     return bvxi_stack_finish(s);
@@ -345,13 +376,15 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 
 void bvxi_stack_close(bvxi_stack *s)
 {
-    for (int k = 2; k-- > 0;) bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
+    for (int k = 2; k-- > 0;)
+        bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
     bvxi_free(s->ctx, s->slab_mesh.triangle, s->slab_mesh.triangle_room * 12);
     bvxi_free(s->ctx, s->slab_mesh.position, s->slab_mesh.vertex_room * 24);
     bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
     bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
     for (uint32_t i = s->plane_count; i-- > 0;)
-        if (s->plane[i].owns_cuts) bvxi_free(s->ctx, s->plane[i].cut, (uint64_t)s->plane[i].cut_room * sizeof *s->plane[i].cut);
+        if (s->plane[i].owns_cuts)
+            bvxi_free(s->ctx, s->plane[i].cut, (uint64_t)s->plane[i].cut_room * sizeof *s->plane[i].cut);
     bvxi_free(s->ctx, s->all.box, s->box_room * sizeof *s->all.box);
     bvxi_free(s->ctx, s->all.group, s->group_room * sizeof *s->all.group);
     bvxi_free(s->ctx, s->all.asking, s->arc_room * sizeof *s->all.asking);

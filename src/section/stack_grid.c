@@ -1,4 +1,5 @@
-/* stack_grid.c - the grid over a stack of sections: its cells, where it begins, how fine its fixed point is. */
+/* stack_grid.c - the grid over a stack of sections: its cells, where it begins, how fine its fixed point
+ * is. */
 #include "section/section.h"
 
 #include <math.h>
@@ -8,8 +9,10 @@ enum { STACK_LEAST_AUTO = 16, STACK_MOST_AUTO = 512, STACK_MOST_CELLS = 8192 };
 /* Twice the mean length of the contours' segments. */
 static double automatic_spacing(const bvxi_stack *s)
 {
-    double const longer = s->high[0] - s->low[0] > s->high[1] - s->low[1] ? s->high[0] - s->low[0] : s->high[1] - s->low[1];
+    double const longer = s->high[0] - s->low[0] > s->high[1] - s->low[1] ? s->high[0] - s->low[0]
+                                                                          : s->high[1] - s->low[1];
     double sum = 0.0, count = 0.0, h;
+
     for (uint32_t k = 0; k < s->plane_count; k++) {
         const bvxi_plane *const p = &s->plane[k];
         for (uint32_t i = 0; i < p->point_count; i++) {
@@ -24,32 +27,38 @@ static double automatic_spacing(const bvxi_stack *s)
     return h;
 }
 
-/* Round coordinates should not lie on the grid's lines: bounds are padded by uneven shares of a cell, other ones along u and v, so
- * that the diagonal is no line through grid points either. */
+/* Round coordinates should not lie on the grid's lines: bounds are padded by uneven shares of a cell, other
+ * ones along u and v, so that the diagonal is no line through grid points either. */
 bvx_status bvxi_stack_grid(bvxi_stack *s)
 {
     static const double before[2] = {0.381966, 0.290569}, both = 0.75;
     double spacing = s->options.spacing;
     int32_t most = 0;
+
     if (s->options.grid[0] == 0 && spacing == 0.0) spacing = automatic_spacing(s);
     for (int k = 0; k < 2; k++) {
         double const extent = s->high[k] - s->low[k];
         if (!(extent > 0.0))
-            return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: all points of the body lie on one line", s->function);
+            return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: all points of the body lie on one line",
+                             s->function);
         if (s->options.grid[0] != 0) {
             s->size[k] = s->options.grid[k];
             s->step[k] = extent / (s->size[k] - both);
         } else {
             double const cells = floor(extent / spacing + both) + 1.0;
             if (!(cells <= STACK_MOST_CELLS))
-                return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a spacing of %g makes %g cells along an extent of %g; %d is the limit", s->function,
-                                 spacing, cells, extent, (int64_t)STACK_MOST_CELLS);
+                return bvxi_fail(s->ctx, BVX_ERR_RANGE,
+                                 "%s: a spacing of %g makes %g cells along an extent of %g; %d is the limit",
+                                 s->function, spacing, cells, extent, (int64_t)STACK_MOST_CELLS);
             s->size[k] = cells < 2.0 ? 2 : (int32_t)cells;
             s->step[k] = spacing;
         }
         s->origin[k] = s->low[k] - before[k] * s->step[k];
-        if (!(s->step[k] > 0.0) || s->origin[k] + s->step[k] * s->size[k] <= s->high[k] || s->origin[k] >= s->low[k])
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the contours' extent %g is too small beside their coordinates", s->function, extent);
+        if (!(s->step[k] > 0.0) || s->origin[k] + s->step[k] * s->size[k] <= s->high[k] ||
+            s->origin[k] >= s->low[k])
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE,
+                             "%s: the contours' extent %g is too small beside their coordinates", s->function,
+                             extent);
         if (s->size[k] > most) most = s->size[k];
         s->report.grid[k] = s->size[k];
         s->report.cell[k] = s->step[k];

@@ -1,10 +1,10 @@
 /* trace.c - the surface in one cell: its loops over the cell's faces, each filled with triangles.
  *
- * Round the cell's sides, counter-clockwise, stand its corners and those of finer cells; between two of them is a strip. Crossings
- * of both levels' edges and of the corners' heights are points; each strip links its points, and each level links crossings along
- * its contours. Loops run with the inside on their right, seen from outside of the cell: along contours below, against those
- * above. Every point gets one successor, so loops close, and what the neighbours see of a face is the same with the other
- * direction. */
+ * Round the cell's sides, counter-clockwise, stand its corners and those of finer cells; between two of them
+ * is a strip. Crossings of both levels' edges and of the corners' heights are points; each strip links its
+ * points, and each level links crossings along its contours. Loops run with the inside on their right, seen
+ * from outside of the cell: along contours below, against those above. Every point gets one successor, so
+ * loops close, and what the neighbours see of a face is the same with the other direction. */
 #include "section/trace.h"
 
 #include "lattice/wide.h"
@@ -23,14 +23,17 @@ static bvx_status gather_ends(bvxi_trace *t)
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
                 const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
-                BVXI_TRY(bvxi_slab_grow(t->s, &t->end, t->end_count, &t->end_room, sizeof *t->end, "the crossings of a cell"));
+                BVXI_TRY(bvxi_slab_grow(t->s, &t->end, t->end_count, &t->end_room, sizeof *t->end,
+                                        "the crossings of a cell"));
                 e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;
                 e->is_to = (uint8_t)to;
                 e->k = (uint8_t)k;
                 e->side = (uint8_t)bvxi_side_of(c, t->low);
-                BVXI_TRY(bvxi_trace_add_point(t, p->vertex + c->ring, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << e->side,
+                BVXI_TRY(bvxi_trace_add_point(t, p->vertex + c->ring,
+                                              (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) |
+                                                  (uint32_t)BVXI_FACE_SIDE << e->side,
                                               &e->point));
             }
         }
@@ -59,8 +62,10 @@ static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_li
     const int32_t *const da = p->q[d->segment], *const db = p->q[p->next[d->segment]];
     int64_t const origin = ca[o];
     int64_t cn = ((int64_t)c->line - ca[k]) * ((int64_t)cb[o] - ca[o]), cd = (int64_t)cb[k] - ca[k];
-    int64_t dn = ((int64_t)da[o] - origin) * ((int64_t)db[k] - da[k]) + ((int64_t)d->line - da[k]) * ((int64_t)db[o] - da[o]);
+    int64_t dn = ((int64_t)da[o] - origin) * ((int64_t)db[k] - da[k]) +
+                 ((int64_t)d->line - da[k]) * ((int64_t)db[o] - da[o]);
     int64_t dd = (int64_t)db[k] - da[k];
+
     if (cd < 0) {
         cd = -cd;
         cn = -cn;
@@ -78,6 +83,7 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t *const row = t->row[k];
     uint32_t n = 0;
+
     for (uint32_t i = 0; i < t->end_count; i++) {
         uint32_t j;
         if (t->end[i].side != side || t->end[i].k != k) continue;
@@ -95,7 +101,8 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
 /* ---- round the cell ---- */
 
 /* How many of a row's crossings lie before a node. */
-static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uint32_t *row, uint32_t from, uint32_t count, int side, const int32_t at[2])
+static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uint32_t *row, uint32_t from,
+                             uint32_t count, int side, const int32_t at[2])
 {
     int32_t const m = at[side & 1]; /* sides 0 and 2 run along u */
     uint32_t i = from;
@@ -103,22 +110,27 @@ static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uin
     return i - from;
 }
 
-static bvx_status link_strip(bvxi_trace *t, uint32_t a, uint32_t b, const uint32_t points[], uint32_t done[2], const uint32_t count[2], int side,
-                             int last)
+static bvx_status link_strip(bvxi_trace *t, uint32_t a, uint32_t b, const uint32_t points[], uint32_t done[2],
+                             const uint32_t count[2], int side, int last)
 {
     bvxi_trace_node *const left = &t->node[a], *const right = &t->node[b];
     uint32_t n[2] = {0, 0}, crossing[2];
     uint32_t *row[2];
+
     for (int k = 0; k < 2; k++) {
         row[k] = t->row[k] + done[k];
         if (t->level[k].kind == BVXI_PLANE_EXACT) {
-            n[k] = last ? count[k] - done[k] : count_before(t, t->level[k].plane, t->row[k], done[k], count[k], side, right->at);
-            for (uint32_t i = 0; i < n[k]; i++) row[k][i] = t->end[row[k][i]].point; /* the row holds points from here */
+            n[k] = last ? count[k] - done[k]
+                        : count_before(t, t->level[k].plane, t->row[k], done[k], count[k], side, right->at);
+            /* the row holds points from here */
+            for (uint32_t i = 0; i < n[k]; i++) row[k][i] = t->end[row[k][i]].point;
             done[k] += n[k];
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
-            BVXI_TRY(bvxi_trace_add_point(t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << side, &crossing[k]));
+            BVXI_TRY(bvxi_trace_add_point(
+                t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << side,
+                &crossing[k]));
             t->cross[k][t->cross_count[k]++] = crossing[k];
             row[k] = &crossing[k];
             n[k] = 1;
@@ -141,7 +153,8 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
         for (int k = 0; k < 2; k++)
             if (t->level[k].kind == BVXI_PLANE_EXACT) BVXI_TRY(sort_side(t, side, k, &count[k]));
         for (uint32_t i = corner[side]; i < corner[side + 1]; i++)
-            BVXI_TRY(link_strip(t, i, i + 1 == t->node_count ? 0 : i + 1, points, done, count, side, i + 1 == corner[side + 1]));
+            BVXI_TRY(link_strip(t, i, i + 1 == t->node_count ? 0 : i + 1, points, done, count, side,
+                                i + 1 == corner[side + 1]));
     }
     return BVX_OK;
 }
@@ -151,12 +164,14 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
+
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));
     BVXI_TRY(bvxi_trace_open_rows(t));
     BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
-    BVXI_TRY(link_sides(t, corner, t->next)); /* the loop's scratch holds the nodes' points until loops are followed */
+    /* the loop's scratch holds the nodes' points until loops are followed */
+    BVXI_TRY(link_sides(t, corner, t->next));
     link_arcs(t);
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) BVXI_TRY(bvxi_trace_face(t, k));

@@ -9,20 +9,20 @@ enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };
 
 /* A plane from cell to cell. */
 typedef struct bvxi_level {
-    int kind;                   /* BVXI_PLANE_EXACT, _FIELD or _EMPTY */
-    int k;                      /* FIELD: on a section, 0 or 1; else -1, a blend */
-    bvxi_plane *plane;          /* EXACT, and FIELD on a section */
+    int kind;          /* BVXI_PLANE_EXACT, _FIELD or _EMPTY */
+    int k;             /* FIELD: on a section, 0 or 1; else -1, a blend */
+    bvxi_plane *plane; /* EXACT, and FIELD on a section */
     double t, w;
-    bvxi_vertex_map *edges;     /* FIELD: crossings by edge */
-    int inserts;                /* FIELD on a section: contour points are put into its lines */
+    bvxi_vertex_map *edges; /* FIELD: crossings by edge */
+    int inserts;            /* FIELD on a section: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
 typedef struct bvxi_trace_node {
     int32_t at[2];
-    uint32_t vertex;            /* where the surface crosses the cell's height over it */
-    uint8_t inside[2];          /* on the level below, above */
-    uint8_t on[2];              /* on the planes of the slab */
+    uint32_t vertex;   /* where the surface crosses the cell's height over it */
+    uint8_t inside[2]; /* on the level below, above */
+    uint8_t on[2];     /* on the planes of the slab */
     uint8_t faces;
 } bvxi_trace_node;
 
@@ -31,7 +31,7 @@ enum { BVXI_LINK_STRAIGHT, BVXI_LINK_ARC, BVXI_LINK_ARC_BACK, BVXI_LINK_FIELD, B
 /* A vertex where the surface meets an edge of the cell; every one has one successor. */
 typedef struct bvxi_trace_point {
     uint32_t vertex, next;
-    uint32_t arc;               /* of a link along a contour */
+    uint32_t arc; /* of a link along a contour */
     uint8_t faces, link, seen;
 } bvxi_trace_point;
 
@@ -46,11 +46,11 @@ typedef struct bvxi_trace {
     bvxi_level level[2];
     double low_w, high_w;
     int32_t layer;
-    bvxi_vertex_map folds;      /* vertices on sides where a contour comes back */
+    bvxi_vertex_map folds; /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;
-    uint32_t key;               /* of the grid cell */
-    int beside_split;           /* 1: it or a cell beside it was subdivided */
+    uint32_t key;     /* of the grid cell */
+    int beside_split; /* 1: it or a cell beside it was subdivided */
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
     bvxi_trace_node *node;
@@ -59,18 +59,18 @@ typedef struct bvxi_trace {
     uint32_t point_count, point_room;
     bvxi_trace_end *end;
     uint32_t end_count, end_room;
-    uint32_t *row[2];           /* crossings of one side in order, below and above */
+    uint32_t *row[2]; /* crossings of one side in order, below and above */
     uint32_t row_room;
-    uint32_t *cross[2];         /* FIELD: crossings round the cell */
+    uint32_t *cross[2]; /* FIELD: crossings round the cell */
     uint32_t cross_count[2], cross_room;
     struct bvxi_trace_insert {
         double along;
         uint32_t point;
-    } *insert;                  /* contour points of one line */
+    } * insert; /* contour points of one line */
     uint32_t insert_room;
     /* a loop */
     uint32_t loop_count, strips; /* so far in the cell */
-    uint32_t choice;            /* how each is filled */
+    uint32_t choice;             /* how each is filled */
     uint32_t loop_room;
     uint32_t *vertex;
     uint8_t *faces;
@@ -78,7 +78,8 @@ typedef struct bvxi_trace {
     uint32_t *next, *before;
 } bvxi_trace;
 
-/* Room for what most cells need, so that arrays seldom grow. loop: vertices of the longest loop that is likely. */
+/* Room for what most cells need, so that arrays seldom grow. loop: vertices
+ * of the longest loop that is likely. */
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
 /* Room for a loop of count vertices; for the crossings of the cell. */
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
@@ -108,13 +109,14 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
 bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
 /* A strip of a side between two nodes: its links. below, above: crossings (points) in order. */
-bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right, const uint32_t *below,
-                            uint32_t below_count, const uint32_t *above, uint32_t above_count, uint32_t left_point, uint32_t right_point,
-                            int side);
+bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right,
+                            const uint32_t *below, uint32_t below_count, const uint32_t *above,
+                            uint32_t above_count, uint32_t left_point, uint32_t right_point, int side);
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
 bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
 /* Field levels: the crossing of an edge between two nodes, as a vertex. */
-bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b, uint32_t *vertex);
+bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
+                           uint32_t *vertex);
 /* Field levels: links across the cell's face. */
 bvx_status bvxi_trace_face(bvxi_trace *t, int k);
 /* Contour points between two points of a section in the field's way, appended to the loop at *count. */

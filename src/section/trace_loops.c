@@ -1,15 +1,17 @@
 /* trace_loops.c - the loops of one cell, followed from point to point and filled with triangles.
  *
- * Where triangles of a cell cross, its loops are filled again, some of them round a vertex inside the cell: every choice for the first
- * loops is tried, and the first one without crossings is kept. In the paper's way vertices are made while loops are followed, and its
- * triangles stay as they are. */
+ * Where triangles of a cell cross, its loops are filled again, some of them round a vertex inside the cell:
+ * every choice for the first loops is tried, and the first one without crossings is kept. In the paper's way
+ * vertices are made while loops are followed, and its triangles stay as they are. */
 #include "section/trace.h"
 
-enum { TRACE_CHOICES = 4, TRACE_SURE = 4 }; /* loops whose filling is chosen; triangles of one loop that as good as never cross */
+/* loops whose filling is chosen; triangles of one loop that as good as never cross */
+enum { TRACE_CHOICES = 4, TRACE_SURE = 4 };
 
 void bvxi_ring_stretch(const bvxi_plane *p, uint32_t place, uint32_t *first, uint32_t *end)
 {
     uint32_t low = 0, high = p->contour_count;
+
     while (high - low > 1) {
         uint32_t const middle = low + (high - low) / 2;
         if (p->ring[p->contour[middle].first] <= place) low = middle;
@@ -25,6 +27,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
+
     bvxi_ring_stretch(p, i, &first, &end);
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
@@ -37,6 +40,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
     bvxi_loop_fill l;
+
     l.count = count;
     l.vertex = t->vertex;
     l.faces = t->faces;
@@ -59,16 +63,20 @@ bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
     return BVX_OK;
 }
 
-/* The lines of a body's first and last plane are what a flat cap ends at. from: the loop's place behind the first vertex. */
+/* The lines of a body's first and last plane are what a flat cap ends at.
+ * from: the loop's place behind the first vertex. */
 static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t count, uint32_t last)
 {
     bvxi_stack *const s = t->s;
     const bvxi_plane *const p = t->level[k].plane;
-    if (s->options.caps != BVX_CAPS_FLAT || p == NULL || p != &s->plane[k == 0 ? 0 : s->plane_count - 1]) return BVX_OK;
+
+    if (s->options.caps != BVX_CAPS_FLAT || p == NULL || p != &s->plane[k == 0 ? 0 : s->plane_count - 1])
+        return BVX_OK;
     for (uint32_t i = from - 1; i < count; i++) {
         uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
         uint32_t *e;
-        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k], sizeof *s->cap_edge[k], "the lines of a cap"));
+        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k],
+                                sizeof *s->cap_edge[k], "the lines of a cap"));
         e = s->cap_edge[k][s->cap_edge_count[k]++];
         e[0] = k == 0 ? a : b;
         e[1] = k == 0 ? b : a;
@@ -79,13 +87,14 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
 static bvx_status refuse_open(const bvxi_trace *t)
 {
     if (t->s->fixed) return BVX_ERR_FORMAT;
-    return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
-                     (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
+    return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)",
+                     t->s->function, (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
 }
 
 static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
 {
     uint32_t count = 0, i = start;
+
     do {
         bvxi_trace_point *const p = &t->point[i];
         if (p->seen || p->next == BVXI_NONE) return refuse_open(t);
@@ -112,7 +121,8 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
     uint32_t first, end, count = 0;
     bvxi_ring_stretch(p, p->ring[a->point], &first, &end);
     for (uint32_t i = first; i < end; i++)
-        BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)), k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
+        BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
+                                        k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
     return bvxi_trace_fill(t, count);
 }
 
@@ -141,7 +151,9 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made)
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made)
 {
     const bvxi_stack *const s = t->s;
-    if (t->choice == 0 && t->loop_count == 1 && (t->strips == 1 || s->mesh.triangle_count - made->triangles <= TRACE_SURE)) return 0;
+    if (t->choice == 0 && t->loop_count == 1 &&
+        (t->strips == 1 || s->mesh.triangle_count - made->triangles <= TRACE_SURE))
+        return 0;
     return bvxi_cell_crosses(s, made->triangles);
 }
 
@@ -164,6 +176,7 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
     bvxi_stack *const s = t->s;
     bvxi_trace_made made;
     uint32_t choices = 1;
+
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     if (s->options.crossings != BVX_CROSSINGS_PAPER)

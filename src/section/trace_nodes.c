@@ -1,4 +1,5 @@
-/* trace_nodes.c - the corners round a cell: its own, and those of finer cells on its sides, with what they are on its levels. */
+/* trace_nodes.c - the corners round a cell: its own, and those of finer
+ * cells on its sides, with what they are on its levels. */
 #include "section/trace.h"
 
 /* Corners of finer cells between two corners of this one, counter-clockwise. */
@@ -6,9 +7,13 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
 {
     const bvxi_slab *const slab = t->field->slab;
     int const along = side & 1, across = 1 - along; /* sides 0 and 2 run along u */
-    int32_t const line = t->low[across] + (side == 1 || side == 2 ? t->size : 0), from = t->low[along], to = from + t->size;
-    const uint32_t *const start = (along == 0 ? t->field->hanging_row : t->field->hanging_column) + (line >> t->s->fine);
+    int32_t const line = t->low[across] + (side == 1 || side == 2 ? t->size : 0);
+    int32_t const from = t->low[along];
+    int32_t const to = from + t->size;
+    const uint32_t *const start = (along == 0 ? t->field->hanging_row : t->field->hanging_column) +
+                                  (line >> t->s->fine);
     uint32_t low, high, n;
+
     if (slab->hanging_count == 0) return BVX_OK;
     low = start[0];
     high = start[1];
@@ -26,7 +31,8 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
         bvxi_trace_node *node;
-        BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node, "the corners of a cell"));
+        BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
+                                "the corners of a cell"));
         node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
@@ -39,10 +45,12 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
     return BVX_OK;
 }
 
-/* What a corner is on the cell's own levels, from the planes' and from the layer in which its height is crossed (in inside[0]). */
+/* What a corner is on the cell's own levels, from the planes' and from the
+ * layer in which its height is crossed (in inside[0]). */
 static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
+
     if (n->on[0] == n->on[1]) {
         n->inside[0] = n->inside[1] = n->on[0];
         n->vertex = BVXI_NONE;
@@ -55,12 +63,15 @@ static void level_node(bvxi_trace_node *n, int32_t layer)
 
 static bvx_status add_corner(bvxi_trace *t, int i)
 {
-    static const uint8_t faces[4] = {BVXI_FACE_SIDE | BVXI_FACE_SIDE << 3, BVXI_FACE_SIDE | BVXI_FACE_SIDE << 1,
-                                     BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
+    static const uint8_t faces[4] = {
+        BVXI_FACE_SIDE | BVXI_FACE_SIDE << 3, BVXI_FACE_SIDE | BVXI_FACE_SIDE << 1,
+        BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
     const bvxi_slab *const slab = t->field->slab;
     int32_t const fine = t->s->fine, part = (1 << fine) - 1;
     bvxi_trace_node *n;
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node, "the corners of a cell"));
+
+    BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
+                            "the corners of a cell"));
     n = &t->node[t->node_count++];
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);

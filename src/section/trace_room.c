@@ -1,4 +1,5 @@
-/* trace_room.c - the arrays of one cell's trace: they grow on the calling thread, never in a view of the stack that other threads have. */
+/* trace_room.c - the arrays of one cell's trace: they grow on the calling
+ * thread, never in a view of the stack that other threads have. */
 #include "section/trace.h"
 
 enum { TRACE_FEW = 64 };
@@ -6,7 +7,9 @@ enum { TRACE_FEW = 64 };
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
 {
     bvxi_trace_point *p;
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->point, t->point_count, &t->point_room, sizeof *t->point, "the crossings of a cell"));
+
+    BVXI_TRY(bvxi_slab_grow(t->s, &t->point, t->point_count, &t->point_room, sizeof *t->point,
+                            "the crossings of a cell"));
     *point = t->point_count++;
     p = &t->point[*point];
     p->vertex = vertex;
@@ -22,9 +25,13 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
 {
     bvxi_stack *const s = t->s;
     uint64_t const room = count + count / 2 + 64, old = t->loop_room;
+
     if (count <= old) return BVX_OK;
     if (s->fixed) return BVX_ERR_BUDGET;
-    if (room > INT32_MAX) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points", s->function);
+    if (room > INT32_MAX)
+        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points",
+                         s->function);
+
     /* what was is kept: a loop grows while it is followed */
     {
         uint32_t *vertex = NULL, *next = NULL, *before = NULL;
@@ -32,9 +39,11 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
         const double **at = NULL;
         bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &vertex);
         if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room, "a loop of a cell", &faces);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *at, "a loop of a cell", &at);
+        if (status == BVX_OK)
+            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *at, "a loop of a cell", &at);
         if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &next);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
+        if (status == BVX_OK)
+            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
         if (status != BVX_OK) {
             bvxi_free(s->ctx, next, next == NULL ? 0 : room * 4);
             bvxi_free(s->ctx, (void *)at, at == NULL ? 0 : room * sizeof *at);
@@ -73,6 +82,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
 {
     bvxi_stack *const s = t->s;
     uint32_t const need = t->end_count + 1, crossings = t->node_count + 1;
+
     for (int which = 0; which < 2; which++) {
         uint32_t *const room = which == 0 ? &t->row_room : &t->cross_room;
         uint64_t const wanted = which == 0 ? need : crossings, larger = wanted + wanted / 2 + 16;
@@ -81,7 +91,8 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
             uint32_t *made = NULL;
-            bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made);
+            bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side",
+                                                 &made);
             if (status != BVX_OK) { /* both rows keep one length */
                 if (k == 1) {
                     uint32_t **const done = which == 0 ? &t->row[0] : &t->cross[0];
@@ -104,6 +115,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
 bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
 {
     bvxi_stack *const s = t->s;
+
     BVXI_TRY(bvxi_slab_grow(s, &t->node, 0, &t->node_room, sizeof *t->node, "the corners of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
@@ -118,6 +130,7 @@ void bvxi_trace_free(bvxi_trace *t)
 {
     bvxi_stack *const s = t->s;
     uint64_t const loop = t->loop_room;
+
     bvxi_free(s->ctx, t->before, loop * 4);
     bvxi_free(s->ctx, t->next, loop * 4);
     bvxi_free(s->ctx, (void *)t->at, loop * sizeof *t->at);

@@ -1,8 +1,9 @@
 /* uncross.c - triangles of one cell that cross each other.
  *
- * Loops are filled one by one, each with the shortest inner edges that are allowed; where a contour winds inside a cell, or several
- * loops lie in it, triangles of one may reach through those of another, or of the same loop. Such cells are found here, by holding
- * all pairs of a cell's triangles against each other. The test is one in doubles: a touch within rounding may be taken for none. */
+ * Loops are filled one by one, each with the shortest inner edges that are allowed; where a contour winds
+ * inside a cell, or several loops lie in it, triangles of one may reach through those of another, or of the
+ * same loop. Such cells are found here, by holding all pairs of a cell's triangles against each other. The
+ * test is one in doubles: a touch within rounding may be taken for none. */
 #include "section/trace.h"
 
 enum { UNCROSS_MOST = 64 };
@@ -10,7 +11,12 @@ enum { UNCROSS_MOST = 64 };
 /* Signed volume of four places. */
 static double uncross_volume(const double *a, const double *b, const double *c, const double *d)
 {
-    double const ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2], vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+    double const ux = b[0] - a[0];
+    double const uy = b[1] - a[1];
+    double const uz = b[2] - a[2];
+    double const vx = c[0] - a[0];
+    double const vy = c[1] - a[1];
+    double const vz = c[2] - a[2];
     double const wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
     return (uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz;
 }
@@ -42,9 +48,11 @@ static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
 static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *b)
 {
     const uint32_t *const corner[2] = {a, b};
+
     for (int i = 0; i < 2; i++) {
         const uint32_t *const o = corner[1 - i];
-        const double *const at[3] = {bvxi_section_vertex(s, o[0]), bvxi_section_vertex(s, o[1]), bvxi_section_vertex(s, o[2])};
+        const double *const at[3] = {bvxi_section_vertex(s, o[0]), bvxi_section_vertex(s, o[1]),
+                                     bvxi_section_vertex(s, o[2])};
         for (int k = 0; k < 3; k++) {
             uint32_t const p = corner[i][k], q = corner[i][(k + 1) % 3];
             if (p == o[0] || p == o[1] || p == o[2] || q == o[0] || q == o[1] || q == o[2]) continue;
@@ -58,13 +66,16 @@ int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from)
 {
     uint64_t const n = s->mesh.triangle_count - from;
     double box[UNCROSS_MOST][6];
-    if (n == 0 || n > UNCROSS_MOST) return 0; /* very many contour points in one cell: it would take too long */
+
+    /* very many contour points in one cell: it would take too long */
+    if (n == 0 || n > UNCROSS_MOST) return 0;
     const uint32_t *const t = s->mesh.triangle + 3 * from;
     for (uint64_t i = 0; i < n; i++) {
         uncross_box(s, t + 3 * i, box[i]);
         for (uint64_t k = 0; k < i; k++) {
             const double *const a = box[i], *const b = box[k];
-            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5]) continue;
+            if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
+                continue;
             if (uncross_pair(s, t + 3 * i, t + 3 * k)) return 1;
         }
     }

@@ -1,4 +1,5 @@
-/* vertex_map.c - vertices by a key: open addressing over a table that is at most half full, so every search ends at a free place. */
+/* vertex_map.c - vertices by a key: open addressing over a table that is at
+ * most half full, so every search ends at a free place. */
 #include "section/section_field.h"
 
 static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
@@ -13,11 +14,14 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
 {
     bvxi_vertex_map larger = {NULL, NULL, 0, 0};
     bvx_status status;
+
     if (s->fixed) return BVX_ERR_BUDGET;
     larger.room = room;
     larger.count = m->count;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex);
+    if (status == BVX_OK)
+        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges",
+                            &larger.vertex);
     if (status != BVX_OK) {
         bvxi_free(s->ctx, larger.key, larger.key == NULL ? 0 : (uint64_t)room * 8);
         return status;
@@ -37,8 +41,10 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
 bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32_t **vertex)
 {
     uint32_t at;
+
     if (2 * (uint64_t)m->count >= m->room) {
-        if (m->room >= UINT32_C(1) << 30) return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^29 crossings of edges", s->function);
+        if (m->room >= UINT32_C(1) << 30)
+            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^29 crossings of edges", s->function);
         BVXI_TRY(map_resize(s, m, m->room == 0 ? 64 : 2 * m->room));
     }
     at = map_slot(m, key);

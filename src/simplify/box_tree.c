@@ -1,4 +1,5 @@
-/* box_tree.c - an eight-wide hierarchy over triangles, of boxes and of what the triangles face, kept up to date while edges collapse.
+/* box_tree.c - an eight-wide hierarchy over triangles, of boxes and of what the triangles face, kept up to
+ * date while edges collapse.
  *
  * A box that grows is handed upwards until one contains it already, which is soon: most collapses change two
  * nodes or three. */

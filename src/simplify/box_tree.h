@@ -12,9 +12,9 @@
 #include <immintrin.h>
 #endif
 
-/* A triangle's area normal faces what it seems to where its largest part is more than so much of the product of two
- * sides, and of a size that products of it do not vanish at. */
-#define BVXI_FACING_SINE 1e-5
+/* A triangle's area normal faces what it seems to where its largest part is more than so much of the product
+ * of two sides, and of a size that products of it do not vanish at. */
+#define BVXI_FACING_SINE  1e-5
 #define BVXI_FACING_LEAST 1e-140
 
 enum {
@@ -120,6 +120,7 @@ typedef struct bvxi_box_query {
 static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
 {
     bvxi_box_query q;
+
 #if defined(__SSE2__) && defined(__GNUC__)
     for (int a = 0; a < 3; a++) {
         q.low[a] = _mm_set1_epi16(box->low[a]);
@@ -135,6 +136,7 @@ static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
 static inline bvxi_box_query bvxi_box_ask_child(const bvxi_box_node *node, int32_t k)
 {
     bvxi_box_query q;
+
 #if defined(__SSE2__) && defined(__GNUC__)
     for (int a = 0; a < 3; a++) {
         q.low[a] = _mm_set1_epi16(node->low[a][k]);
@@ -180,8 +182,8 @@ static inline void bvxi_box_put(bvxi_box_node *node, int32_t k, const bvxi_box *
     }
 }
 
-/* What a triangle with area normal n faces, anything where rounding may have turned it. reach: no less than the
- * product of two of its sides. */
+/* What a triangle with area normal n faces, anything where rounding may
+ * have turned it. reach: no less than the product of two of its sides. */
 static inline bvxi_box_facing bvxi_box_facing_of(const double n[3], double reach)
 {
     double const x = bvxi_absolute(n[0]), y = bvxi_absolute(n[1]), z = bvxi_absolute(n[2]);
@@ -266,8 +268,8 @@ static inline bvxi_box bvxi_box_none(void)
     return box;
 }
 
-/* Triangle t has moved: its box and what it faces are replaced, those above grow. Without tree->faces facing is
- * not looked at. */
+/* Triangle t has moved: its box and what it faces are replaced, those above
+ * grow. Without tree->faces facing is not looked at. */
 void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box, const bvxi_box_facing *facing);
 /* Triangle t is gone: no box finds it any more. */
 void bvxi_box_tree_remove(bvxi_box_tree *tree, int32_t t);

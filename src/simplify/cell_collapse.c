@@ -10,8 +10,8 @@
  * the whole does, in the memory of a near cache, and is copied back: the order of the cells does not matter,
  * nor the number of threads.
  *
- * Ghost triangles, which close the borders of an open mesh, are in the cell of their two vertices, or straddle:
- * an edge to the ghost is of the cell that its other end is in.
+ * Ghost triangles, which close the borders of an open mesh, are in the cell of their two vertices, or
+ * straddle: an edge to the ghost is of the cell that its other end is in.
  *
  * Only edges below a cost that half of all have go, and half of a cell's triangles at most: so cells keep
  * step with each other, and from three times the target on edges go by rising cost all over the mesh. Each
@@ -19,48 +19,49 @@
 #include "simplify/collapse_state.h"
 
 enum {
-    CELL_VERTICES = 2048, /* a cell with more is parted */
+    CELL_VERTICES = 2048,               /* a cell with more is parted */
     CELL_TRIANGLES = 6 * CELL_VERTICES, /* a cell with more, of long triangles that straddle, stays */
     CELL_DEPTH = 40,
-    CELL_SAMPLES = 64,  /* positions among which a border is chosen */
+    CELL_SAMPLES = 64, /* positions among which a border is chosen */
     CELL_ROUNDS = 16,
     CELL_COST_STEP = 32 /* of so many triangles one tells what edges cost */
 };
 
 typedef struct collapse_cell {
-    uint64_t begin, end;  /* of its vertices in the order */
-    bvxi_box box;         /* steps, both ends within */
+    uint64_t begin, end;         /* of its vertices in the order */
+    bvxi_box box;                /* steps, both ends within */
     uint64_t inside, straddling; /* triangles */
     uint64_t ghosts_inside, ghosts_straddling;
-    uint64_t first;       /* of its list: those inside, then those that straddle, then ghosts in the same way, each
-                             by rising index */
+    /* of its list: those inside, then those that straddle, then ghosts in
+     * the same way, each by rising index */
+    uint64_t first;
     uint64_t listed_inside, listed_straddling, listed_ghosts_inside, listed_ghosts_straddling;
     int32_t stays;
-    uint64_t removed;     /* triangles, after its collapses */
+    uint64_t removed; /* triangles, after its collapses */
     bvxi_collapse_counts counts;
 } collapse_cell;
 
 /* A cut across an axis, or a cell. */
 typedef struct cell_node {
-    int32_t axis; /* -1: a cell */
+    int32_t axis;      /* -1: a cell */
     int32_t low, high; /* nodes below the cut and from it on; a cell: its index */
     int16_t cut;
 } cell_node;
 
 typedef struct cell_round {
     bvxi_collapse *whole;
-    int16_t (*step)[3];  /* of each vertex */
-    uint32_t *order;     /* vertices, cell by cell, each by rising index */
-    uint32_t *other;     /* while they are ordered */
-    uint32_t *rank;      /* of each vertex in the order */
-    uint32_t *cell_of;   /* of each vertex */
-    uint32_t *place;     /* of each triangle and ghost in its cell's list, UINT32_MAX: it straddles */
+    int16_t (*step)[3]; /* of each vertex */
+    uint32_t *order;    /* vertices, cell by cell, each by rising index */
+    uint32_t *other;    /* while they are ordered */
+    uint32_t *rank;     /* of each vertex in the order */
+    uint32_t *cell_of;  /* of each vertex */
+    uint32_t *place;    /* of each triangle and ghost in its cell's list, UINT32_MAX: it straddles */
     uint32_t *list;
     cell_node *node;
     collapse_cell *cell;
     uint64_t nodes, cells, most_nodes;
     uint64_t listed, list_room; /* entries of the list */
-    int32_t number;  /* of the round */
+    int32_t number;             /* of the round */
     int32_t dearest;
 
     /* A worker's memory. */
@@ -193,10 +194,8 @@ static void make_cells(cell_round *r)
     while (depth > 0) {
         cell_part const part = stack[--depth];
 
-        if (cut_part(r, &part, stack + depth))
-            depth += 2;
-        else
-            close_cell(r, &r->node[part.node], part.begin, part.end, &part.box);
+        if (cut_part(r, &part, stack + depth)) depth += 2;
+        else close_cell(r, &r->node[part.node], part.begin, part.end, &part.box);
     }
 }
 
@@ -224,10 +223,8 @@ static void list_straddling(cell_round *r, uint32_t t, int fill)
         if (node->axis < 0) {
             collapse_cell *const cell = &r->cell[node->low];
 
-            if (!fill)
-                cell->straddling++;
-            else if (!cell->stays)
-                r->list[cell->first + cell->inside + cell->listed_straddling++] = t;
+            if (!fill) cell->straddling++;
+            else if (!cell->stays) r->list[cell->first + cell->inside + cell->listed_straddling++] = t;
             continue;
         }
         if (box.low[node->axis] < node->cut) stack[depth++] = node->low;
@@ -258,10 +255,10 @@ static void list_by_cells(cell_round *r, int fill)
 
 static void list_straddling_ghost(cell_round *r, collapse_cell *cell, uint32_t t, int fill)
 {
-    if (!fill)
-        cell->ghosts_straddling++;
+    if (!fill) cell->ghosts_straddling++;
     else if (!cell->stays)
-        r->list[cell->first + cell->inside + cell->straddling + cell->ghosts_inside + cell->listed_ghosts_straddling++] = t;
+        r->list[cell->first + cell->inside + cell->straddling + cell->ghosts_inside +
+                cell->listed_ghosts_straddling++] = t;
 }
 
 /* Ghosts are listed where one of their vertices is: nothing can cross them. */
@@ -337,7 +334,8 @@ static uint64_t worker_bytes_for(uint64_t vertices, uint64_t triangles, uint64_t
 {
     return whole_lines(sizeof(bvxi_collapse)) + whole_lines(vertices * sizeof(bvxi_corner_vertex)) +
            whole_lines(vertices * sizeof(bvxi_facing)) + whole_lines(vertices * 4) + whole_lines(vertices) +
-           whole_lines((triangles + ghosts) * sizeof(bvxi_corner_triangle)) + whole_lines(bvxi_box_tree_bytes(triangles)) +
+           whole_lines((triangles + ghosts) * sizeof(bvxi_corner_triangle)) +
+           whole_lines(bvxi_box_tree_bytes(triangles)) +
            whole_lines(chunks_for(triangles) * sizeof(bvxi_queue_chunk)) + BVXI_QUEUE_HEADS * sizeof(int32_t);
 }
 
@@ -368,7 +366,8 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     m->facing = (bvxi_facing *)(void *)take_room(&memory, r->vertex_room * sizeof *m->facing);
     c->version = (uint32_t *)(void *)take_room(&memory, r->vertex_room * sizeof *c->version);
     w->locked = take_room(&memory, r->vertex_room);
-    m->triangle = (bvxi_corner_triangle *)(void *)take_room(&memory, (r->triangle_room + r->ghost_room) * sizeof *m->triangle);
+    m->triangle = (bvxi_corner_triangle *)(void *)take_room(&memory, (r->triangle_room + r->ghost_room) *
+                                                                         sizeof *m->triangle);
     m->triangles = m->left = w->cell->inside + w->cell->straddling;
     m->ghosts = w->cell->ghosts_inside + w->cell->ghosts_straddling;
 
@@ -376,8 +375,8 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     bvxi_box_tree_lay_out(&c->boxes, m->triangles, take_room(&memory, bvxi_box_tree_bytes(r->triangle_room)));
     c->queue.chunks = (int32_t)chunks_for(m->triangles);
     c->queue.batch = INT32_MAX;
-    c->queue.chunk =
-        (bvxi_queue_chunk *)(void *)take_room(&memory, chunks_for(r->triangle_room) * sizeof *c->queue.chunk);
+    c->queue.chunk = (bvxi_queue_chunk *)(void *)take_room(&memory, chunks_for(r->triangle_room) *
+                                                                        sizeof *c->queue.chunk);
     c->queue.head = (int32_t *)(void *)memory;
     c->locked = w->locked;
     w->c = c;
@@ -427,10 +426,8 @@ static uint32_t own_triangle(const cell_work *w, uint32_t t)
     while (high - low > 1) {
         uint64_t const middle = (low + high) / 2;
 
-        if (w->list[middle] <= t)
-            low = middle;
-        else
-            high = middle;
+        if (w->list[middle] <= t) low = middle;
+        else high = middle;
     }
     return (uint32_t)low;
 }
@@ -488,8 +485,7 @@ static void give_opposites(const cell_work *w, const bvxi_corner_triangle *from,
 {
     for (int k = 0; k < 3; k++)
         if (is_no_others(w, from->vertex[(k + 1) % 3]) && is_no_others(w, from->vertex[(k + 2) % 3]))
-            to->opposite[k] =
-                (int32_t)(w->list[from->opposite[k] >> 2] << 2) + (from->opposite[k] & 3);
+            to->opposite[k] = (int32_t)(w->list[from->opposite[k] >> 2] << 2) + (from->opposite[k] & 3);
 }
 
 static void give_back(const cell_work *w)
@@ -619,7 +615,8 @@ static int lay_out_round(cell_round *r)
 
 int bvxi_collapse_is_far(const bvxi_collapse *c, uint64_t target, uint64_t level)
 {
-    return (c->mesh.left + COLLAPSE_FAR - 1) / COLLAPSE_FAR > level && c->mesh.left > COLLAPSE_NEAR && c->mesh.left - c->mesh.left / 5 > target;
+    return (c->mesh.left + COLLAPSE_FAR - 1) / COLLAPSE_FAR > level && c->mesh.left > COLLAPSE_NEAR &&
+           c->mesh.left - c->mesh.left / 5 > target;
 }
 
 bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to)

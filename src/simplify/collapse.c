@@ -14,8 +14,9 @@
  * At borders planes are added that stand on the triangle along each border edge, so that borders keep their
  * place and corners.
  *
- * Guarantee: every state is closed where the mesh given was, edge- and vertex-manifold, oriented and, where the
- * mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh everywhere. */
+ * Guarantee: every state is closed where the mesh given was, edge- and vertex-manifold, oriented and, where
+ * the mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh
+ * everywhere. */
 #include "simplify/simplify.h"
 #include "bits/curve.h"
 #include "mesh/mesh.h"
@@ -26,15 +27,15 @@
 #include <math.h>
 
 enum {
-    COLLAPSE_REPORT = 1024,   /* edges that are tried between two reports of progress */
-    COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
+    COLLAPSE_REPORT = 1024,                /* edges that are tried between two reports of progress */
+    COLLAPSE_CURVE_BITS = 21,              /* of the order in space along each axis */
     COLLAPSE_LATER = 2 * BVXI_QUEUE_OCTAVE /* how much later a refused edge is tried again */
 };
 
 /* Of the plane at a border edge, to that of a triangle of twice the area of the edge's square. */
 #define BORDER_WEIGHT 1.0
-/* A vertex may lie so many mean edges from the planes that it stands for: up to 0.6 in levels that look like what they were made from,
- * 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
+/* A vertex may lie so many mean edges from the planes that it stands for: up to 0.6 in levels that look like
+ * what they were made from, 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
 #define CRUMPLED (2.0 / 3.0)
 /* Of mean edge's square to a triangle's area, where all sides are equal. */
 #define EDGE_SQUARE 2.309401076758503
@@ -337,8 +338,8 @@ static int judge_elsewhere(bvxi_collapse *c, const quadric *q, int32_t bucket)
     return BVXI_STAR_CROSSES;
 }
 
-/* 1 when the new vertex of the star would be further from its planes, by the mean square over their area, than triangles of the mesh can
- * show as it is now. Cells are far from that. */
+/* 1 when the new vertex of the star would be further from its planes, by the mean square over their area,
+ * than triangles of the mesh can show as it is now. Cells are far from that. */
 static int is_crumpled(const bvxi_collapse *c, const quadric *q)
 {
     double const trace = q->a[0] + q->a[3] + q->a[5];
@@ -563,8 +564,8 @@ static uint64_t mark_used(collapse_order *o)
 
 static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const double low[3], double size)
 {
-    uint64_t const items =
-        mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count : mesh->triangle_count;
+    uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
+                                                                     : mesh->triangle_count;
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4;
     collapse_order o = {.view = mesh, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
@@ -580,7 +581,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at);
     if (status == BVX_OK && c->options.colour_weight > 0 && mesh->colours != NULL)
-        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours", &c->mesh.tint);
+        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours",
+                            &c->mesh.tint);
     if (status == BVX_OK) status = take_mesh(c, &o);
     bvxi_free(c->ctx, block, bytes);
     return status;
@@ -685,7 +687,8 @@ static bvx_status start_colours(bvxi_collapse *c)
 {
     if (c->mesh.tint == NULL) return BVX_OK;
 
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->colour, "the quadrics of colours", &c->colour));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->colour,
+                             "the quadrics of colours", &c->colour));
     bvxi_colours_start(&c->mesh, c->mesh.tint, c->options.colour_weight, c->scale, c->colour);
     return BVX_OK;
 }
@@ -700,8 +703,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
     c->queue.chunks = (int32_t)(entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
     c->begun_vertices = c->mesh.vertices;
     c->node_bytes = bvxi_box_tree_bytes(c->mesh.triangles);
-    c->chunk_bytes =
-        (uint64_t)c->queue.chunks * sizeof *c->queue.chunk + BVXI_QUEUE_HEADS * sizeof *c->queue.head;
+    c->chunk_bytes = (uint64_t)c->queue.chunks * sizeof *c->queue.chunk +
+                     BVXI_QUEUE_HEADS * sizeof *c->queue.head;
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
                              "what vertices face", &c->mesh.facing));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->version,
@@ -758,10 +761,8 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->dearest = BVXI_QUEUE_FINE - 1;
     c->queue.batch = INT32_MAX;
     status = open_steps(c, mesh);
-    if (status == BVX_OK)
-        *collapse = c;
-    else
-        bvxi_collapse_close(c);
+    if (status == BVX_OK) *collapse = c;
+    else bvxi_collapse_close(c);
     return status;
 }
 
@@ -791,10 +792,8 @@ bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
     for (uint64_t t = 0; t < m->triangles; t++) memcpy(level->triangles + 3 * t, m->triangle[t].vertex, 12);
     for (uint64_t v = 0; v < m->vertices; v++)
         for (uint64_t k = 0; k < 3; k++) {
-            if (c->options.position_type == BVX_F64)
-                ((double *)level->positions)[3 * v + k] = m->at[v].p[k];
-            else
-                ((float *)level->positions)[3 * v + k] = (float)m->at[v].p[k];
+            if (c->options.position_type == BVX_F64) ((double *)level->positions)[3 * v + k] = m->at[v].p[k];
+            else ((float *)level->positions)[3 * v + k] = (float)m->at[v].p[k];
         }
     return BVX_OK;
 }

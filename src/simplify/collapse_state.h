@@ -9,8 +9,8 @@
 #include "simplify/star.h"
 
 enum {
-    /* While more than so many times the level are left, more triangles than are worth the trouble, and a quarter more than the target,
-     * cells collapse on their own. */
+    /* While more than so many times the level are left, more triangles than are worth the trouble, and a
+     * quarter more than the target, cells collapse on their own. */
     COLLAPSE_FAR = 3,
     COLLAPSE_NEAR = 20000
 };
@@ -23,9 +23,9 @@ struct bvxi_collapse {
     bvxi_box_tree boxes;
     bvxi_queue queue;
     bvxi_colour_quadric *colour; /* of each vertex, or NULL */
-    uint32_t *version; /* of each vertex: grows when it moves */
-    double scale;      /* quadrics measure lengths in units of 1 / scale, the mesh's size */
-    double area;       /* of the mesh as it was opened, in the same units */
+    uint32_t *version;           /* of each vertex: grows when it moves */
+    double scale;                /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    double area;                 /* of the mesh as it was opened, in the same units */
     bvxi_collapse_counts counts;
     uint64_t packed; /* triangles when the mesh was packed last */
     uint64_t begun_vertices;

@@ -2,10 +2,11 @@
  *
  * Source: Hoppe. New Quadric Metric for Simplifying Meshes with Appearance Attributes. 1999.
  *
- * On a triangle each channel is a linear function g x + d of the position. A vertex at x with the colour s costs the sum of
- * (g x + d - s)^2 by area over the triangles that it stands for; the best s is their mean value at x, and with it the cost is a quadric
- * of x alone: the sum of (g x + d)^2 less the squared sum of g x + d by the area. So a vertex slides for free along a border of
- * colours and where there is one colour, and not across. Sums are additive, as plane quadrics are. */
+ * On a triangle each channel is a linear function g x + d of the position. A vertex at x with the colour s
+ * costs the sum of (g x + d - s)^2 by area over the triangles that it stands for; the best s is their mean
+ * value at x, and with it the cost is a quadric of x alone: the sum of (g x + d)^2 less the squared sum of g
+ * x + d by the area. So a vertex slides for free along a border of colours and where there is one colour, and
+ * not across. Sums are additive, as plane quadrics are. */
 #include "simplify/colours.h"
 #include "mesh/facet.h"
 #include "core/vec3.h"
@@ -30,7 +31,8 @@ void bvxi_colours_move(bvxi_colour_quadric *q, const double offset[3])
     for (int j = 0; j < 3; j++) q->d[j] += bvxi_vec_dot(q->g[j], offset);
 }
 
-void bvxi_colours_join(const bvxi_colour_quadric *u, const bvxi_colour_quadric *v, const double offset[3], bvxi_colour_quadric *both)
+void bvxi_colours_join(const bvxi_colour_quadric *u, const bvxi_colour_quadric *v, const double offset[3],
+                       bvxi_colour_quadric *both)
 {
     double const back[3] = {-offset[0], -offset[1], -offset[2]};
 
@@ -74,8 +76,8 @@ void bvxi_colours_pack(bvxi_colour_quadric *at, uint64_t vertices, const uint32_
 
 /* ---- Triangles ---- */
 
-/* The gradient in a triangle's plane of what has a value at each corner. u, v: sides from the first corner; 0: the triangle has no
- * area. */
+/* The gradient in a triangle's plane of what has a value at each corner. u,
+ * v: sides from the first corner; 0: the triangle has no area. */
 static int colour_gradient(const double u[3], const double v[3], const double value[3], double g[3])
 {
     double const uu = bvxi_vec_dot(u, u), uv = bvxi_vec_dot(u, v), vv = bvxi_vec_dot(v, v);
@@ -102,7 +104,8 @@ static void add_channel(bvxi_colour_quadric *q, int channel, const double g[3], 
     q->d[channel] += weight * value;
 }
 
-void bvxi_colours_start(const bvxi_corners *mesh, const uint8_t *colours, double weight, double scale, bvxi_colour_quadric *at)
+void bvxi_colours_start(const bvxi_corners *mesh, const uint8_t *colours, double weight, double scale,
+                        bvxi_colour_quadric *at)
 {
     for (uint64_t t = 0; t < mesh->triangles; t++) {
         const uint32_t *const corner = mesh->triangle[t].vertex;
@@ -119,7 +122,8 @@ void bvxi_colours_start(const bvxi_corners *mesh, const uint8_t *colours, double
         for (int channel = 0; channel < 3; channel++) {
             double value[3], g[3];
 
-            for (int k = 0; k < 3; k++) value[k] = colours[4 * (uint64_t)corner[k] + (uint64_t)channel] / 255.0 * weight;
+            for (int k = 0; k < 3; k++)
+                value[k] = colours[4 * (uint64_t)corner[k] + (uint64_t)channel] / 255.0 * weight;
             if (!colour_gradient(u, v, value, g)) continue;
             for (int k = 0; k < 3; k++) add_channel(&at[corner[k]], channel, g, value[k], area);
         }

@@ -27,16 +27,18 @@ static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_c
     const double *const q = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(corner)));
 
     if (borders == BVXI_BORDERS_REFUSED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
-                         "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
-                         "such a mesh",
-                         function, p[0], p[1], p[2], q[0], q[1], q[2]);
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                     "%s: the mesh is not manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, %g) has "
-                     "three triangles, or two that run along it in the same direction; BVX_OPEN_CUT makes borders of "
-                     "such edges",
-                     function, p[0], p[1], p[2], q[0], q[1], q[2]);
+        return bvxi_fail(
+            ctx, BVX_ERR_ARGUMENT,
+            "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
+            "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
+            "such a mesh",
+            function, p[0], p[1], p[2], q[0], q[1], q[2]);
+    return bvxi_fail(
+        ctx, BVX_ERR_ARGUMENT,
+        "%s: the mesh is not manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, %g) has "
+        "three triangles, or two that run along it in the same direction; BVX_OPEN_CUT makes borders of "
+        "such edges",
+        function, p[0], p[1], p[2], q[0], q[1], q[2]);
 }
 
 /* Make borders of both sides of an edge, or of the one that waits. */
@@ -103,7 +105,8 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
     int32_t fan, back, at = bvxi_corner_previous(c);
     int32_t const next = next_border(m, c, &fan);
 
-    if (bvxi_corner_vertex_of(m, bvxi_corner_previous(next)) != bvxi_corner_vertex_of(m, bvxi_corner_next(c)) ||
+    if (bvxi_corner_vertex_of(m, bvxi_corner_previous(next)) !=
+            bvxi_corner_vertex_of(m, bvxi_corner_next(c)) ||
         next_border(m, next, &back) != c)
         return;
 
@@ -177,7 +180,8 @@ static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the colours of parts that touch", &tint));
         memcpy(tint, m->tint, (size_t)m->vertices * 4);
     }
-    bvx_status const status = bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger);
+    bvx_status const status = bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger,
+                                         "the vertices of parts that touch", &larger);
     if (status != BVX_OK) {
         bvxi_free(ctx, tint, room * 4);
         return status;
@@ -199,9 +203,10 @@ static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_co
 
     if (room > INT32_MAX / 4)
         return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: %u triangles with %u border edges are too many; %u together are possible", function,
-                         m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
+                         "%s: %u triangles with %u border edges are too many; %u together are possible",
+                         function, m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
     memcpy(larger, m->triangle, (size_t)m->triangles * sizeof *larger);
     bvxi_free(ctx, m->triangle, m->triangle_room * sizeof *larger);
     m->triangle = larger;
@@ -227,7 +232,8 @@ static void put_ghosts(bvxi_corners *m)
     }
 }
 
-/* Join ghosts with the next ones of their borders: the next border edge is found around the vertex between. */
+/* Join ghosts with the next ones of their borders: the next border edge is found around the vertex
+ * between. */
 static void join_ghosts(bvxi_corners *m)
 {
     int32_t const end = (int32_t)(4 * (m->triangles + m->ghosts));
@@ -240,8 +246,9 @@ static void join_ghosts(bvxi_corners *m)
     }
 }
 
-/* Walk every fan once. The first fan of a vertex keeps it, others get new vertices from `fresh` on; with fresh
- * 0 they are counted alone. first, seen: scratch of each vertex and of each corner. Returns fans that share. */
+/* Walk every fan once. The first fan of a vertex keeps it, others get new
+ * vertices from `fresh` on; with fresh 0 they are counted alone. first,
+ * seen: scratch of each vertex and of each corner. Returns fans that share. */
 static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64_t fresh)
 {
     int32_t const end = (int32_t)(4 * m->triangles);

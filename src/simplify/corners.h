@@ -16,7 +16,7 @@
 
 #include "simplify/simplify.h"
 
-#define BVXI_VERTEX_NONE UINT32_MAX
+#define BVXI_VERTEX_NONE  UINT32_MAX
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
 
 /* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position +
@@ -43,7 +43,8 @@ typedef struct bvxi_corners {
     uint64_t vertices, triangles;
     uint64_t ghosts; /* triangles between borders and the ghost vertex, after all others */
     uint64_t left;   /* triangles that are not gone, without ghosts */
-    uint8_t *tint;                       /* colours of the vertices as they were opened, four bytes each, or NULL */
+    /* colours of the vertices as they were opened, four bytes each, or NULL */
+    uint8_t *tint;
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 
@@ -106,11 +107,11 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
     n[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* Join the corners of a mesh whose vertices and triangles' vertices are set; borders: BVXI_BORDERS_... Refuses
- * with BVX_ERR_ARGUMENT what is not edge-manifold and oriented and, where borders are refused, what is not
- * closed and vertex-manifold. Where they are not, arrays are replaced by larger ones for ghosts, and for
- * vertices that join several fans, of which each fan gets its own. Scratch: 16 bytes a triangle and 8 a vertex;
- * while an array is replaced, both. */
+/* Join the corners of a mesh whose vertices and triangles' vertices are set; borders: BVXI_BORDERS_...
+ * Refuses with BVX_ERR_ARGUMENT what is not edge-manifold and oriented and, where borders are refused, what
+ * is not closed and vertex-manifold. Where they are not, arrays are replaced by larger ones for ghosts, and
+ * for vertices that join several fans, of which each fan gets its own. Scratch: 16 bytes a triangle and 8 a
+ * vertex; while an array is replaced, both. */
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh, int borders);
 
 /* How many pieces a mesh has; of vertices that no triangle uses each is one. scratch [Size: vertices] */

@@ -35,10 +35,8 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) {
-        if (levels[i].owned)
-            bvx_mesh_free(ctx, &levels[i]);
-        else
-            levels[i].vertex_count = levels[i].triangle_count = 0;
+        if (levels[i].owned) bvx_mesh_free(ctx, &levels[i]);
+        else levels[i].vertex_count = levels[i].triangle_count = 0;
     }
 }
 
@@ -176,8 +174,8 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
     return BVX_OK;
 }
 
-/* The last mesh on the way down that keeps the error of level i; the first one where none does. Errors grow about as triangles become
- * fewer, so the level is far while its share of the triangles is small. */
+/* The last mesh on the way down that keeps the error of level i; the first one where none does. Errors grow
+ * about as triangles become fewer, so the level is far while its share of the triangles is small. */
 static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 bvx_mesh *found, int *met)
 {
@@ -197,7 +195,8 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
         before = bvxi_collapse_triangles(collapse);
         level = part < 1 ? (uint64_t)((double)before * part) : before;
-        BVXI_TRY(bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.76, 1.0 - rest * 0.7));
+        BVXI_TRY(
+            bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.76, 1.0 - rest * 0.7));
         rest *= 0.7;
     } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
@@ -214,9 +213,11 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
+static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                               int *met)
 {
-    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met) : make_by_count(c, i, collapse, met);
+    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met)
+                                    : make_by_count(c, i, collapse, met);
 }
 
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
@@ -241,7 +242,8 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
         double const share = 0.9 / (double)c->count;
 
-        status = BVXI_SHARE(ctx, 0.1 + share * (double)i, 0.1 + share * (double)(i + 1), make_level(ctx, c, i, collapse));
+        status = BVXI_SHARE(ctx, 0.1 + share * (double)i, 0.1 + share * (double)(i + 1),
+                            make_level(ctx, c, i, collapse));
     }
     bvxi_distance_forget(ctx, &c->kept);
     bvxi_collapse_close(collapse);

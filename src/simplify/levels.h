@@ -40,9 +40,9 @@ typedef struct bvxi_sheets_report {
     uint32_t edge[2];
 } bvxi_sheets_report;
 
-/* sheets.c: drop triangles of a welded view that are there twice, and turn triangles so that those that share an
- * edge with each other alone agree, where they can. corner: the view's indices. Scratch: 89 bytes a triangle and
- * 4 a vertex. */
+/* sheets.c: drop triangles of a welded view that are there twice, and turn triangles
+ * so that those that share an edge with each other alone agree, where they can.
+ * corner: the view's indices. Scratch: 89 bytes a triangle and 4 a vertex. */
 bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
                                bvxi_sheets_report *report);
 

@@ -1,4 +1,5 @@
-/* nearest_colours.c - colours for a surface measured from a mesh: those of the mesh's nearest points, blended by their weights. */
+/* nearest_colours.c - colours for a surface measured from a mesh: those of
+ * the mesh's nearest points, blended by their weights. */
 #include "mesh/view.h"
 #include "simplify/colours.h"
 
@@ -17,14 +18,15 @@ static void blend_nearest(const bvx_mesh_view *mesh, const bvx_closest_point *at
     }
 }
 
-static bvx_status blend_all(bvx_context *ctx, const bvx_closest *closest, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
-                            uint8_t *colours)
+static bvx_status blend_all(bvx_context *ctx, const bvx_closest *closest, const bvx_mesh_view *mesh,
+                            const bvx_mesh_view *surface, uint8_t *colours)
 {
     bvx_closest_point found[NEAREST_BLOCK];
     double p[3 * NEAREST_BLOCK];
 
     for (uint64_t first = 0; first < surface->vertex_count; first += NEAREST_BLOCK) {
-        uint64_t const left = surface->vertex_count - first, count = left < NEAREST_BLOCK ? left : NEAREST_BLOCK;
+        uint64_t const left = surface->vertex_count - first;
+        uint64_t const count = left < NEAREST_BLOCK ? left : NEAREST_BLOCK;
 
         for (uint64_t i = 0; i < count; i++) bvxi_view_position(surface, first + i, p + 3 * i);
         BVXI_TRY(bvx_closest_find(ctx, closest, p, count, found));
@@ -33,7 +35,8 @@ static bvx_status blend_all(bvx_context *ctx, const bvx_closest *closest, const 
     return BVX_OK;
 }
 
-bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface, uint8_t *colours)
+bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
+                                uint8_t *colours)
 {
     bvx_closest *closest = NULL;
     bvx_status status;

@@ -1,19 +1,20 @@
 /* one_sheet.c - a collapse that cannot cross anything, since all that is near faces one way.
  *
  * Source: Volino, Magnenat-Thalmann. Efficient Self-Collision Detection on Smoothly Discretized Surface
- * Animations Using Geometrical Shape Regularity. 1994, who look at one patch; here closedness stands in for the
- * patch's outline.
+ * Animations Using Geometrical Shape Regularity. 1994, who look at one patch; here closedness stands in for
+ * the patch's outline.
  *
- * Let a surface be closed, of one piece and without crossings: then it parts space in two, and a line crosses it
- * from inside and from outside in turns. Let C be a convex region, here the box of the old star and the new one,
- * and d a direction that every triangle that meets C has a positive normal along. Two crossings of a line along
- * d that follow each other in C would both lead to the same side: so there is one at most, and seen along d
- * nothing in C hides anything else in it.
+ * Let a surface be closed, of one piece and without crossings: then it parts space in two, and a line crosses
+ * it from inside and from outside in turns. Let C be a convex region, here the box of the old star and the
+ * new one, and d a direction that every triangle that meets C has a positive normal along. Two crossings of a
+ * line along d that follow each other in C would both lead to the same side: so there is one at most, and
+ * seen along d nothing in C hides anything else in it.
  *
- * So the old star is seen as the inside of a polygon, the link, which does not cross itself; and so is the new
- * one, whose triangles all face d, too: a map that turns nothing and takes the border to a simple polygon covers
- * its inside once. What else meets C is seen outside of that polygon, before the collapse and after. So the new
- * triangles meet nothing else but in the link, where the old ones met it in what they shared, nor each other.
+ * So the old star is seen as the inside of a polygon, the link, which does not cross itself; and so is the
+ * new one, whose triangles all face d, too: a map that turns nothing and takes the border to a simple polygon
+ * covers its inside once. What else meets C is seen outside of that polygon, before the collapse and after.
+ * So the new triangles meet nothing else but in the link, where the old ones met it in what they shared, nor
+ * each other.
  *
  * What a node's triangles face is known in whole steps, which widen it by rounding; normals of needles, which
  * rounding may turn, count as facing anything. Guarantee: sufficient, not necessary: what is refused here is

@@ -75,10 +75,8 @@ static inline void bvxi_queue_push(bvxi_queue *q, int32_t head, const bvxi_queue
     if (at == BVXI_QUEUE_NONE || q->chunk[at].count == BVXI_QUEUE_CHUNK) {
         int32_t fresh = q->free;
 
-        if (fresh != BVXI_QUEUE_NONE)
-            q->free = q->chunk[fresh].next;
-        else
-            fresh = q->used++;
+        if (fresh != BVXI_QUEUE_NONE) q->free = q->chunk[fresh].next;
+        else fresh = q->used++;
         q->chunk[fresh].next = at;
         q->chunk[fresh].count = 0;
         q->head[head] = at = fresh;

@@ -1,5 +1,5 @@
-/* sheets.c - triangles as files have them made ready to be simplified as sheets: each once, and those of a patch
- * turned one way. What is oriented already is left alone. */
+/* sheets.c - triangles as files have them made ready to be simplified as sheets: each once, and those of a
+ * patch turned one way. What is oriented already is left alone. */
 #include "mesh/patches.h"
 #include "mesh/pieces.h"
 #include "mesh/view.h"
@@ -7,9 +7,10 @@
 
 /* ---- Patches ---- */
 
-/* Turn the fewer triangles of each patch; what has one side only stays as it is, and an edge of it is refused. */
-static bvx_status orient_sheets(bvx_context *ctx, const bvx_mesh_view *welded, uint32_t *corner, const uint32_t *own,
-                                bvxi_sheets_report *report)
+/* Turn the fewer triangles of each patch; what has one side only stays as
+ * it is, and an edge of it is refused. */
+static bvx_status orient_sheets(bvx_context *ctx, const bvx_mesh_view *welded, uint32_t *corner,
+                                const uint32_t *own, bvxi_sheets_report *report)
 {
     bvxi_patches patches;
     bvx_mesh_view turned;

@@ -19,7 +19,8 @@ typedef struct bvxi_collapse_options {
     int32_t lenient; /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
     int32_t simple;  /* 1: the mesh is known not to cross itself, which spares tests */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    double colour_weight; /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */
+    /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */
+    double colour_weight;
 } bvxi_collapse_options;
 
 /* What became of the edges that were tried. */
@@ -27,14 +28,15 @@ typedef struct bvxi_collapse_counts {
     uint64_t collapsed, link, turned, needle, crossed, crumpled;
 } bvxi_collapse_counts;
 
-/* Take a checked view of a closed, manifold, oriented mesh, or of one with borders (BVX_ERR_ARGUMENT otherwise). The order of its
- * vertices and triangles does not matter where no two vertices are at one position. Scratch: 160 bytes a
- * triangle, 190 a vertex where colours have a weight, and 300 KB, until bvxi_collapse_close. */
+/* Take a checked view of a closed, manifold, oriented mesh, or of one with borders (BVX_ERR_ARGUMENT
+ * otherwise). The order of its vertices and triangles does not matter where no two vertices are at one
+ * position. Scratch: 160 bytes a triangle, 190 a vertex where colours have a weight, and 300 KB, until
+ * bvxi_collapse_close. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_collapse_options *options, bvxi_collapse **collapse);
-/* Collapse the cheapest edges until at most target triangles are left or none can go. level: how many the level will have, about, that
- * this leads to; of a large mesh that is far from it edges go in parallel, with about 1.3 MB of scratch a thread, which may leave fewer
- * than target. from, to: share of progress. */
+/* Collapse the cheapest edges until at most target triangles are left or none can go. level: how many the
+ * level will have, about, that this leads to; of a large mesh that is far from it edges go in parallel, with
+ * about 1.3 MB of scratch a thread, which may leave fewer than target. from, to: share of progress. */
 bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, uint64_t level, double from, double to);
 /* The mesh as it is now, opened as by bvxi_mesh_open. */
 bvx_status bvxi_collapse_give(bvxi_collapse *collapse, bvx_mesh *level);

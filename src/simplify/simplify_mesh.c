@@ -62,7 +62,8 @@ static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_op
     return bvxi_check_options(ctx, simplify_name, o, BVXI_OPTIONS(simplify_rows));
 }
 
-/* What is refused as it is may have doubles and flipped triangles alone: edges are cut where nothing else helps. */
+/* What is refused as it is may have doubles and flipped triangles alone:
+ * edges are cut where nothing else helps. */
 static bvx_status simplify_welded(bvx_context *ctx, bvxi_level_chain *chain, bvx_mesh_view *welded,
                                   uint32_t *corner, int32_t open)
 {
@@ -104,7 +105,8 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     chain.error_kind = o.error_kind;
     chain.strict = o.strict;
     chain.measure_samples = o.measure_samples;
-    chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type : (int32_t)mesh->position_type;
+    chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type
+                                                                        : (int32_t)mesh->position_type;
     chain.collapse.even = o.even;
     chain.collapse.colour_weight = o.colour_weight;
     chain.collapse.lenient = 1;

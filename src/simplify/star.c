@@ -127,7 +127,8 @@ static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
 
         /* What had no area has no side to keep. */
         cosine = bvxi_vec_dot(n, before);
-        if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * bvxi_vec_dot(n, n) * bvxi_vec_dot(before, before)) &&
+        if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * bvxi_vec_dot(n, n) *
+                                                  bvxi_vec_dot(before, before)) &&
             bvxi_vec_dot(before, before) > 0)
             return BVXI_STAR_TURNS;
 
@@ -157,8 +158,8 @@ static int no_facing(bvxi_facing *facing)
     return 0;
 }
 
-/* Which triangles of a gathered fan: count of them from the first on, and after the last one of the cycle from
- * its first. */
+/* Which triangles of a gathered fan: count of them from the first on, and
+ * after the last one of the cycle from its first. */
 typedef struct fan_range {
     int32_t first, count, cycle;
 } fan_range;
@@ -185,13 +186,15 @@ static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *ape
     for (int32_t i = 0; i < r->count; i++) {
         const double *const normal = f->normal[fan_index(r, i)];
         double const along = bvxi_vec_dot(normal, sum);
-        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * bvxi_vec_dot(normal, normal)))
+        if (!(along > 0 &&
+              along * along > FAN_COSINE * FAN_COSINE * sum_square * bvxi_vec_dot(normal, normal)))
             return no_facing(facing);
     }
 
     /* Seen along the sum each triangle turns left by less than half a turn. A fan that goes around once is
      * first to the left of its first edge, then to the right: one change. What lies on that line within
-     * rounding tells nothing. One that ends at a border may end anywhere before it comes to its first edge. */
+     * rounding tells nothing. One that ends at a border may end anywhere before it comes to its first
+     * edge. */
     subtract(f->around[fan_index(r, 0)], apex, first);
     bvxi_vec_cross(sum, first, left);
     left_square = bvxi_vec_dot(left, left);
@@ -242,14 +245,13 @@ static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t
     for (c = bvxi_corner_turn_left(m, c); !has_vertex(m, c >> 2, star->u) && !has_vertex(m, c >> 2, star->v);
          c = bvxi_corner_turn_left(m, c)) {
         const double *const from = f->around[f->count], *const to = position_or_ghost(
-                                                            m, bvxi_corner_vertex_of(m, bvxi_corner_previous(c)));
+                                                            m, bvxi_corner_vertex_of(
+                                                                   m, bvxi_corner_previous(c)));
 
         if (f->count == BVXI_STAR_MOST + 2) return 0;
         f->around[f->count + 1] = to;
-        if (from != NULL && to != NULL)
-            bvxi_area_normal(apex, from, to, f->normal[f->count]);
-        else
-            f->open = 1;
+        if (from != NULL && to != NULL) bvxi_area_normal(apex, from, to, f->normal[f->count]);
+        else f->open = 1;
         f->triangle[f->count++] = c >> 2;
     }
     return f->count > 2;
@@ -308,7 +310,8 @@ static int new_triangle_crosses(const bvxi_corners *m, const bvxi_star *star, in
 static int faces_with_link(const bvxi_star *star, int32_t i, int32_t before, const bvxi_facing *facing)
 {
     double const along[3] = {(double)facing->along[0], (double)facing->along[1], (double)facing->along[2]};
-    double const one = bvxi_vec_dot(star->normal[i], along), other = bvxi_vec_dot(star->normal[before], along);
+    double const one = bvxi_vec_dot(star->normal[i], along);
+    double const other = bvxi_vec_dot(star->normal[before], along);
     double const least = FAN_COSINE * FAN_COSINE * bvxi_vec_dot(along, along);
 
     return one > 0 && other > 0 && one * one > least * bvxi_vec_dot(star->normal[i], star->normal[i]) &&
@@ -387,8 +390,8 @@ static int axis_parts(const double axis[3], const double t[3][3], const double s
                  s_high = s0 > s1   ? s0 > s2 ? s0 : s2
                           : s1 > s2 ? s1
                                     : s2;
-    double const margin =
-        APART_MARGIN * size * (magnitude(axis[0]) + magnitude(axis[1]) + magnitude(axis[2]));
+    double const margin = APART_MARGIN * size *
+                          (magnitude(axis[0]) + magnitude(axis[1]) + magnitude(axis[2]));
 
     return t_low > s_high + margin || s_low > t_high + margin;
 }
@@ -443,8 +446,8 @@ static int triangles_are_apart(const double *const p[3], const double *const q[3
            edges_part((const double(*)[3])t, (const double(*)[3])s, size);
 }
 
-/* The new triangles' boxes; returns the box of all. Rounding keeps order, so corners are rounded once for all of
- * their triangles. */
+/* The new triangles' boxes; returns the box of all. Rounding keeps order,
+ * so corners are rounded once for all of their triangles. */
 static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, bvxi_star *star)
 {
     bvxi_box const apex = bvxi_box_at(tree, star->p);
@@ -455,7 +458,8 @@ static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, b
     for (int32_t i = 0; i < star->count; i++) {
         bvxi_box to = none;
 
-        if (star->link[i + 1] != BVXI_VERTEX_GHOST) to = bvxi_box_at(tree, bvxi_corner_position(m, star->link[i + 1]));
+        if (star->link[i + 1] != BVXI_VERTEX_GHOST)
+            to = bvxi_box_at(tree, bvxi_corner_position(m, star->link[i + 1]));
         star->box[i] = none;
         if (!is_ghost(star, i)) {
             star->box[i] = apex;
@@ -594,14 +598,13 @@ static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, con
                                int32_t triangle)
 {
     const uint32_t *const c = m->triangle[triangle].vertex;
-    bvxi_box_query const query =
-        bvxi_box_ask_child(&tree->node[0][(uint32_t)triangle / BVXI_BOX_WIDTH],
-                           triangle & (BVXI_BOX_WIDTH - 1));
+    bvxi_box_query const query = bvxi_box_ask_child(&tree->node[0][(uint32_t)triangle / BVXI_BOX_WIDTH],
+                                                    triangle & (BVXI_BOX_WIDTH - 1));
 
     for (int32_t first = 0; first < star->count; first += BVXI_BOX_WIDTH) {
         uint32_t const common = common_vertices(star, first, c);
-        uint32_t const bits =
-            bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query) & ~(common | common >> 1);
+        uint32_t const bits = bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query) &
+                              ~(common | common >> 1);
 
         if (bits != 0 && meets_eight(m, star, first, bits, c)) return 1;
     }

@@ -13,19 +13,19 @@ enum {
         512 /* triangles around the new vertex, or around one of its neighbours; an edge with more stays */
 };
 
-/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i] and runs from around[i]
- * to around[i + 1]. Around a vertex of a border they begin and end at the border; while a fan is gathered, around
- * is NULL where the ghost is. */
+/* The triangles around a vertex, counter-clockwise: triangle i faces along normal[i]
+ * and runs from around[i] to around[i + 1]. Around a vertex of a border they begin
+ * and end at the border; while a fan is gathered, around is NULL where the ghost is. */
 typedef struct bvxi_fan {
     int32_t count;
-    int32_t open; /* 1: from border to border */
+    int32_t open;                         /* 1: from border to border */
     double normal[BVXI_STAR_MOST + 2][3]; /* twice the triangle's area long */
     const double *around[BVXI_STAR_MOST + 3];
     int32_t triangle[BVXI_STAR_MOST + 2]; /* of the mesh; those that are new have none */
 } bvxi_fan;
 
-/* Two planes of a new triangle: its own, and through its outer edge upright on it. Positions are seen from the
- * new vertex. */
+/* Two planes of a new triangle: its own, and through its outer edge upright
+ * on it. Positions are seen from the new vertex. */
 typedef struct bvxi_star_planes {
     double normal[3], out[3];
     double normal_size, out_size; /* sums of sizes */
@@ -41,10 +41,10 @@ typedef struct bvxi_star {
     int32_t needles; /* 1: new triangles may be needles */
     int32_t lenient; /* 1: what an old triangle crosses, a new one may */
     double p[3];
-    uint32_t link[BVXI_STAR_MOST + 12]; /* the first one again at the end, then anything */
-    int32_t corner[BVXI_STAR_MOST];    /* of u or v, opposite to the edge from link[i] to link[i + 1] */
-    double normal[BVXI_STAR_MOST][3];  /* of the new triangles, twice their area long */
-    bvxi_box box[BVXI_STAR_MOST];      /* of the new triangles */
+    uint32_t link[BVXI_STAR_MOST + 12];    /* the first one again at the end, then anything */
+    int32_t corner[BVXI_STAR_MOST];        /* of u or v, opposite to the edge from link[i] to link[i + 1] */
+    double normal[BVXI_STAR_MOST][3];      /* of the new triangles, twice their area long */
+    bvxi_box box[BVXI_STAR_MOST];          /* of the new triangles */
     bvxi_box_facing faces[BVXI_STAR_MOST]; /* what they face, where the tree says what triangles face */
     bvxi_star_planes planes[BVXI_STAR_MOST];
     double reach; /* no point of the star is further from its new vertex, axes summed */
@@ -74,8 +74,8 @@ int bvxi_star_gather(const bvxi_corners *mesh, int32_t edge, bvxi_star *star);
 int bvxi_star_judge(const bvxi_corners *mesh, const bvxi_box_tree *boxes, bvxi_star *star);
 
 /* one_sheet.c: 1 when all triangles that meet the box of the new triangles and u and v, and these themselves,
- * face one way: then the collapse is safe in one closed surface that does not cross itself. Fills what the new
- * triangles and the vertices around them face. */
+ * face one way: then the collapse is safe in one closed surface that does not cross itself. Fills what the
+ * new triangles and the vertices around them face. */
 int bvxi_star_is_one_sheet(const bvxi_corners *mesh, const bvxi_box_tree *boxes, bvxi_star *star,
                            const bvxi_box *box);
 

@@ -1,13 +1,16 @@
 /* apart.c - two triangles proven to have no common point.
  *
- * Any direction in which their shadows do not overlap proves it, however it was found, so only the shadows' rounding counts:
- * three products and two sums of doubles err by less than 2^-50 times the sum of the products' sizes. Tried are the
- * normals and the products of sides, which suffice where rounding is nothing (separating axes). 0 may be wrong. */
+ * Any direction in which their shadows do not overlap proves it, however it was found, so only the shadows'
+ * rounding counts: three products and two sums of doubles err by less than 2^-50 times the sum of the
+ * products' sizes. Tried are the normals and the products of sides, which suffice where rounding is nothing
+ * (separating axes). 0 may be wrong. */
 #include "surface/sharp.h"
 
-static void cross_sides(const double a[3], const double b[3], const double c[3], const double d[3], double n[3])
+static void cross_sides(const double a[3], const double b[3], const double c[3], const double d[3],
+                        double n[3])
 {
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {d[0] - c[0], d[1] - c[1], d[2] - c[2]};
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {d[0] - c[0], d[1] - c[1], d[2] - c[2]};
     n[0] = u[1] * v[2] - u[2] * v[1];
     n[1] = u[2] * v[0] - u[0] * v[2];
     n[2] = u[0] * v[1] - u[1] * v[0];
@@ -19,7 +22,8 @@ static void cast_shadow(const double t[3][3], const double n[3], double *low, do
     for (int k = 0; k < 3; k++) {
         double const x = n[0] * t[k][0], y = n[1] * t[k][1], z = n[2] * t[k][2], at = x + y + z;
         double const size = (x < 0 ? -x : x) + (y < 0 ? -y : y) + (z < 0 ? -z : z);
-        double const wide = size * (1.0 / 1125899906842624.0) + 1e-290; /* the last for products below the normal range */
+        /* the last for products below the normal range */
+        double const wide = size * (1.0 / 1125899906842624.0) + 1e-290;
         if (k == 0 || at - wide < *low) *low = at - wide;
         if (k == 0 || at + wide > *high) *high = at + wide;
     }
@@ -37,6 +41,7 @@ int bvxi_triangles_apart(const double one[3][3], const double two[3][3])
 {
     static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double n[3];
+
     for (int a = 0; a < 3; a++)
         if (are_apart_along(one, two, axes[a])) return 1;
     cross_sides(one[0], one[1], one[0], one[2], n);

@@ -1,9 +1,10 @@
 /* apex.c - the point of a box that lies nearest to given planes.
  *
- * Source: Kobbelt et al. Feature Sensitive Surface Extraction from Volume Data. 2001; Ju et al. Dual Contouring of Hermite
- * Data. 2002: the least sum of squared distances; directions in which the planes hardly differ are left at the middle.
- * Where the point lies outside the box, the coordinate that is furthest out is put on its side and the others are found
- * anew. Eigenvectors by Jacobi's rotations, a fixed number, so that the result is the same everywhere. */
+ * Source: Kobbelt et al. Feature Sensitive Surface Extraction from Volume Data. 2001; Ju et al. Dual
+ * Contouring of Hermite Data. 2002: the least sum of squared distances; directions in which the planes hardly
+ * differ are left at the middle. Where the point lies outside the box, the coordinate that is furthest out is
+ * put on its side and the others are found anew. Eigenvectors by Jacobi's rotations, a fixed number, so that
+ * the result is the same everywhere. */
 #include "surface/sharp.h"
 
 #include <math.h>
@@ -22,6 +23,7 @@ static void rotate_symmetric(double a[3][3], double v[3][3], int p, int q)
     double const t = (theta < 0 ? -1.0 : 1.0) / (size + sqrt(theta * theta + 1.0));
     double const c = 1.0 / sqrt(t * t + 1.0), s = t * c;
     double const apq = a[p][q], arp = a[r][p], arq = a[r][q];
+
     a[p][p] -= t * apq;
     a[q][q] += t * apq;
     a[p][q] = a[q][p] = 0.0;
@@ -38,6 +40,7 @@ static void rotate_symmetric(double a[3][3], double v[3][3], int p, int q)
 static void add_least_solution(double a[3][3], const double b[3], double x[3])
 {
     double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, largest = 0.0;
+
     for (int n = 0; n < ROTATION_SWEEPS; n++)
         for (int p = 0; p < 2; p++)
             for (int q = p + 1; q < 3; q++)
@@ -52,10 +55,11 @@ static void add_least_solution(double a[3][3], const double b[3], double x[3])
 }
 
 /* The least place with the coordinates of fixed held where x has them. */
-static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const int fixed[3],
-                                  double x[3])
+static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, const double middle[3],
+                                  const int fixed[3], double x[3])
 {
     double a[3][3] = {{0}}, b[3] = {0};
+
     for (int k = 0; k < 3; k++) x[k] = fixed[k] ? x[k] : middle[k];
     for (int32_t i = 0; i < count; i++) {
         const double *const n = planes[i].n;
@@ -70,9 +74,11 @@ static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, 
     add_least_solution(a, b, x);
 }
 
-void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const double half[3], double apex[3])
+void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const double half[3],
+               double apex[3])
 {
     int fixed[3] = {0, 0, 0};
+
     for (int turn = 0; turn < 4; turn++) {
         double most = 1.0;
         int worst = -1;

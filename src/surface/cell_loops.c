@@ -1,14 +1,15 @@
 /* cell_loops.c - the closed loops in which the surface leaves a cell, read off the cell's triangles.
  *
- * A side of a triangle that no other triangle of the cell has lies on a face of the cell; these sides make the loops. Each
- * cut edge of a cell belongs to one loop. */
+ * A side of a triangle that no other triangle of the cell has lies on a face of the cell; these sides make
+ * the loops. Each cut edge of a cell belongs to one loop. */
 #include "surface/cells.h"
 #include "surface/sharp.h"
 
 /* The cell's edge behind a triangle corner of tables.h. */
 static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
 {
-    uint32_t const low = lane < 6 ? lane == 4 ? 0 : 4 : lane == 6 ? 0 : 2; /* corner below the lane's edge at x = 0 */
+    /* corner below the lane's edge at x = 0 */
+    uint32_t const low = lane < 6 ? lane == 4 ? 0 : 4 : lane == 6 ? 0 : 2;
     uint32_t const high = low + (lane < 6 ? 2 : 4);
     uint8_t first;
     if (lane < 4) return lane;
@@ -25,11 +26,13 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     uint8_t edge[BVXI_CELL_ROW], next[BVXI_CELL_EDGES] = {0}, seen[BVXI_CELL_EDGES] = {0};
     uint32_t vertex[BVXI_CELL_EDGES] = {0};
     uint16_t out[BVXI_CELL_EDGES] = {0}; /* bit v of out[u]: a triangle has the side from u to v */
+
     for (uint32_t i = 0; i < 3 * count; i++) {
         edge[i] = edge_of_corner(cell_case, lane[i], offset[i]);
         vertex[edge[i]] = triangles[i];
     }
-    for (uint32_t i = 0; i < 3 * count; i++) out[edge[i]] = (uint16_t)(out[edge[i]] | 1u << edge[i % 3 == 2 ? i - 2 : i + 1]);
+    for (uint32_t i = 0; i < 3 * count; i++)
+        out[edge[i]] = (uint16_t)(out[edge[i]] | 1u << edge[i % 3 == 2 ? i - 2 : i + 1]);
     for (int u = 0; u < BVXI_CELL_EDGES; u++)
         for (int v = 0; v < BVXI_CELL_EDGES; v++)
             if ((out[u] >> v & 1) != 0 && (out[v] >> u & 1) == 0) next[u] = (uint8_t)v;

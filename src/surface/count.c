@@ -1,7 +1,8 @@
 /* count.c - the first pass of marching cubes: crossings and triangles of each row of cells. */
 #include "surface/cells.h"
 
-/* Gives the bits at or past size[0] that are set in the slot's first row: every row is the first of one slot. */
+/* Gives the bits at or past size[0] that are set in the slot's first row: every row is the first of one
+ * slot. */
 BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int fast)
 {
     bvxi_slot *const s = &m->slots[slot];
@@ -12,11 +13,13 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
     bvxi_case_list cases;
     uint64_t has[4]; /* all ones where the slot owns what it counts */
     int32_t j, k;
+
     bvxi_slot_row(m, slot, &j, &k);
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
-        int32_t const block = m->edge_words - first < BVXI_CELL_BLOCK ? m->edge_words - first : BVXI_CELL_BLOCK;
+        int32_t const block = m->edge_words - first < BVXI_CELL_BLOCK ? m->edge_words - first
+                                                                      : BVXI_CELL_BLOCK;
         cases.count = 0;
         for (uint32_t busy = bvxi_busy_words(row, first, block, words); busy != 0; busy &= busy - 1) {
             int32_t const w = first + bvxi_lowest(busy);
@@ -46,6 +49,7 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
 BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
 {
     uint64_t begin, end, vertices = 0, triangles = 0, past = 0;
+
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         past |= count_slot(m, s, fast);
@@ -67,6 +71,7 @@ BVXI_AVX2 static void count_piece_avx2(bvxi_march *m, int32_t piece)
 void bvxi_march_count_piece(void *march, int32_t piece, int32_t worker)
 {
     bvxi_march *const m = march;
+
     (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {

@@ -1,4 +1,5 @@
-/* edge_vector.h - where a lattice edge is cut, from the vectors to the closest points of both its ends. Not installed. */
+/* edge_vector.h - where a lattice edge is cut, from the vectors to the
+ * closest points of both its ends. Not installed. */
 #ifndef BVXI_EDGE_VECTOR_H
 #define BVXI_EDGE_VECTOR_H
 
@@ -16,13 +17,15 @@ enum {
 /* An edge from its low end along an axis; one end is inside. */
 typedef struct bvxi_cut_edge {
     int32_t axis;
-    int32_t high_inside;                /* 1: the high end is inside, 0: the low end */
-    double length;                      /* > 0 */
-    double low[3], high[3];             /* from the low and from the high end to their closest points, in the length's units */
+    int32_t high_inside; /* 1: the high end is inside, 0: the low end */
+    double length;       /* > 0 */
+    /* from the low and from the high end to their closest points, in the length's units */
+    double low[3], high[3];
     double low_distance, high_distance; /* not negative */
 } bvxi_cut_edge;
 
-/* The ratio from the low end, in [0, 1] for any numbers in the edge, and what placed it. interpolation: BVX_EDGE_... */
+/* The ratio from the low end, in [0, 1] for any numbers in the edge, and
+ * what placed it. interpolation: BVX_EDGE_... */
 int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *ratio);
 
 #endif

@@ -1,19 +1,22 @@
 /* emit.c - the second pass of marching cubes: positions and triangles of each row of cells.
  *
- * Cells without a crossing change no counter, so eight counters that step only at active cells number the vertices as a
- * walk along the row meets them: no popcount, no look-up of neighbours. The case gives for each triangle corner its
- * counter and whether it is the next crossing (tables.h). */
+ * Cells without a crossing change no counter, so eight counters that step only at active cells number the
+ * vertices as a walk along the row meets them: no popcount, no look-up of neighbours. The case gives for each
+ * triangle corner its counter and whether it is the next crossing (tables.h). */
 #include "grid/volume.h"
 #include "surface/cells.h"
 
 /* ---- positions ---- */
 
-/* One axis's vertices of a block, at the middle of their edges. Bits of x-edges lie between centres bit-1 and bit. */
-BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
-                                     int32_t first, uint64_t vertex)
+/* One axis's vertices of a block, at the middle of their edges. Bits of
+ * x-edges lie between centres bit-1 and bit. */
+BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
+                                     const bvxi_cell_list *list, int32_t first, uint64_t vertex)
 {
-    double const y = bvxi_place_along(m, 1, j, axis == 1 ? 0.5 : 0.0), z = bvxi_place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
+    double const y = bvxi_place_along(m, 1, j, axis == 1 ? 0.5 : 0.0);
+    double const z = bvxi_place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
     const double *const x = m->across[axis != 0] + (size_t)first * 64;
+
     if (m->options.position_type == BVX_F32) {
         float *p = (float *)m->mesh->positions + 3 * vertex;
         float const fy = (float)y, fz = (float)z;
@@ -28,17 +31,18 @@ BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t 
 }
 
 /* The same with a ratio for each edge. */
-static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list, int32_t first,
-                        uint64_t vertex)
+static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
+                        int32_t first, uint64_t vertex)
 {
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
-        bvxi_put_crossing(m, vertex + n, axis, i, j, k, bvxi_keep_off_ends(m->ratio(m->ratio_user, axis, i, j, k)));
+        bvxi_put_crossing(m, vertex + n, axis, i, j, k,
+                          bvxi_keep_off_ends(m->ratio(m->ratio_user, axis, i, j, k)));
     }
 }
 
-/* Where the straight line from a to b meets the level; the middle where one of them is NaN or infinite. Halves, so that no
- * difference of finite doubles overflows; (a - a) + (b - b) is 0 for finite ones alone. */
+/* Where the straight line from a to b meets the level; the middle where one of them is NaN or infinite.
+ * Halves, so that no difference of finite doubles overflows; (a - a) + (b - b) is 0 for finite ones alone. */
 BVXI_VECTOR_INLINE double cut_of_level(double level, double a, double b)
 {
     double const t = (0.5 * level - 0.5 * a) / (0.5 * b - 0.5 * a);
@@ -46,35 +50,41 @@ BVXI_VECTOR_INLINE double cut_of_level(double level, double a, double b)
 }
 
 /* The same where samples tell; the middle also where an end lies outside the window. */
-BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j, int32_t k, const bvxi_cell_list *list,
-                                    int32_t first, uint64_t vertex)
+BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
+                                    const bvxi_cell_list *list, int32_t first, uint64_t vertex)
 {
     const bvxi_level_samples *const s = m->level;
     const int32_t *const size = m->grid->size;
     int64_t const step = s->stride[axis], row = (int64_t)j * s->stride[1] + (int64_t)k * s->stride[2];
     double const y = bvxi_place_along(m, 1, j, 0.0), z = bvxi_place_along(m, 2, k, 0.0);
-    int const row_known = j >= 0 && k >= 0 && (axis != 1 || j + 1 < size[1]) && (axis != 2 || k + 1 < size[2]);
+    int const row_known = j >= 0 && k >= 0 && (axis != 1 || j + 1 < size[1]) &&
+                          (axis != 2 || k + 1 < size[2]);
     int32_t const x_end = size[0] - (axis == 0); /* low ends from 0 to here have both ends in the window */
+
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
         double t = 0.5;
         if (row_known && i >= 0 && i < x_end) {
             const uint8_t *const p = s->samples + (ptrdiff_t)(row + (int64_t)i * s->stride[0]);
-            t = cut_of_level(s->level, bvxi_sample_value(p, s->type), bvxi_sample_value(p + (ptrdiff_t)step, s->type));
+            t = cut_of_level(s->level, bvxi_sample_value(p, s->type),
+                             bvxi_sample_value(p + (ptrdiff_t)step, s->type));
         }
         bvxi_put_position(m, vertex + n, bvxi_place_along(m, 0, i, axis == 0 ? t : 0.0),
-                          axis == 1 ? bvxi_place_along(m, 1, j, t) : y, axis == 2 ? bvxi_place_along(m, 2, k, t) : z);
+                          axis == 1 ? bvxi_place_along(m, 1, j, t) : y,
+                          axis == 2 ? bvxi_place_along(m, 2, k, t) : z);
     }
 }
 
 /* ---- triangles ---- */
 
-/* First numbers of the eight counters of a row of cells; rows outside the window have no x-edges, any number serves. */
+/* First numbers of the eight counters of a row of cells; rows outside the
+ * window have no x-edges, any number serves. */
 static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_t k, uint32_t counter[8])
 {
     uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
     uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
     const bvxi_slot *const s = &m->slots[slot];
+
     counter[0] = s->edge[0];
     counter[1] = s[up].edge[0];
     counter[2] = s[back].edge[0];
@@ -86,12 +96,15 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
 }
 
 /* The active cells of a block. */
-static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, uint32_t from, uint32_t counter[8], uint32_t *out)
+static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, uint32_t from,
+                            uint32_t counter[8], uint32_t *out)
 {
     int32_t const rule = m->options.face_rule;
+
     for (uint32_t a = from; a < cases->count; a++) {
         uint32_t const n = cases->number[a];
-        const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n], *const offset = bvxi_cell_triangle_offset[rule][n];
+        const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n];
+        const uint8_t *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
         uint32_t const corners = 3u * bvxi_cell_triangle_count[rule][n];
         for (uint32_t i = 0; i < corners; i++) out[i] = counter[lane[i]] + offset[i];
@@ -102,15 +115,17 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
 }
 
 #if BVXI_HAVE_AVX2
-/* The same, sixteen corners at a time; writes up to sixteen numbers, so it stops before the piece's end comes near. */
-BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_list *cases, uint32_t counter[8], uint32_t *out,
-                                           const uint32_t *end)
+/* The same, sixteen corners at a time; writes up to sixteen numbers, so it
+ * stops before the piece's end comes near. */
+BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_list *cases,
+                                           uint32_t counter[8], uint32_t *out, const uint32_t *end)
 {
     int32_t const rule = m->options.face_rule;
     const uint8_t(*const lanes)[BVXI_CELL_ROW] = bvxi_cell_triangle_lane[rule];
     const uint8_t(*const offsets)[BVXI_CELL_ROW] = bvxi_cell_triangle_offset[rule];
     __m256i count = _mm256_loadu_si256((const __m256i *)(const void *)counter);
     uint32_t done = 0;
+
     for (; done < cases->count && end - out >= BVXI_CELL_ROW; done++) {
         uint32_t const n = cases->number[done];
         __m128i const lane = _mm_loadu_si128((const __m128i *)(const void *)lanes[n]);
@@ -119,7 +134,8 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_
         __m256i const a = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(lane));
         __m256i const b = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(_mm_srli_si128(lane, 8)));
         _mm256_storeu_si256((__m256i *)(void *)out, _mm256_add_epi32(a, _mm256_cvtepu8_epi32(offset)));
-        _mm256_storeu_si256((__m256i *)(void *)(out + 8), _mm256_add_epi32(b, _mm256_cvtepu8_epi32(_mm_srli_si128(offset, 8))));
+        _mm256_storeu_si256((__m256i *)(void *)(out + 8),
+                            _mm256_add_epi32(b, _mm256_cvtepu8_epi32(_mm_srli_si128(offset, 8))));
         count = _mm256_add_epi32(count, _mm256_cvtepu8_epi32(step));
         out += 3u * bvxi_cell_triangle_count[rule][n];
     }
@@ -135,11 +151,12 @@ typedef struct emit_block {
     bvxi_case_list cases;
 } emit_block;
 
-BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const row[4], const uint64_t has[4], int32_t first,
-                                   emit_block *b, int fast)
+BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const row[4], const uint64_t has[4],
+                                   int32_t first, emit_block *b, int fast)
 {
     int32_t const left = m->edge_words - first, block = left < BVXI_CELL_BLOCK ? left : BVXI_CELL_BLOCK;
     int32_t const words = m->grid->words_per_row;
+
     b->cases.count = b->edge[0].count = b->edge[1].count = b->edge[2].count = 0;
     for (uint32_t busy = bvxi_busy_words(row, first, block, words); busy != 0; busy &= busy - 1) {
         int32_t const w = bvxi_lowest(busy);
@@ -170,6 +187,7 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     uint32_t counter[8];
     emit_block b;
     int32_t j, k;
+
     if (s[1].edge[0] == s->edge[0] && s[1].triangle == s->triangle) return;
     bvxi_slot_row(m, slot, &j, &k);
     start_counters(m, slot, j, k, counter);
@@ -213,6 +231,7 @@ BVXI_AVX2 static void emit_piece_avx2(const bvxi_march *m, int32_t piece)
 void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker)
 {
     const bvxi_march *const m = march;
+
     (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {

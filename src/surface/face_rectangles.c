@@ -1,11 +1,11 @@
 /* face_rectangles.c - exposed voxel faces of one plane and side merged into rectangles.
  *
- * Idea: the faces of a plane are bits of rows; the first one left (z, y, x) begins a rectangle as long as its run, which grows
- * row by row while the next one holds the whole run. Planes across y and z are rows of voxels as they lie, those across x come
- * from blocks of 64 x 64 bits turned over. Rectangles are counted, then listed; their corners are bits whose rank is the
- * vertex.
- * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the normal along - before
- * the one along +, in a plane by their first faces; no thread shows in it. */
+ * Idea: the faces of a plane are bits of rows; the first one left (z, y, x) begins a rectangle as long as its
+ * run, which grows row by row while the next one holds the whole run. Planes across y and z are rows of
+ * voxels as they lie, those across x come from blocks of 64 x 64 bits turned over. Rectangles are counted,
+ * then listed; their corners are bits whose rank is the vertex.
+ * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the
+ * normal along - before the one along +, in a plane by their first faces; no thread shows in it. */
 #include "bits/rank.h"
 #include "bits/transpose.h"
 #include "surface/faces.h"
@@ -19,15 +19,16 @@ typedef struct face_rectangle {
 
 typedef struct face_merge {
     bvxi_faces *f;
-    int32_t tasks;            /* blocks of 64 planes across x, planes across y, planes across z */
-    uint64_t *before;         /* rectangles before each task's (counts before the prefix sum) [Size: tasks + 1] */
-    uint64_t *scratch;        /* bits of planes, by worker */
-    uint64_t scratch_words;   /* of one worker */
-    face_rectangle *list;     /* NULL: only count */
-    uint64_t *corners;        /* used ones, rows of f->words */
+    int32_t tasks; /* blocks of 64 planes across x, planes across y, planes across z */
+    /* rectangles before each task's (counts before the prefix sum) [Size: tasks + 1] */
+    uint64_t *before;
+    uint64_t *scratch;      /* bits of planes, by worker */
+    uint64_t scratch_words; /* of one worker */
+    face_rectangle *list;   /* NULL: only count */
+    uint64_t *corners;      /* used ones, rows of f->words */
     uint32_t *prefix;
     bvxi_rank rank;
-    int32_t pieces;           /* of the list */
+    int32_t pieces; /* of the list */
 } face_merge;
 
 /* ---- one plane ---- */
@@ -62,15 +63,17 @@ static int take_run(uint64_t *row, int32_t begin, int32_t end)
     return 1;
 }
 
-/* Cut a plane's bits into rectangles from number `at` on; they are listed when there is a list. Returns the next number. */
-static uint64_t cut_plane(const face_merge *m, uint64_t *bits, int32_t rows, int32_t words, int32_t axis, int32_t positive,
-                          int32_t plane, uint64_t at)
+/* Cut a plane's bits into rectangles from number `at` on; they are listed
+ * when there is a list. Returns the next number. */
+static uint64_t cut_plane(const face_merge *m, uint64_t *bits, int32_t rows, int32_t words, int32_t axis,
+                          int32_t positive, int32_t plane, uint64_t at)
 {
     for (int32_t v = 0; v < rows; v++) {
         uint64_t *const row = bits + (size_t)v * (size_t)words;
         for (int32_t k = 0; k < words; k++)
             while (row[k] != 0) {
-                int32_t const begin = k * BVXI_WORD_BITS + bvxi_lowest(row[k]), end = end_of_run(row, words, begin);
+                int32_t const begin = k * BVXI_WORD_BITS + bvxi_lowest(row[k]);
+                int32_t const end = end_of_run(row, words, begin);
                 int32_t next = v + 1;
                 take_run(row, begin, end);
                 while (next < rows && take_run(bits + (size_t)next * (size_t)words, begin, end)) next++;
@@ -90,11 +93,14 @@ static uint64_t cut_across_y(const face_merge *m, uint64_t *bits, int32_t j, uin
 {
     const bvxi_faces *const f = m->f;
     int32_t const words = f->grid->words_per_row, nz = f->grid->size[2];
+
     for (int32_t positive = 0; positive < 2; positive++) {
         for (int32_t k = 0; k < nz; k++) {
-            const uint64_t *const before = bvxi_face_voxels(f, j - 1, k), *const here = bvxi_face_voxels(f, j, k);
+            const uint64_t *const before = bvxi_face_voxels(f, j - 1, k);
+            const uint64_t *const here = bvxi_face_voxels(f, j, k);
             for (int32_t w = 0; w < words; w++)
-                bits[(size_t)k * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w] : here[w] & ~before[w];
+                bits[(size_t)k * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
+                                                                       : here[w] & ~before[w];
         }
         at = cut_plane(m, bits, nz, words, 1, positive, j, at);
     }
@@ -105,11 +111,14 @@ static uint64_t cut_across_z(const face_merge *m, uint64_t *bits, int32_t k, uin
 {
     const bvxi_faces *const f = m->f;
     int32_t const words = f->grid->words_per_row, ny = f->grid->size[1];
+
     for (int32_t positive = 0; positive < 2; positive++) {
         for (int32_t j = 0; j < ny; j++) {
-            const uint64_t *const before = bvxi_face_voxels(f, j, k - 1), *const here = bvxi_face_voxels(f, j, k);
+            const uint64_t *const before = bvxi_face_voxels(f, j, k - 1);
+            const uint64_t *const here = bvxi_face_voxels(f, j, k);
             for (int32_t w = 0; w < words; w++)
-                bits[(size_t)j * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w] : here[w] & ~before[w];
+                bits[(size_t)j * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
+                                                                       : here[w] & ~before[w];
         }
         at = cut_plane(m, bits, ny, words, 2, positive, k, at);
     }
@@ -123,6 +132,7 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
     int32_t const ny = f->grid->size[1], nz = f->grid->size[2], words = bvxi_row_words(ny);
     size_t const plane_words = (size_t)words * (size_t)nz;
     uint64_t *const sides[2] = {bits, bits + 64 * plane_words};
+
     for (int32_t k = 0; k < nz; k++)
         for (int32_t v = 0; v < words; v++) {
             uint64_t block[2][64];
@@ -135,7 +145,8 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
             }
             for (int s = 0; s < 2; s++) {
                 bvxi_transpose_64(block[s]);
-                for (size_t i = 0; i < 64; i++) sides[s][i * plane_words + (size_t)k * (size_t)words + (size_t)v] = block[s][i];
+                for (size_t i = 0; i < 64; i++)
+                    sides[s][i * plane_words + (size_t)k * (size_t)words + (size_t)v] = block[s][i];
             }
         }
     for (int32_t i = 0; i < 64; i++)
@@ -151,8 +162,9 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     uint64_t *const bits = m->scratch + (size_t)worker * m->scratch_words;
     int32_t const across_y = task - f->words, across_z = across_y - (f->grid->size[1] + 1);
     uint64_t const from = m->list != NULL ? m->before[task] : 0;
-    uint64_t const to = across_y < 0 ? cut_across_x(m, bits, task, from) : across_z < 0 ? cut_across_y(m, bits, across_y, from)
-                                                                                        : cut_across_z(m, bits, across_z, from);
+    uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
+                        : across_z < 0 ? cut_across_y(m, bits, across_y, from)
+                                       : cut_across_z(m, bits, across_z, from);
     if (m->list == NULL) m->before[task] = to;
 }
 
@@ -161,9 +173,12 @@ static void cut_task(void *user, int32_t task, int32_t worker)
 /* The rectangle's corners as numbers of bits; counter-clockwise seen from the positive side. */
 static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint64_t bit[4])
 {
-    static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}}; /* ends of u (1) and v (2) */
+    /* ends of u (1) and v (2) */
+    static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}};
+
     for (int n = 0; n < 4; n++) {
-        int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0, v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
+        int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0;
+        int32_t const v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
         int32_t const i = r->axis == 0 ? r->plane : u, j = r->axis == 0 ? u : r->axis == 1 ? r->plane : v;
         int32_t const k = r->axis == 2 ? r->plane : v;
         uint64_t const row = (uint64_t)k * ((uint64_t)m->f->grid->size[1] + 1) + (uint64_t)j;
@@ -176,7 +191,8 @@ static void mark_corners(face_merge *m)
     for (uint64_t n = 0; n < m->f->face_count; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
-        for (int c = 0; c < 4; c++) m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
+        for (int c = 0; c < 4; c++)
+            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
     }
 }
 
@@ -186,12 +202,14 @@ static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
     uint64_t begin, end, vertex;
+
     (void)worker;
     bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
     vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;
-        double const y = bvxi_corner_along(f, 1, (int32_t)(row % rows)), z = bvxi_corner_along(f, 2, (int32_t)(row / rows));
+        double const y = bvxi_corner_along(f, 1, (int32_t)(row % rows));
+        double const z = bvxi_corner_along(f, 2, (int32_t)(row / rows));
         for (int32_t w = 0; w < f->words; w++) {
             bvxi_put_corners(f, corners[w], w, vertex, y, z);
             vertex += bvxi_popcount(corners[w]);
@@ -203,13 +221,15 @@ static void emit_rectangles(void *user, int32_t piece, int32_t worker)
 {
     const face_merge *const m = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(m->f->face_count, m->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
-        bvxi_put_face(m->f->mesh->triangles + 6 * (size_t)n, bvxi_rank_before(&m->rank, bit[0]), bvxi_rank_before(&m->rank, bit[1]),
-                      bvxi_rank_before(&m->rank, bit[2]), bvxi_rank_before(&m->rank, bit[3]), m->list[n].positive);
+        bvxi_put_face(m->f->mesh->triangles + 6 * (size_t)n, bvxi_rank_before(&m->rank, bit[0]),
+                      bvxi_rank_before(&m->rank, bit[1]), bvxi_rank_before(&m->rank, bit[2]),
+                      bvxi_rank_before(&m->rank, bit[3]), m->list[n].positive);
     }
 }
 
@@ -218,6 +238,7 @@ static void emit_rectangles(void *user, int32_t piece, int32_t worker)
 static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 {
     uint64_t total = 0;
+
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
     for (int32_t t = 0; t < m->tasks; t++) {
         uint64_t const n = m->before[t];
@@ -232,6 +253,7 @@ static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
 {
     uint64_t const words = m->f->row_count * (uint64_t)m->f->words;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->f->face_count * sizeof *m->list, "the rectangles", &m->list));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m->corners));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m->prefix));
@@ -245,6 +267,7 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
     bvx_status status;
+
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
     status = bvxi_parallel(ctx, "faces", 0.6, 0.8, m->f->pieces, emit_corner_rows, m);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "faces", 0.8, 1.0, m->pieces, emit_rectangles, m);
@@ -253,11 +276,13 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
     return status;
 }
 
-/* Words of the largest planes' bits: all slices of 64 planes across x and both sides, or the rows of one across y or z. */
+/* Words of the largest planes' bits: all slices of 64 planes across x and
+ * both sides, or the rows of one across y or z. */
 static uint64_t plane_bits(const bvx_grid *g)
 {
     uint64_t const x = 128 * (uint64_t)bvxi_row_words(g->size[1]) * (uint64_t)g->size[2];
-    uint64_t const across = (uint64_t)(g->size[1] > g->size[2] ? g->size[1] : g->size[2]) * (uint64_t)g->words_per_row;
+    uint64_t const across = (uint64_t)(g->size[1] > g->size[2] ? g->size[1] : g->size[2]) *
+                            (uint64_t)g->words_per_row;
     return x > across ? x : across;
 }
 
@@ -266,12 +291,14 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     uint64_t const threads = (uint64_t)bvxi_threads(ctx);
     face_merge m;
     bvx_status status;
+
     memset(&m, 0, sizeof m);
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
     m.scratch_words = plane_bits(f->grid);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch);
     if (status == BVX_OK) status = count_rectangles(ctx, &m);
     if (status == BVX_OK) status = list_rectangles(ctx, &m);
     if (status == BVX_OK && mesh != NULL) status = emit_merged(ctx, &m, mesh);

@@ -1,8 +1,9 @@
 /* faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces.
  *
- * Idea: a face lies between two voxels of which one is set, and a corner belongs to a face exactly when its eight voxels are
- * not alike. So both are word operations on rows, and a corner's number is the rank of its bit. A first pass counts corners
- * and faces of each row of corners, prefix sums give every row its place, a second pass writes.
+ * Idea: a face lies between two voxels of which one is set, and a corner belongs to a face exactly when its
+ * eight voxels are not alike. So both are word operations on rows, and a corner's number is the rank of its
+ * bit. A first pass counts corners and faces of each row of corners, prefix sums give every row its place, a
+ * second pass writes.
  * Guarantee: each exposed face once, outwards, vertices shared, canonical order; no thread shows in it. */
 #include "surface/faces.h"
 #include "surface/march.h"
@@ -43,13 +44,16 @@ static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, i
     return any & ~all;
 }
 
-/* Faces whose low corner is bit i of word w, by axis; behind: the voxels on their positive sides are the set ones. */
-static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int32_t j, int32_t k, int32_t w, uint64_t face[3],
-                                 uint64_t *behind)
+/* Faces whose low corner is bit i of word w, by axis; behind: the voxels on
+ * their positive sides are the set ones. */
+static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int32_t j, int32_t k, int32_t w,
+                                 uint64_t face[3], uint64_t *behind)
 {
     uint64_t before, unused;
     uint64_t const here = bvxi_face_word(f, v->row[3], w, &before);
-    uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused), below_z = bvxi_face_word(f, v->row[1], w, &unused);
+    uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused);
+    uint64_t const below_z = bvxi_face_word(f, v->row[1], w, &unused);
+
     face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
     face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
     face[2] = j < f->grid->size[1] ? here ^ below_z : 0;
@@ -69,6 +73,7 @@ static void count_face_row(bvxi_faces *f, uint64_t row)
 {
     uint32_t corners = 0, faces = 0;
     int32_t j, k;
+
     corner_row(f, row, &j, &k);
     face_voxels const v = voxels_about(f, j, k);
     for (int32_t w = 0; w < f->words; w++) {
@@ -95,9 +100,10 @@ static void count_face_piece(void *user, int32_t piece, int32_t worker)
 bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
 {
     if (f->vertex_count < UINT32_MAX && f->face_count < UINT32_MAX / 2) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_RANGE,
-                     "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows", f->function,
-                     f->vertex_count, 2 * f->face_count);
+    return bvxi_fail(
+        ctx, BVX_ERR_RANGE,
+        "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows",
+        f->function, f->vertex_count, 2 * f->face_count);
 }
 
 /* Counts become first numbers. */
@@ -134,7 +140,8 @@ static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_
     for (int32_t n = 0; n < 4; n++) {
         uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
         c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
-        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0; /* beyond the last rows there are no faces to ask */
+        /* beyond the last rows there are no faces to ask */
+        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0;
     }
 }
 
@@ -144,12 +151,16 @@ static inline uint32_t corner_number(const face_reach *c, int32_t n, int32_t bit
     return c->first[n] + bvxi_popcount(c->used[n] & ((UINT64_C(1) << bit) - 1));
 }
 
-static uint32_t *put_faces_at(const face_reach *c, const uint64_t face[3], uint64_t behind, int32_t bit, uint32_t *out)
+static uint32_t *put_faces_at(const face_reach *c, const uint64_t face[3], uint64_t behind, int32_t bit,
+                              uint32_t *out)
 {
     uint32_t const low = corner_number(c, 0, bit);
-    int const positive = (behind >> bit & 1) == 0; /* the set voxel lies on the negative side: outwards is the positive one */
+    /* the set voxel lies on the negative side: outwards is the positive one */
+    int const positive = (behind >> bit & 1) == 0;
+
     if ((face[0] >> bit & 1) != 0) {
-        bvxi_put_face(out, low, corner_number(c, 1, bit), corner_number(c, 3, bit), corner_number(c, 2, bit), positive);
+        bvxi_put_face(out, low, corner_number(c, 1, bit), corner_number(c, 3, bit), corner_number(c, 2, bit),
+                      positive);
         out += 6;
     }
     if ((face[1] >> bit & 1) != 0) { /* y: seen from its positive side z comes before x */
@@ -170,6 +181,7 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     uint32_t *out = f->mesh->triangles + 6 * (size_t)f->rows[row].face;
     face_reach c;
     int32_t j, k;
+
     if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
     corner_row(f, row, &j, &k);
     double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
@@ -196,7 +208,8 @@ static void emit_face_piece(void *user, int32_t piece, int32_t worker)
 
 bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
-    BVXI_TRY(bvxi_mesh_open(ctx, f->function, f->options.position_type, 0, f->vertex_count, 2 * f->face_count, mesh));
+    BVXI_TRY(bvxi_mesh_open(ctx, f->function, f->options.position_type, 0, f->vertex_count, 2 * f->face_count,
+                            mesh));
     if (f->options.local_frame) memcpy(mesh->frame, f->grid->lattice.origin, sizeof mesh->frame);
     f->mesh = mesh;
     return BVX_OK;
@@ -211,9 +224,11 @@ static const bvxi_option faces_rows[] = {
     BVXI_RESERVED(bvx_faces_options, reserved),
 };
 
-static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid, const bvx_faces_options *given)
+static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
+                              const bvx_faces_options *given)
 {
     const bvx_faces_options *const o = &f->options;
+
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
@@ -230,6 +245,7 @@ static bvx_status single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
     status = bvxi_parallel(ctx, "faces", 0.0, 0.3, f->pieces, count_face_piece, f);
     if (status == BVX_OK) status = number_face_rows(ctx, f);
@@ -247,11 +263,13 @@ static bvx_status single_faces(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 }
 
 /* Count, and make the mesh unless it is NULL. */
-static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
+                            const bvx_faces_options *options, bvx_mesh *mesh)
 {
     uint64_t empty_bytes;
     uint64_t *empty;
     bvx_status status;
+
     f->options = faces_defaults;
     BVXI_TRY(check_faces(ctx, f, grid, options));
     f->words = grid->size[0] / BVXI_WORD_BITS + 1;
@@ -270,6 +288,7 @@ static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
                                   uint64_t *triangle_count)
 {
     bvxi_faces f;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&f, 0, sizeof f);
     f.function = "bvx_faces_count";
@@ -280,8 +299,8 @@ static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
     return BVX_OK;
 }
 
-bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, uint64_t *vertex_count,
-                           uint64_t *triangle_count)
+bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                           uint64_t *vertex_count, uint64_t *triangle_count)
 {
     return BVXI_CALL(context, run_faces_count(context, grid, options, vertex_count, triangle_count));
 }
@@ -297,7 +316,8 @@ static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,
     return run_faces(context, &f, grid, options, mesh);
 }
 
-bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options, bvx_mesh *mesh)
+bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                             bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_extract_faces(context, grid, options, mesh));
 }

@@ -1,14 +1,15 @@
 /* faces.h - the mesh of exposed voxel faces: what single faces and merged ones share. Not installed.
  *
- * Vertices are corners of voxels, (i, j, k) from 0 to the window's size. A row of corners (j, k) has one bit for each, a set one
- * is used; vertices are numbered by (z, y, x). */
+ * Vertices are corners of voxels, (i, j, k) from 0 to the window's size. A row of corners (j, k) has one bit
+ * for each, a set one is used; vertices are numbered by (z, y, x). */
 #ifndef BVXI_SURFACE_FACES_H
 #define BVXI_SURFACE_FACES_H
 
 #include "bits/bits.h"
 #include "grid/grid.h"
 
-/* First numbers of a row of corners (counts before the prefix sum): its vertices, and the faces whose low corner lies in it. */
+/* First numbers of a row of corners (counts before the prefix sum): its
+ * vertices, and the faces whose low corner lies in it. */
 typedef struct bvxi_face_row {
     uint32_t vertex, face;
 } bvxi_face_row;
@@ -18,11 +19,11 @@ typedef struct bvxi_faces {
     const char *function;
     bvx_faces_options options;
     double origin[3], spacing[3];
-    int32_t words;             /* of a row of corners */
-    const uint64_t *empty_row; /* of voxels */
-    bvxi_face_row *rows;       /* [Size: row_count + 1] */
-    uint64_t row_count;        /* rows of corners */
-    int32_t pieces;            /* of these */
+    int32_t words;                     /* of a row of corners */
+    const uint64_t *empty_row;         /* of voxels */
+    bvxi_face_row *rows;               /* [Size: row_count + 1] */
+    uint64_t row_count;                /* rows of corners */
+    int32_t pieces;                    /* of these */
     uint64_t vertex_count, face_count; /* a face is two triangles */
     bvx_mesh *mesh;
 } bvxi_faces;
@@ -42,7 +43,8 @@ static inline const uint64_t *bvxi_face_voxels(const bvxi_faces *f, int32_t j, i
     return g->words + ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
 }
 
-/* Word w of a row of voxels as seen from corners: bit i is the voxel behind corner i; before: the one before it. */
+/* Word w of a row of voxels as seen from corners: bit i is the voxel behind
+ * corner i; before: the one before it. */
 static inline uint64_t bvxi_face_word(const bvxi_faces *f, const uint64_t *row, int32_t w, uint64_t *before)
 {
     uint64_t const here = w < f->grid->words_per_row ? row[w] : 0;
@@ -53,6 +55,7 @@ static inline uint64_t bvxi_face_word(const bvxi_faces *f, const uint64_t *row, 
 static inline void bvxi_put_corner(const bvxi_faces *f, uint64_t vertex, int32_t i, double y, double z)
 {
     double const x = f->origin[0] + (double)(f->grid->low[0] + i) * f->spacing[0];
+
     if (f->options.position_type == BVX_F32) {
         float *const p = (float *)f->mesh->positions + 3 * vertex;
         p[0] = (float)x;
@@ -73,13 +76,15 @@ static inline double bvxi_corner_along(const bvxi_faces *f, int32_t axis, int32_
 }
 
 /* Vertices of the corners in one word of a row, from number `vertex` on. */
-static inline void bvxi_put_corners(const bvxi_faces *f, uint64_t corners, int32_t w, uint64_t vertex, double y, double z)
+static inline void bvxi_put_corners(const bvxi_faces *f, uint64_t corners, int32_t w, uint64_t vertex,
+                                    double y, double z)
 {
-    for (; corners != 0; corners &= corners - 1) bvxi_put_corner(f, vertex++, w * BVXI_WORD_BITS + bvxi_lowest(corners), y, z);
+    for (; corners != 0; corners &= corners - 1)
+        bvxi_put_corner(f, vertex++, w * BVXI_WORD_BITS + bvxi_lowest(corners), y, z);
 }
 
-/* A face as two triangles. Its corners, seen from the positive side of its axis, turn counter-clockwise a, b, c, d; outwards is
- * the positive side or the negative one. The diagonal runs from a to c either way. */
+/* A face as two triangles. Its corners, seen from the positive side of its axis, turn counter-clockwise a, b,
+ * c, d; outwards is the positive side or the negative one. The diagonal runs from a to c either way. */
 static inline void bvxi_put_face(uint32_t *out, uint32_t a, uint32_t b, uint32_t c, uint32_t d, int positive)
 {
     out[0] = a;

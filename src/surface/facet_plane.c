@@ -1,10 +1,12 @@
-/* facet_plane.c - the planes of the mesh's facets at the cut of a lattice edge, and the cut where they have it.
+/* facet_plane.c - the planes of the mesh's facets at the cut of a lattice edge, and the cut where they have
+ * it.
  *
- * Where the closest triangles of the edge's ends are known, the planes are theirs, and the cut moves to where the edge passes
- * through one of them; where it passes through neither, to where it passes through the plane of one, if that is nearer to the
- * two triangles: the formula in edge_vector.c cuts off what is sharp. Else a plane is square to the vector of an end: inside a
- * facet that is the facet's own, and on an edge or corner of the mesh it is one of the planes that touch it there, so it
- * too runs through the edge or corner. All in units of the largest spacing, from the edge's low end. */
+ * Where the closest triangles of the edge's ends are known, the planes are theirs, and the cut moves to where
+ * the edge passes through one of them; where it passes through neither, to where it passes through the plane
+ * of one, if that is nearer to the two triangles: the formula in edge_vector.c cuts off what is sharp. Else a
+ * plane is square to the vector of an end: inside a facet that is the facet's own, and on an edge or corner
+ * of the mesh it is one of the planes that touch it there, so it too runs through the edge or corner. All in
+ * units of the largest spacing, from the edge's low end. */
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
 #include "core/vec3.h"
@@ -16,8 +18,9 @@
 #define SHORTEST2 (1.0 / 16777216.0) /* (2^-12)^2 */
 
 typedef struct facet_edge {
-    double length, along;                 /* along 1: the low end is inside, -1: the high end */
-    double outward[2][3], closest[2][3];  /* of the low and of the high end: vector away from the inside, 0 on the surface */
+    double length, along; /* along 1: the low end is inside, -1: the high end */
+    /* of the low and of the high end: vector away from the inside, 0 on the surface */
+    double outward[2][3], closest[2][3];
     double corners[2][3][3], normal[2][3]; /* of the ends' triangles */
     double size[2];                        /* of the normals; 0: no such triangle */
     int32_t axis;
@@ -25,10 +28,12 @@ typedef struct facet_edge {
 
 /* ---- the edge and its triangles ---- */
 
-static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge *f, int32_t end, uint32_t triangle, const double centre[3])
+static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge *f, int32_t end,
+                       uint32_t triangle, const double centre[3])
 {
     double const scale = 1.0 / c->unit;
     uint32_t corner[3];
+
     bvxi_view_triangle(mesh, triangle, corner);
     for (int32_t k = 0; k < 3; k++) {
         bvxi_view_position(mesh, corner[k], f->corners[end][k]);
@@ -39,11 +44,12 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
     if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
 }
 
-static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const bvxi_cut_edge *e, uint64_t low, uint64_t high,
-                            const double centre[3], facet_edge *f)
+static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const bvxi_cut_edge *e,
+                            uint64_t low, uint64_t high, const double centre[3], facet_edge *f)
 {
     double const scale = 1.0 / c->unit;
     const uint32_t *const triangles = v->mesh != NULL ? v->triangles : NULL;
+
     f->axis = e->axis;
     f->length = e->length * scale;
     f->along = e->high_inside ? -1.0 : 1.0;
@@ -56,7 +62,8 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const
     f->size[0] = f->size[1] = 0.0;
     if (triangles == NULL) return;
     load_facet(c, v->mesh, f, 0, triangles[(size_t)low], centre);
-    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0) load_facet(c, v->mesh, f, 1, triangles[(size_t)high], centre);
+    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0)
+        load_facet(c, v->mesh, f, 1, triangles[(size_t)high], centre);
 }
 
 static void point_of_edge(const facet_edge *f, double ratio, double p[3])
@@ -89,6 +96,7 @@ static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
 static double distance2_to_facets(const facet_edge *f, double ratio)
 {
     double p[3], q[3], best = -1.0;
+
     point_of_edge(f, ratio, p);
     for (int32_t end = 0; end < 2; end++) {
         double d2;
@@ -103,9 +111,12 @@ static double cut_facets(const facet_edge *f, double ratio)
 {
     double place[2] = {ratio, ratio}, best;
     int passes[2];
-    for (int32_t end = 0; end < 2; end++) passes[end] = f->size[end] != 0.0 && pass_triangle(f, end, &place[end]);
+
+    for (int32_t end = 0; end < 2; end++)
+        passes[end] = f->size[end] != 0.0 && pass_triangle(f, end, &place[end]);
     if (passes[0] && passes[1])
-        return (place[1] - ratio) * (place[1] - ratio) < (place[0] - ratio) * (place[0] - ratio) ? place[1] : place[0];
+        return (place[1] - ratio) * (place[1] - ratio) < (place[0] - ratio) * (place[0] - ratio) ? place[1]
+                                                                                                 : place[0];
     if (passes[0] || passes[1]) return place[passes[0] ? 0 : 1];
     best = distance2_to_facets(f, ratio);
     for (int32_t end = 0; end < 2; end++) {
@@ -121,7 +132,8 @@ static double cut_facets(const facet_edge *f, double ratio)
 
 /* ---- the planes ---- */
 
-static void put_plane(const double cut[3], const double n[3], double length, const double on[3], bvxi_facet_plane *plane)
+static void put_plane(const double cut[3], const double n[3], double length, const double on[3],
+                      bvxi_facet_plane *plane)
 {
     double offset = 0.0;
     for (int32_t a = 0; a < 3; a++) {
@@ -131,8 +143,8 @@ static void put_plane(const double cut[3], const double n[3], double length, con
     plane->offset = (float)offset;
 }
 
-/* Meshes may have turned triangles: outward is what the end that the triangle is closest to says, and where it looks along the
- * facet, the edge. */
+/* Meshes may have turned triangles: outward is what the end that the
+ * triangle is closest to says, and where it looks along the facet, the edge. */
 static double side_of_facet(const facet_edge *f, int32_t end)
 {
     double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);
@@ -146,6 +158,7 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
 {
     double best = 0.0;
     int found = 0;
+
     for (int32_t end = 0; end < 2; end++) {
         double q[3], d2;
         if (f->size[end] == 0.0) continue;
@@ -164,8 +177,11 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
 
 static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_facet_plane planes[2])
 {
-    int32_t const nearer = bvxi_vec_distance2(cut, f->closest[0]) <= bvxi_vec_distance2(cut, f->closest[1]) ? 0 : 1;
+    int32_t const nearer = bvxi_vec_distance2(cut, f->closest[0]) <= bvxi_vec_distance2(cut, f->closest[1])
+                               ? 0
+                               : 1;
     int32_t found = 0;
+
     for (int32_t k = 0; k < 2; k++) {
         int32_t const end = k == 0 ? nearer : 1 - nearer;
         double const length2 = bvxi_vec_dot(f->outward[end], f->outward[end]);
@@ -174,11 +190,13 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
     }
 }
 
-double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const bvxi_cut_edge *edge, uint64_t low, uint64_t high,
-                      const double centre[3], double ratio, bvxi_facet_plane planes[2])
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const bvxi_cut_edge *edge,
+                      uint64_t low, uint64_t high, const double centre[3], double ratio,
+                      bvxi_facet_plane planes[2])
 {
     facet_edge f;
     double cut[3];
+
     open_facet_edge(cuts, values, edge, low, high, centre, &f);
     if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
     ratio = bvxi_keep_off_ends(ratio);

@@ -1,9 +1,9 @@
 /* field_cuts.c - vertices put where a field of closest points cuts their edges.
  *
- * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of centres beside
- * them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets depends on the values at the
- * ends of its own edge alone. Where the surface is that of two bodies together, each has values of its own, and an edge is cut by
- * the one whose side changes on it. */
+ * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of
+ * centres beside them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets
+ * depends on the values at the ends of its own edge alone. Where the surface is that of two bodies together,
+ * each has values of its own, and an edge is cut by the one whose side changes on it. */
 #include "surface/cells.h"
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
@@ -12,7 +12,8 @@
 
 #define NO_VALUE UINT64_MAX
 
-/* A row of centres: which have values, and the number of the first value at or beyond the word that the walk stands at. */
+/* A row of centres: which have values, and the number of the first value at
+ * or beyond the word that the walk stands at. */
 typedef struct value_row {
     const uint64_t *words; /* NULL outside the window */
     uint64_t next;
@@ -33,7 +34,9 @@ static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, 
 {
     const bvx_grid *const g = v->where;
     value_row r = {NULL, 0};
-    if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] && k < g->size[2]) {
+
+    if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] &&
+        k < g->size[2]) {
         uint64_t const n = (uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j;
         r.words = g->words + n * (uint64_t)g->words_per_row;
         r.next = v->row_values[n];
@@ -58,15 +61,18 @@ static uint64_t value_before(const value_row *r, int32_t words, int32_t w, int32
 
 static double read_value(const bvxi_edge_values *v, const void *values, uint64_t n)
 {
-    return v->value_type == BVX_F32 ? (double)((const float *)values)[(size_t)n] : ((const double *)values)[(size_t)n];
+    return v->value_type == BVX_F32 ? (double)((const float *)values)[(size_t)n]
+                                    : ((const double *)values)[(size_t)n];
 }
 
 /* Vector and distance of one value. */
 static double read_end(const bvxi_edge_values *v, uint64_t n, double vector[3])
 {
     double d;
-    for (uint64_t a = 0; a < 3; a++) vector[a] = v->vectors != NULL ? read_value(v, v->vectors, 3 * n + a) : 0.0;
-    if (v->distances == NULL) return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (uint64_t a = 0; a < 3; a++)
+        vector[a] = v->vectors != NULL ? read_value(v, v->vectors, 3 * n + a) : 0.0;
+    if (v->distances == NULL)
+        return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
     d = read_value(v, v->distances, n);
     return d < 0 ? -d : d;
 }
@@ -77,22 +83,26 @@ static int is_inside(const bvxi_march *m, int32_t i, int32_t j, int32_t k)
     return (int)(bvxi_march_row(m, j, k)[i >> 6] >> (i & 63) & 1);
 }
 
-/* Whether the ends of the edge from centre (i, j, k) along axis differ in a body; beyond the window is outside. */
+/* Whether the ends of the edge from centre (i, j, k) along axis differ in a
+ * body; beyond the window is outside. */
 static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t j, int32_t k)
 {
     int32_t const end[2][3] = {{i, j, k}, {i + (axis == 0), j + (axis == 1), k + (axis == 2)}};
     int side[2] = {0, 0};
+
     for (int32_t e = 0; e < 2; e++) {
         const int32_t *const at = end[e];
-        if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= inside->size[0] || at[1] >= inside->size[1] || at[2] >= inside->size[2]) continue;
+        if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= inside->size[0] || at[1] >= inside->size[1] ||
+            at[2] >= inside->size[2])
+            continue;
         side[e] = bvx_grid_get(inside, at[0], at[1], at[2]);
     }
     return side[0] != side[1];
 }
 
 /* An edge both of whose ends have values. */
-static int32_t cut_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low, uint64_t high,
-                        bvxi_cut_edge *edge, double *t)
+static int32_t cut_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
+                        uint64_t high, bvxi_cut_edge *edge, double *t)
 {
     const bvxi_cuts *const c = k->cuts;
     edge->axis = axis;
@@ -120,11 +130,13 @@ static void place_missing_cuts(cut_walk *k)
 {
     const bvxi_edge_values *const v = k->cuts->values;
     double t[BVXI_MISSING_MOST];
+
     if (k->missing_count == 0) return;
     v->missing(v->missing_user, k->missing_count, k->missing, t);
     for (int32_t n = 0; n < k->missing_count; n++) {
         const bvxi_missing_edge *const e = &k->missing[n];
-        bvxi_put_crossing(k->cuts->march, k->missing_vertex[n], e->axis, e->at[0], e->at[1], e->at[2], ratio_on_edge(t[n]));
+        bvxi_put_crossing(k->cuts->march, k->missing_vertex[n], e->axis, e->at[0], e->at[1], e->at[2],
+                          ratio_on_edge(t[n]));
     }
     k->missing_count = 0;
 }
@@ -148,18 +160,21 @@ typedef struct placed_cut {
     bvxi_facet_plane planes[2]; /* where they are asked for */
 } placed_cut;
 
-/* The cut of the edge from centre (i, j, k) along axis by a body that has the values low and high at its ends. */
-static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low, uint64_t high,
-                          placed_cut *cut)
+/* The cut of the edge from centre (i, j, k) along axis by a body that has
+ * the values low and high at its ends. */
+static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
+                          uint64_t high, placed_cut *cut)
 {
     const bvxi_cuts *const c = k->cuts;
     int const known = low != NO_VALUE && high != NO_VALUE;
     bvxi_cut_edge edge;
+
     cut->by = BVXI_CUT_MIDDLE;
     cut->t = 0.5;
     if (known) cut->by = cut_edge(k, v, axis, i, low, high, &edge, &cut->t);
     if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
-    if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+    if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE &&
+        (!known || is_lid(&edge))) {
         cut->by = BVXI_CUT_LID;
         return;
     }
@@ -174,13 +189,16 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
     }
 }
 
-/* The vertex on the edge from centre (i, j, k) along axis, whose ends have the values low and high of each body. */
-static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, const uint64_t low[2], const uint64_t high[2])
+/* The vertex on the edge from centre (i, j, k) along axis, whose ends have
+ * the values low and high of each body. */
+static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, const uint64_t low[2],
+                      const uint64_t high[2])
 {
     const bvxi_cuts *const c = k->cuts;
     const bvxi_edge_values *const v = c->values;
     int const first = k->bodies == 1 || changes_side(v->inside, axis, i, k->j, k->k);
     placed_cut cut;
+
     if (first) find_body_cut(k, v, axis, i, low[0], high[0], &cut);
     if (k->bodies == 2 && changes_side(v->second->inside, axis, i, k->j, k->k)) {
         int const later = is_inside(c->march, i, k->j, k->k) == (v->outer != 0);
@@ -202,12 +220,14 @@ static void place_slot(cut_walk *k, uint64_t slot)
     uint64_t vertex[3] = {s->edge[0], s->edge[1], s->edge[2]};
     int32_t const words = m->grid->words_per_row;
     const uint64_t *row[4];
+
     if (s[1].edge[0] == s->edge[0]) return;
     bvxi_slot_row(m, slot, &k->j, &k->k);
     bvxi_cell_rows(m, k->j, k->k, row);
     for (int32_t b = 0; b < k->bodies; b++)
         for (int32_t r = 0; r < 3; r++)
-            k->row[b][r] = start_value_row(c, b == 0 ? c->values : c->values->second, k->j + (r == 1), k->k + (r == 2));
+            k->row[b][r] = start_value_row(c, b == 0 ? c->values : c->values->second, k->j + (r == 1),
+                                           k->k + (r == 2));
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t mask[3];
         bvxi_cell_words cells;
@@ -221,7 +241,8 @@ static void place_slot(cut_walk *k, uint64_t slot)
                 uint64_t low[2], high[2];
                 for (int32_t b = 0; b < k->bodies; b++) {
                     const value_row *const rows = k->row[b];
-                    low[b] = axis == 0 ? value_before(&rows[0], words, w, bit) : value_at(&rows[0], words, w, bit);
+                    low[b] = axis == 0 ? value_before(&rows[0], words, w, bit)
+                                       : value_at(&rows[0], words, w, bit);
                     high[b] = value_at(&rows[axis], words, w, bit);
                 }
                 place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, high);
@@ -237,6 +258,7 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
     const bvxi_cuts *const c = cuts;
     cut_walk k;
     uint64_t begin, end;
+
     (void)worker;
     memset(&k, 0, sizeof k);
     k.cuts = c;

@@ -2,15 +2,17 @@
  *
  * Source: "Model repair by a vector distance field" 2.3 (edge_vector.c says how its formula is mended).
  *
- * Marching cubes between inside and outside centres, then each vertex is put where the field's closest points say, strictly
- * inside its edge. The triangulations of the tables do not cross for any places inside the edges, so the result is closed,
- * manifold and free of crossings whatever the field holds; sharp.c adds vertices inside cells and keeps that. */
+ * Marching cubes between inside and outside centres, then each vertex is put where the field's closest points
+ * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the
+ * edges, so the result is closed, manifold and free of crossings whatever the field holds; sharp.c adds
+ * vertices inside cells and keeps that. */
 #include "surface/edge_vector.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 
-static const bvx_field_surface_options field_surface_defaults = {0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL};
+static const bvx_field_surface_options field_surface_defaults = {
+    0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL};
 
 void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size)
 {
@@ -34,21 +36,25 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
 {
     uint64_t const rows = bvxi_grid_rows(&f->band), words = (uint64_t)f->band.words_per_row;
     uint64_t total = 0;
+
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.row_values[%i] is %u, the band has %u values before it", function, r,
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                             "%s: field.row_values[%i] is %u, the band has %u values before it", function, r,
                              f->row_values[r], total);
         for (uint64_t w = 0; w < words; w++) total += bvxi_popcount(f->band.words[r * words + w]);
     }
     if (f->row_values[rows] != total || f->value_count != total)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has %u values and row_values ends at %u, the band has %u", function,
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the field has %u values and row_values ends at %u, the band has %u", function,
                          f->value_count, f->row_values[rows], total);
     return BVX_OK;
 }
 
 /* Doubles, where they are taken, must tell neighbouring positions apart. */
-static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_field_surface_options *o)
+static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                const bvx_field_surface_options *o)
 {
     static const double local_origin[3] = {0, 0, 0};
     const double *const origin = o->local_frame ? local_origin : grid->lattice.origin;
@@ -58,27 +64,35 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
     return bvxi_check_f64(ctx, function, grid, origin);
 }
 
-static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_field_surface_options *o)
+static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
+                              const bvx_field_surface_options *o)
 {
-    int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) || o->sharp;
+    int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
+                        o->sharp;
+
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: field.reserved[%u] must be 0", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
+                                 "%s: field.reserved[%u] must be 0", function, i);
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign", function);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign",
+                         function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
-    if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) || memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
+    if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) ||
+        memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
         memcmp(f->band.size, f->inside.size, sizeof f->band.size) != 0)
-        return bvxi_fail(ctx, BVX_ERR_LATTICE, "%s: the field's band and inside have different lattices or windows", function);
+        return bvxi_fail(ctx, BVX_ERR_LATTICE,
+                         "%s: the field's band and inside have different lattices or windows", function);
     if (f->value_type != BVX_F32 && f->value_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type %d is neither BVX_F32 nor BVX_F64", function,
-                         (int64_t)f->value_type);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type %d is neither BVX_F32 nor BVX_F64",
+                         function, (int64_t)f->value_type);
     BVXI_TRY(check_row_values(ctx, function, f));
     if (vectors && f->vectors == NULL && f->value_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",
                          function);
     if (f->vectors == NULL && f->distances == NULL && f->value_count != 0)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has neither vectors nor distances", function);
@@ -86,15 +100,18 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
 }
 
 /* Triangles of the field are looked up in the mesh. */
-static bvx_status check_field_triangles(bvx_context *ctx, const char *function, const bvx_field *f, const bvx_mesh_view *mesh)
+static bvx_status check_field_triangles(bvx_context *ctx, const char *function, const bvx_field *f,
+                                        const bvx_mesh_view *mesh)
 {
     double low[3], high[3];
+
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
         if (f->triangles[n] >= mesh->triangle_count)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: field.triangles[%i] is %u, the mesh has %u triangles", function, n,
-                             (uint64_t)f->triangles[n], mesh->triangle_count);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: field.triangles[%i] is %u, the mesh has %u triangles", function, n,
+                                 (uint64_t)f->triangles[n], mesh->triangle_count);
     return BVX_OK;
 }
 
@@ -124,10 +141,12 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     return status;
 }
 
-static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface, bvx_field_surface_report *report)
+static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
+                             bvx_field_surface_report *report)
 {
     int const mine = surface->positions == NULL;
     bvx_status status;
+
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.4, bvxi_march_fill(ctx, m, surface)));
     status = BVXI_SHARE(ctx, 0.4, 1.0, place_cuts(ctx, c, report));
     if (status == BVX_OK) return BVX_OK;
@@ -137,35 +156,44 @@ static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_
 }
 
 /* The surface by cuts becomes scratch. */
-static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine, bvx_mesh *surface,
-                             bvx_field_surface_report *report)
+static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine,
+                             bvx_mesh *surface, bvx_field_surface_report *report)
 {
-    uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes, triangle_bytes = m->triangle_count * 12;
+    uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes;
+    uint64_t const triangle_bytes = m->triangle_count * 12;
     uint64_t const position_bytes = m->vertex_count * (m->options.position_type == BVX_F32 ? 12 : 24);
     bvx_mesh plain = {0};
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes);
+
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening",
+                            &plain.positions);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening",
+                            &plain.triangles);
     if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.0, 0.05, bvxi_march_fill(ctx, m, &plain));
     if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 0.4, place_cuts(ctx, c, report));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.4, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.4, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
     bvxi_free(ctx, plain.triangles, triangle_bytes);
     bvxi_free(ctx, plain.positions, position_bytes);
     bvxi_free(ctx, c->planes, plane_bytes);
     return status;
 }
 
-bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside, const bvxi_edge_values *values,
-                              const bvx_field_surface_options *options, bvx_mesh *surface)
+bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
+                              const bvxi_edge_values *values, const bvx_field_surface_options *options,
+                              bvx_mesh *surface)
 {
     bvx_field_surface_report report;
     bvx_extract_options extract;
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
     bvx_status status;
+
     memset(&report, 0, sizeof report);
     bvx_extract_options_init(&extract, sizeof extract);
     extract.face_rule = options->face_rule;
@@ -194,8 +222,10 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o = field_surface_defaults;
     bvxi_edge_values v = {0};
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (field == NULL || surface == NULL) return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
+    if (field == NULL || surface == NULL)
+        return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
     BVXI_TRY(check_field(context, name, field, &o));

@@ -1,10 +1,12 @@
 /* march.c - the surface between set and empty voxel centres: bvx_extract_surface.
  *
- * Source: Lorensen, Cline. Marching Cubes. 1987; two passes with row offsets as in Schroeder et al. Flying Edges. 2015.
+ * Source: Lorensen, Cline. Marching Cubes. 1987; two passes with row offsets as in Schroeder et al. Flying
+ * Edges. 2015.
  *
- * Rows are read 64 cells at a time: crossing masks by shift and XOR, vertex numbers by rank, no cell or edge is cached.
- * A first pass counts vertices and triangles of each row of cells, prefix sums give every row its place, a second pass
- * writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order; no thread shows in it. */
+ * Rows are read 64 cells at a time: crossing masks by shift and XOR, vertex numbers by rank, no cell or edge
+ * is cached. A first pass counts vertices and triangles of each row of cells, prefix sums give every row its
+ * place, a second pass writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order;
+ * no thread shows in it. */
 #include "surface/march.h"
 #include "mesh/mesh.h"
 
@@ -30,12 +32,14 @@ static const bvxi_option extract_rows[] = {
     BVXI_RESERVED(bvx_extract_options, reserved),
 };
 
-static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid, const bvx_extract_options *o)
+static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                        const bvx_extract_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
                              function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
     return BVX_OK;
 }
@@ -53,24 +57,28 @@ static double farthest_coordinate(const bvx_grid *grid, const double origin[3], 
 /* The step from one f32 to the next at a coordinate. */
 static double float_step(double coordinate)
 {
-    double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0; /* 2^-149, the least step of f32 */
+    /* 2^-149, the least step of f32 */
+    double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0;
 
     while (step * 16777216.0 <= coordinate) step *= 2;
     return step;
 }
 
-static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
+static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                            const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
         double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
 
         if (!(most < FLOAT_LIMIT))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
-                                 "%s: coordinates up to %g do not fit f32; take f64 or a local frame", function, most);
+                                 "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
+                                 function, most);
         if (float_step(most) > spacing / FLOAT_STEPS)
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
-                                 "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame", function,
-                                 most, float_step(most), spacing);
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
+                "%s: at %g f32 has steps of %g, too coarse for voxels of %g; take f64 or a local frame",
+                function, most, float_step(most), spacing);
     }
     return BVX_OK;
 }
@@ -85,35 +93,40 @@ int bvxi_fits_f32(const bvx_grid *grid, const double origin[3])
     return 1;
 }
 
-bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3],
-                                     int32_t *position_type)
+bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                     const double origin[3], int32_t *position_type)
 {
     if (*position_type == BVX_F32) return check_f32(ctx, function, grid, origin);
     if (*position_type == BVX_POSITION_AUTO) *position_type = bvxi_fits_f32(grid, origin) ? BVX_F32 : BVX_F64;
     return BVX_OK;
 }
 
-bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid, const double origin[3])
+bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                          const double origin[3])
 {
     for (int32_t a = 0; a < 3; a++) {
         double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
         if (!(most <= spacing * 17592186044416.0)) /* 2^44, so that 2^-53 of it is 1/512 of a voxel */
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_DOUBLES_COARSE, "%s: at %g doubles are too coarse for voxels of %g; take a local frame", function,
-                             most, spacing);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_DOUBLES_COARSE,
+                                 "%s: at %g doubles are too coarse for voxels of %g; take a local frame",
+                                 function, most, spacing);
     }
     return BVX_OK;
 }
 
-/* Cells by their low corner: from the layer before the window to its last voxel, less a layer on each open side. */
+/* Cells by their low corner: from the layer before the window to its last
+ * voxel, less a layer on each open side. */
 static void choose_cells(bvxi_march *m)
 {
     int32_t const nx = m->grid->size[0];
     int32_t last_bit;
+
     for (int32_t a = 0; a < 3; a++) {
         m->cell_low[a] = (m->options.open_sides >> (2 * a) & 1) != 0 ? 0 : -1;
         m->cell_high[a] = m->grid->size[a] - ((m->options.open_sides >> (2 * a + 1) & 1) != 0 ? 2 : 1);
     }
-    m->no_cells = m->cell_high[0] < m->cell_low[0] || m->cell_high[1] < m->cell_low[1] || m->cell_high[2] < m->cell_low[2];
+    m->no_cells = m->cell_high[0] < m->cell_low[0] || m->cell_high[1] < m->cell_low[1] ||
+                  m->cell_high[2] < m->cell_low[2];
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
     m->past_mask = bvxi_grid_past(m->grid);
@@ -125,6 +138,7 @@ static void choose_cells(bvxi_march *m)
 static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
 {
     uint64_t vertices = 0, triangles = 0, past = 0;
+
     for (int32_t p = 0; p < m->pieces; p++) {
         vertices += m->piece_counts[3 * p];
         triangles += m->piece_counts[3 * p + 1];
@@ -132,8 +146,10 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
     }
     if (past != 0) return bvxi_grid_fail_past(ctx, m->function, m->grid);
     if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
-                         m->function, vertices, triangles);
+        return bvxi_fail(
+            ctx, BVX_ERR_RANGE,
+            "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
+            m->function, vertices, triangles);
     m->vertex_count = vertices;
     m->triangle_count = triangles;
     vertices = triangles = 0;
@@ -158,7 +174,8 @@ static uint64_t across_bytes(const bvxi_march *m)
     return ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double);
 }
 
-bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid, const bvx_extract_options *options)
+bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid,
+                           const bvx_extract_options *options)
 {
     BVXI_TRY(bvxi_grid_check(ctx, m->function, grid));
     BVXI_TRY(check_extract_options(ctx, m->function, grid, options));
@@ -173,9 +190,11 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     choose_cells(m);
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers", &m->slots));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers",
+                        &m->slots));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
     BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
     return number_slots(ctx, m);
 }
@@ -183,7 +202,8 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
 {
     if (m->grid != NULL) bvxi_free(ctx, m->across[0], across_bytes(m));
-    if (m->grid != NULL) bvxi_free(ctx, (void *)(uintptr_t)m->empty_row, (uint64_t)m->grid->words_per_row * 8);
+    if (m->grid != NULL)
+        bvxi_free(ctx, (void *)(uintptr_t)m->empty_row, (uint64_t)m->grid->words_per_row * 8);
     bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 24);
     bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
 }
@@ -192,6 +212,7 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
 static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
 {
     int32_t const n = m->grid->size[0] + 2;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, across_bytes(m), "the columns' positions", &m->across[0]));
     m->across[1] = m->across[0] + n;
     for (int32_t i = 0; i < n; i++) {
@@ -205,12 +226,15 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
     bvx_status status;
+
     BVXI_TRY(place_across(ctx, m));
-    BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count, m->triangle_count, mesh));
+    BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count,
+                            m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
     status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
-    if (status == BVX_OK && m->options.keys) status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
+    if (status == BVX_OK && m->options.keys)
+        status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
     if (status != BVX_OK) {
         if (mine) bvx_mesh_free(ctx, mesh);
         else mesh->vertex_count = mesh->triangle_count = 0;
@@ -228,6 +252,7 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
     bvx_extract_options o = extract_defaults;
     bvxi_march m = {0};
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
@@ -253,6 +278,7 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     bvx_extract_options o = extract_defaults;
     bvxi_march m = {0};
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
@@ -263,7 +289,8 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     return status;
 }
 
-bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options, bvx_mesh *mesh)
+bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                               bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_extract_surface(context, grid, options, mesh));
 }

@@ -1,8 +1,8 @@
 /* merge.c - surfaces of windows joined by their keys: bvx_mesh_merge.
  *
- * Vertices on a shared layer come from both windows with one key and one position; sorting by key brings them together
- * and puts everything into the whole's order. Triangles of a cell come from one window, in the order of its slots, which
- * a stable sort keeps. Guarantee: the bytes of the surface extracted at once. */
+ * Vertices on a shared layer come from both windows with one key and one position; sorting by key brings them
+ * together and puts everything into the whole's order. Triangles of a cell come from one window, in the order
+ * of its slots, which a stable sort keeps. Guarantee: the bytes of the surface extracted at once. */
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
 
@@ -19,30 +19,40 @@ typedef struct merge_work {
 static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 {
     const bvx_mesh *const first = w->parts;
+
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
         BVXI_TRY(bvxi_mesh_check_reserved(ctx, merge_name, m));
-        if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX) /* before sums of them could wrap */
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: part %i has %u vertices and %u triangles; 2^32 - 2 are possible", merge_name, p,
-                             m->vertex_count, m->triangle_count);
+        /* before sums of them could wrap */
+        if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX)
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: part %i has %u vertices and %u triangles; 2^32 - 2 are possible",
+                             merge_name, p, m->vertex_count, m->triangle_count);
         if (m->vertex_count != 0 && (m->positions == NULL || m->vertex_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no vertex keys; extract it with keys", merge_name, p);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no vertex keys; extract it with keys",
+                             merge_name, p);
         if (m->triangle_count != 0 && (m->triangles == NULL || m->triangle_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no triangle keys; extract it with keys", merge_name, p);
-        if (m->position_type != first->position_type || (m->position_type != BVX_F32 && m->position_type != BVX_F64))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another position type than part 0", merge_name, p);
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no triangle keys; extract it with keys",
+                             merge_name, p);
+        if (m->position_type != first->position_type ||
+            (m->position_type != BVX_F32 && m->position_type != BVX_F64))
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another position type than part 0",
+                             merge_name, p);
         for (int32_t a = 0; a < 3; a++)
             if (!(m->frame[a] == first->frame[a]))
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another frame than part 0", merge_name, p);
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another frame than part 0",
+                                 merge_name, p);
         for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
             if (m->triangles[i] >= m->vertex_count)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: triangle %i of part %u has vertex %u; the part has %u", merge_name, i / 3, p,
-                                 (uint64_t)m->triangles[i], m->vertex_count);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                     "%s: triangle %i of part %u has vertex %u; the part has %u", merge_name,
+                                     i / 3, p, (uint64_t)m->triangles[i], m->vertex_count);
         w->vertices += m->vertex_count;
         w->triangles += m->triangle_count;
     }
     if (w->vertices >= UINT32_MAX || w->triangles >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible", merge_name,
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible", merge_name,
                          w->vertices, w->triangles);
     w->entries = w->vertices > w->triangles ? w->vertices : w->triangles;
     return BVX_OK;
@@ -52,6 +62,7 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
+
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
         uint64_t const count = triangles ? m->triangle_count : m->vertex_count;
@@ -89,6 +100,7 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
 {
     size_t const bytes = whole->position_type == BVX_F32 ? 12 : 24;
     uint64_t n = 0;
+
     for (uint64_t i = 0; i < w->vertices; i++) {
         uint64_t const place = w->order[i];
         if (i == 0 || w->keys[i] != w->keys[i - 1]) {
@@ -101,12 +113,14 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
     }
 }
 
-static void merge_triangles(const merge_work *w, const uint64_t *start, const uint64_t *vertex_start, bvx_mesh *whole)
+static void merge_triangles(const merge_work *w, const uint64_t *start, const uint64_t *vertex_start,
+                            bvx_mesh *whole)
 {
     for (uint64_t i = 0; i < w->triangles; i++) {
         uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
         const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
-        for (int32_t c = 0; c < 3; c++) whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
+        for (int32_t c = 0; c < 3; c++)
+            whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
         whole->triangle_keys[i] = w->keys[i];
     }
 }
@@ -118,14 +132,17 @@ static uint64_t count_different(const uint64_t *keys, uint64_t n)
     return different;
 }
 
-static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start, bvx_mesh *whole)
+static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
+                              bvx_mesh *whole)
 {
     bvx_status status;
+
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     BVXI_TRY(sort_keys(ctx, w, 0));
     start_parts(w, 0, vertex_start);
     memset(whole, 0, sizeof *whole);
-    BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1, count_different(w->keys, w->vertices), w->triangles, whole));
+    BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1,
+                            count_different(w->keys, w->vertices), w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
     status = bvxi_progress(ctx, "merge", 0.5);
@@ -147,17 +164,21 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     bvx_mesh made;
     bvx_status status;
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (parts == NULL || whole == NULL) return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
+    if (parts == NULL || whole == NULL)
+        return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
     if (whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty or the library's own", merge_name);
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty or the library's own",
+                         merge_name);
     w.parts = parts;
     w.part_count = part_count;
     BVXI_TRY(check_parts(context, &w));
     status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 8, "the keys", &w.keys);
     if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 4, "the order", &w.order);
-    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, w.vertices * 4, "the new numbers", &w.renumber);
-    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start);
+    if (status == BVX_OK)
+        status = bvxi_alloc(context, BVXI_SCRATCH, w.vertices * 4, "the new numbers", &w.renumber);
+    if (status == BVX_OK)
+        status = bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start);
     if (status == BVX_OK) status = merge_parts(context, &w, start, start + part_count, &made);
     bvxi_free(context, start, part_count * 16);
     bvxi_free(context, w.renumber, w.vertices * 4);

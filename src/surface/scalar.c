@@ -2,14 +2,16 @@
  *
  * Source: Lorensen, Cline. Marching Cubes. 1987.
  *
- * The samples become bits, inside or not, in one pass; the surface between set and empty centres is that of march.c, which asks
- * for the samples at the ends of crossing edges alone. Guarantee: that of march.c, since the tables' triangulations do not cross
- * for any places inside the edges: closed, manifold, outwards, whatever the samples hold. */
+ * The samples become bits, inside or not, in one pass; the surface between set and empty centres is that of
+ * march.c, which asks for the samples at the ends of crossing edges alone. Guarantee: that of march.c, since
+ * the tables' triangulations do not cross for any places inside the edges: closed, manifold, outwards,
+ * whatever the samples hold. */
 #include "mesh/mesh.h"
 #include "surface/march.h"
 #include "voxelize/threshold.h"
 
-static const bvx_scalar_options scalar_defaults = {0, 0.0, 0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, NULL, {0, 0}};
+static const bvx_scalar_options scalar_defaults = {0, 0.0,  0,     BVX_FACE_SEPARATE, BVX_F32, 0, 0,
+                                                   0, NULL, {0, 0}};
 
 void bvx_scalar_options_init(bvx_scalar_options *options, size_t size)
 {
@@ -29,7 +31,8 @@ static const bvxi_option scalar_rows[] = {
 /* Before samples are read. */
 static bvx_status check_scalar_options(bvx_context *ctx, const char *function, const bvx_scalar_options *o)
 {
-    if (o->level != o->level) return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
+    if (o->level != o->level)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows)));
     return BVX_OK;
 }
@@ -38,6 +41,7 @@ static bvx_status check_scalar_options(bvx_context *ctx, const char *function, c
 static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 {
     bvx_window window;
+
     memset(inside, 0, sizeof *inside);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
@@ -49,8 +53,9 @@ static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 }
 
 /* Bits, then the surface between them; stride is the view's. */
-static bvx_status extract_level(bvx_context *ctx, const char *function, const bvx_volume_view *volume, const int64_t stride[3],
-                                const bvx_scalar_options *o, bvx_grid *inside, bvx_volume_report *report, bvx_mesh *mesh)
+static bvx_status extract_level(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
+                                const int64_t stride[3], const bvx_scalar_options *o, bvx_grid *inside,
+                                bvx_volume_report *report, bvx_mesh *mesh)
 {
     double const end = 1.7976931348623157e308; /* no finite sample lies beyond */
     bvx_extract_options extract;
@@ -58,6 +63,7 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     bvxi_level_samples level;
     bvxi_range range;
     bvx_status status;
+
     bvx_extract_options_init(&extract, sizeof extract);
     extract.face_rule = o->face_rule;
     extract.position_type = o->position_type;
@@ -73,7 +79,8 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     m.level = &level;
     status = bvxi_threshold(ctx, "threshold", 0.0, 1.0, volume, stride, &range, report, inside);
     if (status == BVX_OK) status = bvxi_march_open(ctx, &m, inside, &extract);
-    if (status == BVX_OK && m.options.position_type == BVX_F64) status = bvxi_check_f64(ctx, function, inside, m.origin);
+    if (status == BVX_OK && m.options.position_type == BVX_F64)
+        status = bvxi_check_f64(ctx, function, inside, m.origin);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, &m, mesh);
     bvxi_march_close(ctx, &m);
     return status;
@@ -88,20 +95,24 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     bvx_grid inside;
     int64_t stride[3];
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_scalar_options(context, name, &o));
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
     shape_inside(volume, &inside);
-    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
-    status = extract_level(context, name, volume, stride, &o, &inside, o.report != NULL ? &report : NULL, mesh);
+    BVXI_TRY(
+        bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
+    status = extract_level(context, name, volume, stride, &o, &inside, o.report != NULL ? &report : NULL,
+                           mesh);
     bvxi_free(context, inside.words, inside.word_capacity * 8);
     if (status == BVX_OK && o.report != NULL) *o.report = report;
     return status;
 }
 
-bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume, const bvx_scalar_options *options, bvx_mesh *mesh)
+bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
+                              const bvx_scalar_options *options, bvx_mesh *mesh)
 {
     return BVXI_CALL(context, run_extract_scalar(context, volume, options, mesh));
 }

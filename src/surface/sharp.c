@@ -1,19 +1,25 @@
 /* sharp.c - sharp edges and corners of a field's surface.
  *
- * Source: Kobbelt, Botsch, Schwanecke, Seidel. Feature Sensitive Surface Extraction from Volume Data. 2001 (extended
- * marching cubes: a vertex a loop, then flips); Ju, Losasso, Schaefer, Warren. Dual Contouring of Hermite Data. 2002.
+ * Source: Kobbelt, Botsch, Schwanecke, Seidel. Feature Sensitive Surface Extraction from Volume Data. 2001
+ * (extended marching cubes: a vertex a loop, then flips); Ju, Losasso, Schaefer, Warren. Dual Contouring of
+ * Hermite Data. 2002.
  *
- * A loop of a cell whose vertices' facets differ gets an apex: a vertex strictly inside the cell, nearest to the facets'
- * planes, and the loop's triangles become a fan. Where two such cells share a face, the side of the fans that lies on it may
- * be turned to join the apexes, so that the sharp edge runs from vertex to vertex.
+ * A loop of a cell whose vertices' facets differ gets an apex: a vertex strictly inside the cell, nearest to
+ * the facets' planes, and the loop's triangles become a fan. Where two such cells share a face, the side of
+ * the fans that lies on it may be turned to join the apexes, so that the sharp edge runs from vertex to
+ * vertex.
  *
  * No triangles cross, whatever the numbers are:
- *  - A fan over a loop on a box's surface from a point strictly inside the box is embedded, as every ray from the point meets
+ *  - A fan over a loop on a box's surface from a point strictly inside the box is embedded, as every ray from
+ *  the point meets
  *    the surface once; it touches the cell's faces in the loop alone, so neighbours are unchanged.
  *  - Cells with several loops keep their apexes only if all triangles of different loops are proven apart.
- *  - A side is turned only between two cells of one loop each, on a face that is cut once. The line from apex to apex lies in
- *    the two boxes together and passes the face strictly inside, at q. So turning is the same as making the side v w the
- *    path v q w in both loops, which stay simple: the fans over them are embedded as before, whatever other sides do.
+ *  - A side is turned only between two cells of one loop each, on a face that is cut once. The line from apex
+ *  to apex lies in
+ *    the two boxes together and passes the face strictly inside, at q. So turning is the same as making the
+ *    side v w the
+ *    path v q w in both loops, which stay simple: the fans over them are embedded as before, whatever other
+ *    sides do.
  *  - All that holds for coordinates as written: apexes are rounded first and compared with the rounded faces.
  * What is done to a loop or side depends on nothing else that is done, so order and threads do not show. */
 #include "surface/sharp_walk.h"
@@ -23,11 +29,13 @@
 
 static uint64_t kept_before(const bvxi_sharp_work *w, uint64_t loop)
 {
-    return loop < w->first[w->march->slot_count] ? w->loops[loop].before : w->surface->vertex_count - w->march->vertex_count;
+    return loop < w->first[w->march->slot_count] ? w->loops[loop].before
+                                                 : w->surface->vertex_count - w->march->vertex_count;
 }
 
 /* Vertex number of the apex beyond the face of a side that is turned, or UINT32_MAX. */
-static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c, const bvxi_sharp_loop *s, int32_t face)
+static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
+                            const bvxi_sharp_loop *s, int32_t face)
 {
     const bvxi_sharp_loop *beside;
     if (!s->alone || ((face & 1) != 0 && (s->turned >> (face >> 1) & 1) == 0)) return UINT32_MAX;
@@ -37,10 +45,10 @@ static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_
     return (uint32_t)w->march->vertex_count + beside->before;
 }
 
-/* The fan of a loop. A turned side's two triangles come one from each cell: the side's second vertex gives way to the other
- * apex. */
-static uint32_t *write_fan(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c, const bvxi_cell_loop *l,
-                           const bvxi_sharp_loop *s, uint32_t *out)
+/* The fan of a loop. A turned side's two triangles come one from each cell:
+ * the side's second vertex gives way to the other apex. */
+static uint32_t *write_fan(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
+                           const bvxi_cell_loop *l, const bvxi_sharp_loop *s, uint32_t *out)
 {
     for (int32_t i = 0; i < l->corners; i++) {
         int32_t const next = i + 1 < l->corners ? i + 1 : 0;
@@ -56,11 +64,14 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
 {
     const bvxi_march *const m = w->march;
     const bvxi_slot *const from = &m->slots[slot];
-    uint32_t *out = w->surface->triangles + 3 * ((size_t)from->triangle + 2 * (size_t)kept_before(w, w->first[slot]));
+    uint32_t *out = w->surface->triangles +
+                    3 * ((size_t)from->triangle + 2 * (size_t)kept_before(w, w->first[slot]));
     const bvxi_sharp_loop *s = w->loops + w->first[slot], *const end = w->loops + w->first[slot + 1];
     bvxi_cell_walk c;
+
     if (s == end) {
-        memcpy(out, m->mesh->triangles + 3 * (size_t)from->triangle, (size_t)(from[1].triangle - from->triangle) * 12);
+        memcpy(out, m->mesh->triangles + 3 * (size_t)from->triangle,
+               (size_t)(from[1].triangle - from->triangle) * 12);
         return;
     }
     for (bvxi_start_cells(m, slot, &c); bvxi_next_cell(&c);) {
@@ -99,13 +110,15 @@ static void write_vertices(const bvxi_sharp_work *w)
 {
     const bvxi_march *const m = w->march;
     size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
+
     memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
     for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
         const bvxi_sharp_loop *const s = &w->loops[n];
         size_t const to = 3 * ((size_t)m->vertex_count + s->before);
         if (!s->kept) continue;
         for (size_t a = 0; a < 3; a++)
-            if (m->options.position_type == BVX_F32) ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
+            if (m->options.position_type == BVX_F32)
+                ((float *)w->surface->positions)[to + a] = (float)s->apex[a];
             else ((double *)w->surface->positions)[to + a] = s->apex[a];
     }
 }
@@ -116,6 +129,7 @@ static void write_vertices(const bvxi_sharp_work *w)
 static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *count)
 {
     uint64_t total = 0;
+
     for (uint64_t s = 0; s < w->march->slot_count; s++) {
         uint32_t const n = w->first[s];
         w->first[s] = (uint32_t)total;
@@ -124,7 +138,8 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     w->first[w->march->slot_count] = (uint32_t)total;
     *count = total;
     if (w->march->vertex_count + total >= UINT32_MAX || w->march->triangle_count + 2 * total >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
                          w->march->function, w->march->vertex_count, total);
     return BVX_OK;
 }
@@ -145,8 +160,9 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
     const bvxi_march *const m = w->march;
     int const mine = surface->positions == NULL;
     bvx_status status;
-    BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, 0, m->vertex_count + kept, m->triangle_count + 2 * (uint64_t)kept,
-                            surface));
+
+    BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, 0, m->vertex_count + kept,
+                            m->triangle_count + 2 * (uint64_t)kept, surface));
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
     w->surface = surface;
     write_vertices(w);
@@ -157,21 +173,28 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
     return status;
 }
 
-bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cuts *cuts, double least_cosine, bvx_mesh *surface,
-                        bvx_field_surface_report *report)
+bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cuts *cuts, double least_cosine,
+                        bvx_mesh *surface, bvx_field_surface_report *report)
 {
     bvxi_sharp_work w = {march, cuts, least_cosine, NULL, NULL, NULL, NULL};
-    uint64_t const slot_bytes = (march->slot_count + 1) * sizeof *w.first, piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
+    uint64_t const slot_bytes = (march->slot_count + 1) * sizeof *w.first;
+    uint64_t const piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
     uint64_t count = 0;
     uint32_t kept = 0;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts);
+    if (status == BVX_OK)
+        status = bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w);
     if (status == BVX_OK) status = number_loops(ctx, &w, &count);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops);
+    if (status == BVX_OK)
+        status = bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w);
     if (status == BVX_OK) kept = number_apexes(&w, count);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, bvxi_sharp_turn_piece, &w);
+    if (status == BVX_OK)
+        status = bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, bvxi_sharp_turn_piece, &w);
     if (status == BVX_OK) status = write_sharp(ctx, &w, kept, surface);
     for (int32_t p = 0; status == BVX_OK && p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;

@@ -17,7 +17,8 @@ static int is_sharp(const bvxi_sharp_work *w, const bvxi_cell_loop *l)
     return 0;
 }
 
-/* 0 when all facets at the cell's vertices lie within half the angle of one of them: no two differ by more then. */
+/* 0 when all facets at the cell's vertices lie within half the angle of one
+ * of them: no two differ by more then. */
 static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
 {
     const bvxi_march *const m = w->march;
@@ -26,6 +27,7 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     double const half = sqrt(0.5 + 0.5 * w->least_cosine) + 1e-6; /* normals are floats */
     double first[3], n[3];
     int known = 0;
+
     for (uint32_t i = 0; i < corners; i++) {
         if (!bvxi_sharp_normal(w, corner[i], known ? n : first)) continue;
         if (known && bvxi_vec_dot(first, n) < half) return 1;
@@ -38,6 +40,7 @@ void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker)
 {
     bvxi_sharp_work *const w = work;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
@@ -69,6 +72,7 @@ static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_bo
 {
     const bvxi_march *const m = w->march;
     int32_t const at[3] = {c->x, c->j, c->k};
+
     for (int32_t a = 0; a < 3; a++) {
         box->low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
         box->high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
@@ -78,8 +82,8 @@ static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_bo
 }
 
 /* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
-static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l, bvxi_apex_plane *planes,
-                        int32_t count[2], double middle[3])
+static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l,
+                        bvxi_apex_plane *planes, int32_t count[2], double middle[3])
 {
     count[0] = count[1] = 0;
     memset(middle, 0, 3 * sizeof *middle);
@@ -113,16 +117,19 @@ static int lies_on_all(const sharp_box *box, const bvxi_apex_plane *planes, int3
     return 1;
 }
 
-/* 0 where the apex does not come to lie strictly inside the cell, which numbers that are none may do. The facets that do not
- * reach the loop's vertices count when all meet in a point of the cell: a corner that only its edges tell of. */
+/* 0 where the apex does not come to lie strictly inside the cell, which numbers
+ * that are none may do. The facets that do not reach the loop's vertices count
+ * when all meet in a point of the cell: a corner that only its edges tell of. */
 static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l, double apex[3])
 {
     bvxi_apex_plane planes[2 * BVXI_LOOP_CORNERS + 1];
     double middle[3], p[3];
     int32_t count[2];
+
     read_planes(w, box, l, planes, count, middle);
     bvxi_apex(planes, count[1], middle, box->half, p);
-    if (count[1] == count[0] || !lies_on_all(box, planes, count[1], p)) bvxi_apex(planes, count[0], middle, box->half, p);
+    if (count[1] == count[0] || !lies_on_all(box, planes, count[1], p))
+        bvxi_apex(planes, count[0], middle, box->half, p);
     for (int a = 0; a < 3; a++) {
         apex[a] = as_written(w->march, box->middle[a] + p[a] * w->cuts->unit);
         if (!(apex[a] > box->low[a] && apex[a] < box->high[a])) return 0;
@@ -134,6 +141,7 @@ static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi
 static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const double n[3])
 {
     int known = 0;
+
     for (int i = 0; i < 4; i++) {
         const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
         double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
@@ -156,8 +164,8 @@ static int turns_over(const bvxi_sharp_work *w, const bvxi_cell_loop *l, const d
 }
 
 /* Triangle n of a loop: of its fan, or as it was. */
-static void loop_triangle(const bvxi_march *m, const bvxi_cell_walk *c, const bvxi_cell_loop *l, const double *apex, int32_t n,
-                          double t[3][3])
+static void loop_triangle(const bvxi_march *m, const bvxi_cell_walk *c, const bvxi_cell_loop *l,
+                          const double *apex, int32_t n, double t[3][3])
 {
     if (apex != NULL) {
         bvxi_sharp_vertex(m, l->vertex[n], t[0]);
@@ -197,6 +205,7 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     bvxi_cell_loops loops;
     uint32_t count = 0;
     sharp_box box;
+
     if (!may_be_sharp(w, c)) return 0;
     bvxi_trace_walked(c, &loops);
     for (int32_t l = 0; l < loops.count; l++) {
@@ -207,7 +216,8 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
         s->x = c->x;
         s->loop = (uint8_t)l;
         s->alone = loops.count == 1;
-        s->kept = (uint8_t)(place_apex(w, &box, &loops.loop[l], s->apex) && !turns_over(w, &loops.loop[l], s->apex));
+        s->kept = (uint8_t)(place_apex(w, &box, &loops.loop[l], s->apex) &&
+                            !turns_over(w, &loops.loop[l], s->apex));
         if (s->kept) apex[l] = s->apex;
     }
     if (count != 0 && loops.count > 1 && !loops_are_apart(w->march, c, &loops, apex))
@@ -219,6 +229,7 @@ void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker)
 {
     bvxi_sharp_work *const w = work;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {

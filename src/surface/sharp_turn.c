@@ -1,19 +1,22 @@
 /* sharp_turn.c - which sides between two fans run better from apex to apex: see sharp.c. */
 #include "surface/sharp_walk.h"
 
-/* A turned side must follow its facets better by this, or flat places would turn by rounding. [Units: cosines] */
+/* A turned side must follow its facets better by this, or flat places would
+ * turn by rounding. [Units: cosines] */
 #define LEAST_GAIN (1.0 / 64.0)
 
 /* The kept loop of the cell at x of a slot, where it is the cell's only one; else NULL. */
 static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot, int32_t x)
 {
     uint32_t low = w->first[slot], high = w->first[slot + 1];
+
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (w->loops[middle].x < x) low = middle + 1;
         else high = middle;
     }
-    if (low == w->first[slot + 1] || w->loops[low].x != x || !w->loops[low].alone || !w->loops[low].kept) return NULL;
+    if (low == w->first[slot + 1] || w->loops[low].x != x || !w->loops[low].alone || !w->loops[low].kept)
+        return NULL;
     return &w->loops[low];
 }
 
@@ -23,7 +26,8 @@ bvxi_sharp_loop *bvxi_sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int3
     uint64_t const step = face >> 1 == 0 ? 0 : face >> 1 == 1 ? 1 : rows;
     int32_t const up = face & 1;
     if (face >> 1 == 0) x += up ? 1 : -1;
-    return sharp_loop_alone(w, up ? slot + step : slot - step, x); /* a cell with a cut face has a neighbour there */
+    /* a cell with a cut face has a neighbour there */
+    return sharp_loop_alone(w, up ? slot + step : slot - step, x);
 }
 
 /* How far the worse of two triangles follows facets at its vertices a and b; the apexes have none. */
@@ -33,11 +37,14 @@ static double follows(const double n[3], const double facet[3], double worst)
     return cosine < worst ? cosine : worst;
 }
 
-/* Would the fans' side from a to b, seen from the cell of apex p, better run from apex p to the neighbour's q? */
-static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const double p[3], const double q[3])
+/* Would the fans' side from a to b, seen from the cell of apex p, better
+ * run from apex p to the neighbour's q? */
+static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const double p[3],
+                         const double q[3])
 {
     double const unit = w->cuts->unit;
     double at[3], bt[3], na[3], nb[3], n[3], keep = 1.0, turn = 1.0;
+
     if (!bvxi_sharp_normal(w, a, na) || !bvxi_sharp_normal(w, b, nb)) return 0;
     bvxi_sharp_vertex(w->march, a, at);
     bvxi_sharp_vertex(w->march, b, bt);
@@ -53,18 +60,22 @@ static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const
 }
 
 /* The sides of a loop on the faces towards +x, +y, +z. */
-static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c, bvxi_sharp_loop *s)
+static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
+                           bvxi_sharp_loop *s)
 {
     bvxi_cell_loops loops;
     const bvxi_cell_loop *const l = &loops.loop[0];
     uint64_t count = 0;
+
     bvxi_trace_walked(c, &loops);
     for (int32_t i = 0; i < l->corners; i++) {
-        int32_t const next = i + 1 < l->corners ? i + 1 : 0, face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
+        int32_t const next = i + 1 < l->corners ? i + 1 : 0;
+        int32_t const face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
         const bvxi_sharp_loop *beside;
         if ((face & 1) == 0 || bvxi_face_is_cut_twice(c->cell_case, face)) continue;
         beside = bvxi_sharp_beside(w, slot, c->x, face);
-        if (beside == NULL || !better_turned(w, l->vertex[i], l->vertex[next], s->apex, beside->apex)) continue;
+        if (beside == NULL || !better_turned(w, l->vertex[i], l->vertex[next], s->apex, beside->apex))
+            continue;
         s->turned = (uint8_t)(s->turned | 1u << (face >> 1));
         count++;
     }
@@ -75,6 +86,7 @@ void bvxi_sharp_turn_piece(void *work, int32_t piece, int32_t worker)
 {
     bvxi_sharp_work *const w = work;
     uint64_t begin, end, count = 0;
+
     (void)worker;
     bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {

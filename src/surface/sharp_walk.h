@@ -1,4 +1,5 @@
-/* sharp_walk.h - what the passes of sharp.c share: cells of a row with their loops, vertices, normals. Not installed. */
+/* sharp_walk.h - what the passes of sharp.c share: cells of a row with
+ * their loops, vertices, normals. Not installed. */
 #ifndef BVXI_SHARP_WALK_H
 #define BVXI_SHARP_WALK_H
 
@@ -10,22 +11,22 @@
 
 /* A loop that is sharp. */
 typedef struct bvxi_sharp_loop {
-    double apex[3];    /* as written */
-    uint32_t before;   /* apexes kept before this one */
-    int32_t x;         /* of the cell's low corner */
-    uint8_t loop;      /* of the cell */
-    uint8_t alone;     /* 1: the cell has one loop */
+    double apex[3];  /* as written */
+    uint32_t before; /* apexes kept before this one */
+    int32_t x;       /* of the cell's low corner */
+    uint8_t loop;    /* of the cell */
+    uint8_t alone;   /* 1: the cell has one loop */
     uint8_t kept;
-    uint8_t turned;    /* bit a: the side on the face towards +a */
+    uint8_t turned; /* bit a: the side on the face towards +a */
 } bvxi_sharp_loop;
 
 typedef struct bvxi_sharp_work {
     const bvxi_march *march;
     const bvxi_cuts *cuts;
     double least_cosine;
-    uint32_t *first;   /* number of a slot's first loop [Size: slot_count + 1] */
+    uint32_t *first;        /* number of a slot's first loop [Size: slot_count + 1] */
     bvxi_sharp_loop *loops; /* in order of slots, cells, loops [Size: first[slot_count]] */
-    uint64_t *counts;  /* [Size: pieces] turned sides */
+    uint64_t *counts;       /* [Size: pieces] turned sides */
     bvx_mesh *surface;
 } bvxi_sharp_work;
 
@@ -37,7 +38,8 @@ void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker);
 /* sharp_turn.c: find the sides that are better turned. */
 void bvxi_sharp_turn_piece(void *work, int32_t piece, int32_t worker);
 
-/* The kept loop of the neighbour of the cell at x across a face, where it is that cell's only one; else NULL. */
+/* The kept loop of the neighbour of the cell at x across a face, where it is that cell's only one; else
+ * NULL. */
 bvxi_sharp_loop *bvxi_sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int32_t x, int32_t face);
 
 /* ---- walking cells ---- */
@@ -65,6 +67,7 @@ static inline void bvxi_start_cells(const bvxi_march *m, uint64_t slot, bvxi_cel
 static inline int bvxi_next_cell(bvxi_cell_walk *c)
 {
     const bvxi_march *const m = c->march;
+
     if (c->w >= 0) c->triangle += bvxi_cell_triangle_count[m->options.face_rule][c->cell_case];
     if (!bvxi_slot_has(m, 3, c->j, c->k)) return 0;
     while (c->active == 0) {
@@ -81,7 +84,8 @@ static inline int bvxi_next_cell(bvxi_cell_walk *c)
 
 static inline void bvxi_trace_walked(const bvxi_cell_walk *c, bvxi_cell_loops *loops)
 {
-    bvxi_trace_cell(c->march->options.face_rule, c->cell_case, c->march->mesh->triangles + 3 * (size_t)c->triangle, loops);
+    bvxi_trace_cell(c->march->options.face_rule, c->cell_case,
+                    c->march->mesh->triangles + 3 * (size_t)c->triangle, loops);
 }
 
 /* ---- small geometry ---- */
@@ -89,8 +93,9 @@ static inline void bvxi_trace_walked(const bvxi_cell_walk *c, bvxi_cell_loops *l
 static inline void bvxi_sharp_vertex(const bvxi_march *m, uint32_t vertex, double p[3])
 {
     for (size_t a = 0; a < 3; a++)
-        p[a] = m->options.position_type == BVX_F32 ? (double)((const float *)m->mesh->positions)[3 * (size_t)vertex + a]
-                                                   : ((const double *)m->mesh->positions)[3 * (size_t)vertex + a];
+        p[a] = m->options.position_type == BVX_F32
+                   ? (double)((const float *)m->mesh->positions)[3 * (size_t)vertex + a]
+                   : ((const double *)m->mesh->positions)[3 * (size_t)vertex + a];
 }
 
 /* The outward normal of the facet at a vertex; 0 where none is known. */
@@ -102,9 +107,11 @@ static inline int bvxi_sharp_normal(const bvxi_sharp_work *w, uint32_t vertex, d
 }
 
 /* The unit normal of a triangle; 0 without area. */
-static inline int bvxi_normal_of(const double a[3], const double b[3], const double c[3], double unit, double n[3])
+static inline int bvxi_normal_of(const double a[3], const double b[3], const double c[3], double unit,
+                                 double n[3])
 {
     double u[3], v[3], length;
+
     for (int k = 0; k < 3; k++) {
         u[k] = (b[k] - a[k]) / unit;
         v[k] = (c[k] - a[k]) / unit;

@@ -8,25 +8,30 @@
 typedef struct bvxi_auto {
     int32_t fill, reason; /* BVX_FILL_..., BVX_FILL_REASON_... */
     bvx_mesh_view view;   /* of the triangles as they are to be filled */
-    uint32_t *index;      /* its indices where triangles are turned or dropped, else NULL [Size: triangles * 3] */
-    uint64_t turned;      /* triangles */
-    uint64_t doubles;     /* triangles left out */
+    /* its indices where triangles are turned or dropped, else NULL [Size: triangles * 3] */
+    uint32_t *index;
+    uint64_t turned;  /* triangles */
+    uint64_t doubles; /* triangles left out */
 } bvxi_auto;
 
-/* Fill solid by the rule that suits the mesh, adding counts to the report. Whole lattices of sound closed meshes are filled by
- * parity on the way; for windows the rows of the whole lattice are looked at first, so that they hold the bits of the whole (of more
- * than 2^22 rows with longer voxels, whole or not).
+/* Fill solid by the rule that suits the mesh, adding counts to the report. Whole lattices of sound closed
+ * meshes are filled by parity on the way; for windows the rows of the whole lattice are looked at first, so
+ * that they hold the bits of the whole (of more than 2^22 rows with longer voxels, whole or not).
  * fill: the rule that fills by name, for what is left. */
-typedef bvx_status bvxi_fill_by_name_fn(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid, bvx_solid_report *report);
-bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,
-                          bvx_solid_report *report);
+typedef bvx_status bvxi_fill_by_name_fn(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill,
+                                        bvx_grid *solid, bvx_solid_report *report);
+bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                          bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report);
 
-/* edge_balance.c: do triangles run along each edge of the snapped mesh (axis 0) as often one way as the other? Refuses indices beyond
- * the vertices. Scratch: 4 bytes a vertex. */
+/* edge_balance.c: do triangles run along each edge of the snapped mesh (axis 0) as often one way as the
+ * other? Refuses indices beyond the vertices. Scratch: 4 bytes a vertex. */
 bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, double at, int32_t *balanced);
 
-/* row_depths.c: how often the rows of a whole lattice lie inside a mesh. Scratch: 8 bytes a row, 4 a crossing. */
-enum { BVXI_DEPTH_UP = 1, BVXI_DEPTH_DOWN = 2, BVXI_DEPTH_DEEP = 4 }; /* some voxel 1 deep; some -1; some beyond either */
-bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_lattice *lattice, double from, double to, int32_t *depths);
+/* row_depths.c: how often the rows of a whole lattice lie inside a mesh.
+ * Scratch: 8 bytes a row, 4 a crossing. */
+/* some voxel 1 deep; some -1; some beyond either */
+enum { BVXI_DEPTH_UP = 1, BVXI_DEPTH_DOWN = 2, BVXI_DEPTH_DEEP = 4 };
+bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_lattice *lattice, double from,
+                           double to, int32_t *depths);
 
 #endif

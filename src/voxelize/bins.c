@@ -1,7 +1,7 @@
 /* bins.c - triangles sorted by the tiles of rows that their boxes reach.
  *
- * A counting sort in two passes over pieces of the triangles; pieces and tiles are in order, so a tile's triangles are
- * ascending for any number of threads. A single tile takes the triangles as they come.
+ * A counting sort in two passes over pieces of the triangles; pieces and tiles are in order, so a tile's
+ * triangles are ascending for any number of threads. A single tile takes the triangles as they come.
  * Guarantee: every triangle that touches a tile's rows (closed boxes) is in its bin. */
 #include "voxelize/surface.h"
 
@@ -15,21 +15,27 @@ typedef struct bin_job {
     int fill;
 } bin_job;
 
-/* The tiles of a vertex: each of its rows and slices that its closed boxes reach, cut to one beyond the window's ends. As bytes:
- * the least tile along y, least along z, and 255 less the greatest ones, so that bytewise least is what a triangle needs. */
+/* The tiles of a vertex: each of its rows and slices that its closed boxes reach, cut to one beyond the
+ * window's ends. As bytes: the least tile along y, least along z, and 255 less the greatest ones, so that
+ * bytewise least is what a triangle needs. */
 static void cell_range(const bvxi_surface_job *job, uint64_t begin, uint64_t end, uint32_t *cell)
 {
     const int32_t *const xyz = job->snapped.xyz;
     int32_t const f = job->fraction_bits;
+
     for (uint64_t v = begin; v < end; v++) {
         uint32_t byte[4];
         for (int a = 1; a < 3; a++) {
-            int32_t const q = xyz[3 * v + (uint64_t)a], shift = a == 1 ? job->tiles.y_shift : job->tiles.z_shift;
-            int32_t low = bvxi_floor_shift(q - 1, f) - job->low[a], high = bvxi_floor_shift(q, f) - job->low[a];
+            int32_t const q = xyz[3 * v + (uint64_t)a];
+            int32_t const shift = a == 1 ? job->tiles.y_shift : job->tiles.z_shift;
+            int32_t low = bvxi_floor_shift(q - 1, f) - job->low[a];
+            int32_t high = bvxi_floor_shift(q, f) - job->low[a];
             low = low < -1 ? -1 : low > job->size[a] ? job->size[a] : low;
             high = high < -1 ? -1 : high > job->size[a] ? job->size[a] : high;
             byte[a - 1] = (uint32_t)(low < 0 ? 0 : low >= job->size[a] ? OUTSIDE : 1 + (low >> shift));
-            byte[a + 1] = 255 - (uint32_t)(high < 0 ? 0 : high >= job->size[a] ? OUTSIDE : 1 + (high >> shift));
+            byte[a + 1] = 255 - (uint32_t)(high < 0               ? 0
+                                           : high >= job->size[a] ? OUTSIDE
+                                                                  : 1 + (high >> shift));
         }
         cell[v] = byte[0] | byte[1] << 8 | byte[2] << 16 | byte[3] << 24;
     }
@@ -52,10 +58,12 @@ static inline uint32_t least_byte(uint32_t p, uint32_t q, uint32_t r, int shift)
 }
 
 /* Tiles [range[0], range[1]] x [range[2], range[3]] of a triangle; 0 when it misses the window's rows. */
-static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_t q, uint32_t r, int32_t range[4])
+static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_t q, uint32_t r,
+                                    int32_t range[4])
 {
     int32_t const y0 = (int32_t)least_byte(p, q, r, 0), y1 = 255 - (int32_t)least_byte(p, q, r, 16);
     int32_t const z0 = (int32_t)least_byte(p, q, r, 8), z1 = 255 - (int32_t)least_byte(p, q, r, 24);
+
     if (y1 == 0 || z1 == 0 || y0 == OUTSIDE || z0 == OUTSIDE) return 0;
     range[0] = y0 > 0 ? y0 - 1 : 0;
     range[1] = y1 <= tiles->tiles_y ? y1 - 1 : tiles->tiles_y - 1;
@@ -81,6 +89,7 @@ static void bin_piece(void *user, int32_t index, int32_t worker)
     const uint32_t *const cell = job->snapped.cell;
     uint64_t *const next = b->next[index];
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->view->triangle_count, b->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
@@ -90,7 +99,8 @@ static void bin_piece(void *user, int32_t index, int32_t worker)
             b->bad[index] = t;
             return;
         }
-        if (job->tiles.count > 1 && tiles_of_triangle(&job->tiles, cell[corner[0]], cell[corner[1]], cell[corner[2]], r))
+        if (job->tiles.count > 1 &&
+            tiles_of_triangle(&job->tiles, cell[corner[0]], cell[corner[1]], cell[corner[2]], r))
             bin_triangle(b, next, r, (uint32_t)t);
     }
 }
@@ -100,6 +110,7 @@ static uint64_t place_surface_bins(bin_job *b)
 {
     bvxi_surface_job *const job = b->job;
     uint64_t total = 0;
+
     for (int32_t tile = 0; tile < job->tiles.count; tile++) {
         for (int32_t i = 0; i < b->pieces; i++) {
             uint64_t const n = b->next[i][tile];
@@ -123,12 +134,14 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
 {
     bin_job *b;
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *b, "the triangles' counts", &b));
     b->job = job;
     b->pieces = bvxi_piece_count(job->view->triangle_count, BIN_GRAIN);
     if (b->pieces > BIN_PIECES) b->pieces = BIN_PIECES;
     for (int32_t i = 0; i < BIN_PIECES; i++) b->bad[i] = UINT64_MAX;
-    status = job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b) : BVX_OK;
+    status = job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b)
+                                  : BVX_OK;
     if (status == BVX_OK) status = run_bins(ctx, function, b); /* one tile: a check of the indices */
     if (status == BVX_OK && job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;

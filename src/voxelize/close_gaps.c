@@ -1,16 +1,19 @@
 /* close_gaps.c - a surface whose gaps are closed: what a cube cannot reach that moves through empty voxels.
  *
- * Source: Serra. Image Analysis and Mathematical Morphology. 1982 (closing); van Herk's separation of a box into lines, by
- * doubling: an OR over m voxels takes about log2 m steps of whole words.
+ * Source: Serra. Image Analysis and Mathematical Morphology. 1982 (closing); van Herk's separation of a box
+ * into lines, by doubling: an OR over m voxels takes about log2 m steps of whole words.
  *
- * With m = gap + 1 an empty voxel stays empty when some cube of m voxels a side that holds it is empty, where all beyond the
- * window is empty. D(p): the cube at p .. p + m - 1 holds a set voxel; voxel v closes when D holds for all p of v - m + 1 .. v.
- * p begins at 1 - m, so D is kept in a grid of m - 1 more voxels a side: D(p) stands at p + m - 1. There D is an OR over m
- * voxels down from each place, the answer an AND over m voxels up.
- * A body: between the two, places of the cube that no way from outside leads to count as holding a set voxel too, so what is left
- * empty is what the cube reaches from outside. (Closing first and flooding by single voxels then would leak: where a surface runs
- * slanting, the corners of two cubes meet in a hole of one voxel.)
- * Guarantee: exact. A gap of up to `gap` voxels between set voxels along an axis, or a hole of that width in a wall, closes. */
+ * With m = gap + 1 an empty voxel stays empty when some cube of m voxels a side that holds it is empty, where
+ * all beyond the window is empty. D(p): the cube at p .. p + m - 1 holds a set voxel; voxel v closes when D
+ * holds for all p of v - m + 1 .. v. p begins at 1 - m, so D is kept in a grid of m - 1 more voxels a side:
+ * D(p) stands at p + m - 1. There D is an OR over m voxels down from each place, the answer an AND over m
+ * voxels up.
+ * A body: between the two, places of the cube that no way from outside leads to count as holding a set voxel
+ * too, so what is left empty is what the cube reaches from outside. (Closing first and flooding by single
+ * voxels then would leak: where a surface runs slanting, the corners of two cubes meet in a hole of one
+ * voxel.)
+ * Guarantee: exact. A gap of up to `gap` voxels between set voxels along an axis, or a hole of that width in
+ * a wall, closes. */
 #include "grid/spaces.h"
 #include "voxelize/fills.h"
 
@@ -49,7 +52,8 @@ static void join_row_up(uint64_t *row, int32_t words, int32_t by)
     }
 }
 
-/* The same for rows `stride` words apart, n of them: each joined with the one `by` before (OR) or behind it (AND). */
+/* The same for rows `stride` words apart, n of them: each joined with the
+ * one `by` before (OR) or behind it (AND). */
 static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, int32_t by, int both)
 {
     for (int32_t i = 0; i < n; i++) {
@@ -87,19 +91,22 @@ static void join_gap_piece(void *user, int32_t index, int32_t worker)
     const gap_job *const job = user;
     size_t const row = (size_t)job->row_words, slice = row * (size_t)job->size[1];
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece((uint64_t)gap_lines(job), job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         if (job->axis == 2) join_line(job, job->words + (size_t)i * row, slice, job->size[2]);
         else if (job->axis == 1) join_line(job, job->words + (size_t)i * slice, row, job->size[1]);
         else
-            for (int32_t y = 0; y < job->size[1]; y++) join_line(job, job->words + (size_t)i * slice + (size_t)y * row, 0, 1);
+            for (int32_t y = 0; y < job->size[1]; y++)
+                join_line(job, job->words + (size_t)i * slice + (size_t)y * row, 0, 1);
     }
 }
 
 static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, int32_t end)
 {
     uint64_t const words = (uint64_t)job->row_words * (uint64_t)job->size[1] * (uint64_t)job->size[2];
+
     for (int32_t pass = first; pass < end; pass++) {
         job->both = pass >= 3;
         job->axis = pass % 3;
@@ -124,10 +131,12 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
 {
     size_t const row_words = (size_t)grid->words_per_row;
     uint64_t const tail = bvxi_tail_mask(grid->size[0]);
+
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++) {
             size_t const at = ((size_t)z * (size_t)grid->size[1] + (size_t)y) * row_words;
-            uint64_t *const roomy = job->words + ((size_t)z * (size_t)job->size[1] + (size_t)y) * (size_t)job->row_words;
+            uint64_t *const roomy = job->words +
+                                    ((size_t)z * (size_t)job->size[1] + (size_t)y) * (size_t)job->row_words;
             if (back == NULL) {
                 memcpy(roomy, grid->words + at, row_words * 8);
             } else {
@@ -138,12 +147,14 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
 }
 
 /* pockets NULL: gaps are closed and no more. */
-static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets)
+static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+                                         uint64_t *pockets)
 {
     gap_job job = {0};
     uint64_t bytes = 8;
     bvx_status status;
     int ok = 1;
+
     for (int32_t a = 0; a < 3; a++) job.size[a] = grid->size[a] + gap;
     job.row_words = bvxi_row_words(job.size[0]);
     job.m = gap + 1;
@@ -151,7 +162,9 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
     bytes = bvxi_mul(bytes, (uint64_t)job.size[1], &ok);
     bytes = bvxi_mul(bytes, (uint64_t)job.size[2], &ok);
     if (!ok || bytes > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "closing gaps of %d voxels takes a grid beyond this machine's addresses", (int64_t)gap);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "closing gaps of %d voxels takes a grid beyond this machine's addresses",
+                         (int64_t)gap);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the grid for closing gaps", &job.words));
     copy_gap_rows(grid, &job, NULL);
     status = run_gap_passes(ctx, &job, 0, 3);
@@ -167,7 +180,8 @@ bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)
     return close_gaps_and_pockets(ctx, NULL, grid, gap, NULL);
 }
 
-bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets)
+bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+                           uint64_t *pockets)
 {
     return close_gaps_and_pockets(ctx, function, grid, gap, pockets);
 }

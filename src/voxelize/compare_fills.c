@@ -1,8 +1,9 @@
-/* compare_fills.c - where the rules for solids differ on one mesh, and where walls got lost: bvx_compare_fills.
+/* compare_fills.c - where the rules for solids differ on one mesh, and where walls got lost:
+ * bvx_compare_fills.
  *
- * Each rule fills in turn; of all of them only the union and the intersection are kept. Off the conservative surface a voxel in
- * one but not in the other is disputed. A voxel of the surface with no solid voxel beside it, not even at a corner, belongs to
- * a wall that no centre lies in. */
+ * Each rule fills in turn; of all of them only the union and the intersection are kept. Off the conservative
+ * surface a voxel in one but not in the other is disputed. A voxel of the surface with no solid voxel beside
+ * it, not even at a corner, belongs to a wall that no centre lies in. */
 #include "voxelize/fills.h"
 #include "grid/spaces.h"
 
@@ -26,15 +27,19 @@ typedef struct fills_work {
     bvx_fill_comparison result;
 } fills_work;
 
-static bvx_status open_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice, fills_work *w)
+static bvx_status open_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             fills_work *w)
 {
     bvx_window whole;
-    bvx_grid *const grid[FILL_GRIDS] = {&w->vote, &w->sure, &w->surface, &w->filled, &w->any, &w->all, &w->closed};
+    bvx_grid *const grid[FILL_GRIDS] = {&w->vote, &w->sure, &w->surface, &w->filled,
+                                        &w->any,  &w->all,  &w->closed};
     int ok = 1;
+
     BVXI_TRY(bvxi_window_take(ctx, fills_name, lattice, NULL, &whole));
     w->words = bvx_grid_bound(lattice, NULL);
     if (w->words == 0 || bvxi_mul(w->words, FILL_GRIDS * 8, &ok) > SIZE_MAX || !ok)
-        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grids of %u words are beyond this machine's addresses", fills_name, w->words);
+        return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grids of %u words are beyond this machine's addresses",
+                         fills_name, w->words);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->words * FILL_GRIDS * 8, "the rules' grids", &w->memory));
     for (uint64_t i = 0; i < FILL_GRIDS; i++) {
         grid[i]->words = w->memory + w->words * i;
@@ -61,15 +66,20 @@ static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid 
 static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 {
     bvx_solid_report unused = {0};
-    if (rule == BVX_FILL_PARITY) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.0, 0.15, &unused);
-    if (rule == BVX_FILL_NONZERO) return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.15, 0.3, &unused);
+
+    if (rule == BVX_FILL_PARITY)
+        return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.0, 0.15, &unused);
+    if (rule == BVX_FILL_NONZERO)
+        return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.15, 0.3, &unused);
     copy_fill(w, &w->vote, &w->filled);
     if (rule == BVX_FILL_REGIONS)
-        return BVXI_SHARE(ctx, 0.9, 1.0, bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
+        return BVXI_SHARE(ctx, 0.9, 1.0,
+                          bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
-    return BVXI_SHARE(ctx, 0.3, 0.9, bvxi_flood(ctx, fills_name, &w->closed, w->sure.words, w->close_gaps, &w->filled, &unused,
-                                                &w->result.flood_leaked));
+    return BVXI_SHARE(ctx, 0.3, 0.9,
+                      bvxi_flood(ctx, fills_name, &w->closed, w->sure.words, w->close_gaps, &w->filled,
+                                 &unused, &w->result.flood_leaked));
 }
 
 static bvx_status fill_all(bvx_context *ctx, fills_work *w)
@@ -96,6 +106,7 @@ static void join_grown_row(const bvx_grid *g, int32_t y, int32_t z, uint64_t *ro
 {
     int32_t const words = g->words_per_row;
     const uint64_t *from;
+
     if (y < 0 || z < 0 || y >= g->size[1] || z >= g->size[2]) return;
     from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)words;
     for (int32_t k = 0; k < words; k++) {
@@ -109,13 +120,15 @@ static void join_grown_row(const bvx_grid *g, int32_t y, int32_t z, uint64_t *ro
 static void find_lost(fills_work *w)
 {
     const bvx_grid *const g = &w->vote;
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             size_t const at = ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
             uint64_t *const row = w->all.words + at;
             memset(row, 0, (size_t)g->words_per_row * 8);
             for (int32_t n = 0; n < 9; n++) join_grown_row(g, y + n % 3 - 1, z + n / 3 - 1, row);
-            for (int32_t k = 0; k < g->words_per_row; k++) row[k] = w->surface.words[at + (size_t)k] & ~row[k];
+            for (int32_t k = 0; k < g->words_per_row; k++)
+                row[k] = w->surface.words[at + (size_t)k] & ~row[k];
         }
 }
 
@@ -136,6 +149,7 @@ static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_w
 {
     bvx_surface_options o;
     bvx_solid_report unused = {0};
+
     bvx_surface_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_vote(ctx, &w->job, 1, &w->vote, w->sure.words, 0.1, 0.25, &unused));
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.45, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
@@ -145,9 +159,11 @@ static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_w
 }
 
 /* A grid for the caller, where he wants one; on failure what was made for the other goes too. */
-static bvx_status give_fill(bvx_context *ctx, const fills_work *w, const bvx_grid *from, bvx_grid *wanted, bvx_grid *made)
+static bvx_status give_fill(bvx_context *ctx, const fills_work *w, const bvx_grid *from, bvx_grid *wanted,
+                            bvx_grid *made)
 {
     bvx_window window;
+
     if (wanted == NULL) return BVX_OK;
     memcpy(window.low, from->low, sizeof window.low);
     memcpy(window.size, from->size, sizeof window.size);
@@ -162,6 +178,7 @@ static bvx_status give_fills(bvx_context *ctx, const fills_work *w, const bvx_co
 {
     bvx_grid disagreeing = {0}, lost = {0};
     bvx_status status;
+
     BVXI_TRY(give_fill(ctx, w, &w->any, o->disagreeing, &disagreeing));
     status = give_fill(ctx, w, &w->all, o->lost, &lost);
     if (status != BVX_OK) {
@@ -186,7 +203,8 @@ static bvx_status check_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const
     if (o->disagreeing != NULL && o->disagreeing == o->lost)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: disagreeing and lost are one grid", fills_name);
     BVXI_TRY(bvxi_view_check(ctx, fills_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", fills_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", fills_name);
     return bvxi_lattice_check(ctx, fills_name, lattice);
 }
 
@@ -197,6 +215,7 @@ static bvx_status run_compare_fills(bvx_context *context, const bvx_mesh_view *m
     bvx_compare_fills_options o = fills_defaults;
     fills_work work;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (comparison == NULL) return bvxi_fail_null(context, fills_name, "comparison");
     BVXI_TRY(check_fills(context, mesh, lattice, options, &o));

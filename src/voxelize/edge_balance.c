@@ -1,9 +1,11 @@
-/* edge_balance.c - is a snapped mesh closed and its triangles of one mind? Told without looking for a single edge.
+/* edge_balance.c - is a snapped mesh closed and its triangles of one mind? Told without looking for a single
+ * edge.
  *
- * Every position has a number of 32 bits, well mixed from its coordinates. An edge from a to b adds a b (b - a), modulo 2^64; the three of a
- * triangle together are (b - a) (c - a) (c - b), after Vandermonde. What two triangles add along an edge in opposite directions
- * cancels, so the sum of all is 0 when triangles run along each edge as often one way as the other. When not, the sum is a
- * polynomial of mixed numbers that is not zero, and 0 by chance alone (about 2^-30): such a mesh would be taken for closed.
+ * Every position has a number of 32 bits, well mixed from its coordinates. An edge from a to b adds a b (b -
+ * a), modulo 2^64; the three of a triangle together are (b - a) (c - a) (c - b), after Vandermonde. What two
+ * triangles add along an edge in opposite directions cancels, so the sum of all is 0 when triangles run along
+ * each edge as often one way as the other. When not, the sum is a polynomial of mixed numbers that is not
+ * zero, and 0 by chance alone (about 2^-30): such a mesh would be taken for closed.
  *
  * Source: Schwartz. Fast Probabilistic Algorithms for Verification of Polynomial Identities. 1980.
  * Guarantee: the answer follows from the snapped triangles alone, on every machine. */
@@ -15,7 +17,8 @@ typedef struct balance_work {
     const bvx_mesh_view *view;
     const int32_t *xyz;
     uint32_t *mixed; /* by vertex */
-    uint64_t sum[BALANCE_PIECES], bad[BALANCE_PIECES]; /* bad: the first triangle with an index beyond the vertices, or UINT64_MAX */
+    /* bad: the first triangle with an index beyond the vertices, or UINT64_MAX */
+    uint64_t sum[BALANCE_PIECES], bad[BALANCE_PIECES];
     int32_t pieces;
 } balance_work;
 
@@ -36,11 +39,13 @@ static void mix_vertices(void *user, int32_t piece, int32_t worker)
         const int32_t *const p = w->xyz + 3 * v;
         uint64_t const xy = (uint64_t)(uint32_t)p[0] << 32 | (uint32_t)p[1];
 
-        w->mixed[v] = (uint32_t)(mix_once(mix_once(xy + 1) ^ (uint64_t)(uint32_t)p[2] << 16 ^ (uint32_t)p[2]) >> 16);
+        w->mixed[v] =
+            (uint32_t)(mix_once(mix_once(xy + 1) ^ (uint64_t)(uint32_t)p[2] << 16 ^ (uint32_t)p[2]) >> 16);
     }
 }
 
-/* Most meshes: three uint32_t a triangle. Returns where it stopped: end, or at a triangle with an index beyond the vertices. */
+/* Most meshes: three uint32_t a triangle. Returns where it stopped: end, or
+ * at a triangle with an index beyond the vertices. */
 static uint64_t sum_packed(const balance_work *w, uint64_t begin, uint64_t end, uint64_t *sum)
 {
     const unsigned char *const indices = bvxi_view_index_at(w->view, 0);
@@ -87,7 +92,8 @@ static void sum_triangles(void *user, int32_t piece, int32_t worker)
     (void)worker;
 
     bvxi_piece(w->view->triangle_count, w->pieces, piece, &begin, &end);
-    stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece]) : sum_any(w, begin, end, &w->sum[piece]);
+    stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
+                                         : sum_any(w, begin, end, &w->sum[piece]);
     w->bad[piece] = stop < end ? stop : UINT64_MAX;
 }
 

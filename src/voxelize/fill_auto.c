@@ -1,12 +1,14 @@
 /* fill_auto.c - BVX_FILL_AUTO: the rule that suits a mesh.
  *
- * Most meshes are sound, and that is seen for little: their triangles run along each edge as often one way as the other
- * (edge_balance.c), and their rows are one deep at most, which the parity fill tells by a sum of its crossings. All rules agree on
- * such a mesh. Others are looked at edge by edge: the minority of each patch is turned; what then is open is filled by winding number,
- * what crosses itself or others by nonzero, what lies in another without crossing it stays a cavity (parity), and what cannot be
- * oriented is left to the vote, which asks for no orientation.
+ * Most meshes are sound, and that is seen for little: their triangles run along each edge as often one way as
+ * the other (edge_balance.c), and their rows are one deep at most, which the parity fill tells by a sum of
+ * its crossings. All rules agree on such a mesh. Others are looked at edge by edge: the minority of each
+ * patch is turned; what then is open is filled by winding number, what crosses itself or others by nonzero,
+ * what lies in another without crossing it stays a cavity (parity), and what cannot be oriented is left to
+ * the vote, which asks for no orientation.
  *
- * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's bits. */
+ * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
+ * bits. */
 #include "mesh/crossing_pairs.h"
 #include "mesh/patches.h"
 #include "mesh/pieces.h"
@@ -14,9 +16,9 @@
 #include "voxelize/auto.h"
 
 typedef struct auto_work {
-    bvxi_solid_job job;       /* of the mesh; later of the turned one */
+    bvxi_solid_job job; /* of the mesh; later of the turned one */
     bvxi_patches patches;
-    uint32_t *representative; /* vertices welded [Size: vertex_count] */
+    uint32_t *representative;          /* vertices welded [Size: vertex_count] */
     double low[3], high[3], centre[3]; /* of the triangles */
     bvxi_auto choice;
 } auto_work;
@@ -29,8 +31,10 @@ static void choose_auto(auto_work *w, int32_t fill, int32_t reason)
 
 /* ---- The quick way ---- */
 
-/* Parity, which is every rule's answer where the crossings' steps and the bits' are the same, or opposite: inside out. */
-static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *solid, bvx_solid_report *report, int32_t *filled)
+/* Parity, which is every rule's answer where the crossings' steps and the
+ * bits' are the same, or opposite: inside out. */
+static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *solid, bvx_solid_report *report,
+                             int32_t *filled)
 {
     bvx_solid_report const before = *report;
 
@@ -38,15 +42,18 @@ static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *sol
     BVXI_TRY(bvxi_solid_fill(ctx, &w->job, solid, 0, BVX_FILL_PARITY, 0.1, 1.0, report));
     w->job.summed = 0;
 
-    /* Nothing inside is looked into: triangles that are there twice, once either way, hide what lies between. */
-    *filled = w->job.parity_sum != 0 && (w->job.signed_sum == w->job.parity_sum || w->job.signed_sum == 0 - w->job.parity_sum);
+    /* Nothing inside is looked into: triangles that are there twice, once either way, hide what lies
+     * between. */
+    *filled = w->job.parity_sum != 0 &&
+              (w->job.signed_sum == w->job.parity_sum || w->job.signed_sum == 0 - w->job.parity_sum);
     if (!*filled) *report = before;
     return BVX_OK;
 }
 
 static int is_whole_lattice(const bvx_grid *g)
 {
-    return g->size[0] == g->lattice.dims[0] && g->size[1] == g->lattice.dims[1] && g->size[2] == g->lattice.dims[2];
+    return g->size[0] == g->lattice.dims[0] && g->size[1] == g->lattice.dims[1] &&
+           g->size[2] == g->lattice.dims[2];
 }
 
 /* ---- Edge by edge ---- */
@@ -77,7 +84,8 @@ static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
     const bvx_mesh_view given = w->choice.view;
 
     if (w->choice.index == NULL)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given.triangle_count * 12, "the turned triangles' corners", &w->choice.index));
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given.triangle_count * 12, "the turned triangles' corners",
+                            &w->choice.index));
     bvxi_patches_turn(&given, &w->patches, w->choice.index, &w->choice.view);
     w->job.view = &w->choice.view;
     return BVX_OK;
@@ -89,7 +97,8 @@ static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
     bvx_mesh_view *const view = &w->choice.view;
     uint64_t kept;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each", &w->choice.index));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
+                        &w->choice.index));
     BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
 
     w->choice.doubles = view->triangle_count - kept;
@@ -108,7 +117,8 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
     uint64_t different;
 
     bound_triangles(w);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
     if (copies) BVXI_TRY(drop_copies(ctx, w));
 
@@ -131,22 +141,25 @@ static uint64_t sum_volumes(const auto_work *w, double *volume)
 {
     uint64_t inverted = 0;
 
-    for (uint64_t t = 0; t < w->patches.triangles; t++) volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
+    for (uint64_t t = 0; t < w->patches.triangles; t++)
+        volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
     for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
     return inverted;
 }
 
-/* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses none is a cavity, or
- * inside by any rule. */
+/* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses
+ * none is a cavity, or inside by any rule. */
 static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume, uint64_t pair_count)
 {
     uint32_t *pairs = NULL;
     uint8_t *crosses = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs);
 
-    if (status == BVX_OK) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
     if (status == BVX_OK)
-        status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative, &pair_count, pairs, pair_count);
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
+    if (status == BVX_OK)
+        status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high,
+                                     w->representative, &pair_count, pairs, pair_count);
     for (uint64_t i = 0; i < pair_count && status == BVX_OK; i++) {
         uint32_t const a = w->patches.part[pairs[2 * i]], b = w->patches.part[pairs[2 * i + 1]];
         if (a != b) crosses[a] = crosses[b] = 1;
@@ -168,9 +181,11 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     uint64_t pairs = 0;
     bvx_status status;
 
-    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative, &pairs, NULL, 0));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative,
+                                 &pairs, NULL, 0));
     if (pairs == 0) {
-        choose_auto(w, BVX_FILL_PARITY, (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
+        choose_auto(w, BVX_FILL_PARITY,
+                    (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
         return BVX_OK;
     }
 
@@ -181,8 +196,9 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     return status;
 }
 
-/* Rows that are looked at before a choice [Memory: 8 bytes each]. A lattice with more of them is looked at with longer voxels, so that
- * a small window of a huge lattice costs little; whole or by windows, so that both have the same bits. */
+/* Rows that are looked at before a choice [Memory: 8 bytes each]. A lattice with
+ * more of them is looked at with longer voxels, so that a small window of a huge
+ * lattice costs little; whole or by windows, so that both have the same bits. */
 enum { ROWS_TO_LOOK_AT = 1 << 22 };
 
 static int has_more_rows(const bvx_lattice *lattice)
@@ -262,8 +278,9 @@ static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_la
     return choose_by_patches(ctx, w, lattice);
 }
 
-/* Edges balance. Where no row is ever inside, each triangle may be there twice, facing either way, as in models for games: once each
- * they can enclose something. Sheets that are open then enclose nothing, as before. */
+/* Edges balance. Where no row is ever inside, each triangle may be there
+ * twice, facing either way, as in models for games: once each they can
+ * enclose something. Sheets that are open then enclose nothing, as before. */
 static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
     const bvx_mesh_view given = w->choice.view;
@@ -283,8 +300,9 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 
 /* ---- The whole ---- */
 
-/* Where the rule is chosen in the bar: looking for crossings takes long beside filling rows, and little beside winding numbers. */
-#define AUTO_CHOSEN 0.9
+/* Where the rule is chosen in the bar: looking for crossings takes long
+ * beside filling rows, and little beside winding numbers. */
+#define AUTO_CHOSEN      0.9
 #define AUTO_OPEN_CHOSEN 0.3
 
 static int is_auto_quick(int32_t fill)
@@ -301,13 +319,13 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
     if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice)) 
+    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
     return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }
 
-bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, bvxi_fill_by_name_fn *by_name, bvx_grid *solid,
-                          bvx_solid_report *report)
+bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                          bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report)
 {
     int32_t filled = 0;
     double chosen;
@@ -323,7 +341,8 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvxi_solid_close(ctx, &w.job);
 
     chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
-    if (status == BVX_OK && !filled) status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
+    if (status == BVX_OK && !filled)
+        status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
     bvxi_free(ctx, w.choice.index, mesh->triangle_count * 12);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;

@@ -6,54 +6,66 @@
 
 enum { BVXI_MOST_GAP = 65535 };
 
-/* voxelize_solid.c: fill a grid that is open by the rule parity, winding or vote; holes: what the rule looks at, found before, or
- * NULL. Everything has been checked. */
-bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes, bvx_grid *solid);
+/* voxelize_solid.c: fill a grid that is open by the rule parity, winding or vote; holes: what the rule looks
+ * at, found before, or NULL. Everything has been checked. */
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
+                           bvx_grid *solid);
 
-/* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose rows along x, y
- * and z balance and agree; with want_clear also those whose solid angle lies within a quarter of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes holes.h and sheet.h. */
-bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure, double from,
-                     double to, bvx_solid_report *report);
+/* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose
+ * rows along x, y and z balance and agree; with want_clear also those whose solid angle lies within a quarter
+ * of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes
+ * holes.h and sheet.h. */
+bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid,
+                     uint64_t *sure, double from, double to, bvx_solid_report *report);
 
-/* winding.c: solid's words become the centres whose generalized winding number is beyond a half. Local. Scratch: as for the rule
- * nonzero, holes.h and, where there are holes, sheet.h and turns.h. */
-bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to, bvx_solid_report *report);
+/* winding.c: solid's words become the centres whose generalized winding number is beyond a half. Local.
+ * Scratch: as for the rule nonzero, holes.h and, where there are holes, sheet.h and turns.h. */
+bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to,
+                     bvx_solid_report *report);
 
-/* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one. solid and surface
- * cover the whole lattice. */
-bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure, bvx_grid *solid,
-                        bvx_solid_report *report);
-/* Closing gaps adds to surface. *leaked: 1 when the flood reached every centre off the surface, though the vote has some of them surely inside. */
-bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure, int32_t close_gaps,
-                      bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
+/* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one.
+ * solid and surface cover the whole lattice. */
+bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
+                        bvx_grid *solid, bvx_solid_report *report);
+/* Closing gaps adds to surface. *leaked: 1 when the flood reached every
+ * centre off the surface, though the vote has some of them surely inside. */
+bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure,
+                      int32_t close_gaps, bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
 
-/* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what it reached. filled:
- * words of the shape of solid, set where the flood filled against the vote; used up. Scratch: 8 bytes a wall voxel that votes
- * outside. */
+/* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what
+ * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.
+ * Scratch: 8 bytes a wall voxel that votes outside. */
 bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid);
 
-/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves through empty voxels,
- * also beyond the window. Scratch: one more grid. */
+/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves
+ * through empty voxels, also beyond the window. Scratch: one more grid. */
 bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
-/* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how many places do. Scratch:
- * also that of spaces.h over the grid of gap more voxels a side. */
-bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap, uint64_t *pockets);
+/* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how
+ * many places do. Scratch: also that of spaces.h over the grid of gap more voxels a side. */
+bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+                           uint64_t *pockets);
 
 /* below.c. second_job: options->second made ready, or NULL. Local. */
-bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job, const bvx_voxelize_options *options,
-                      bvx_grid *solid, bvx_solid_report *report);
+bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
+                      const bvx_voxelize_options *options, bvx_grid *solid, bvx_solid_report *report);
 
-/* voxelize_surface.c: set in lost, a grid of solid's window whose words may hold anything, the thin voxels of crossings that solid
- * does not show: a line of centres crosses the mesh between two neighbours, and neither is in solid. So each is in no piece of
- * solid, but for parts narrower than a voxel along the line and sheets. Exact; any threads. Scratch: as bvx_voxelize_surface. */
-bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *lost);
+/* voxelize_surface.c: set in lost, a grid of solid's window whose words may hold anything, the thin voxels of
+ * crossings that solid does not show: a line of centres crosses the mesh between two neighbours, and neither
+ * is in solid. So each is in no piece of solid, but for parts narrower than a voxel along the line and
+ * sheets. Exact; any threads. Scratch: as bvx_voxelize_surface. */
+bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, bvx_grid *lost);
 
-/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled. Scratch: thin_walls.h where walls are looked for. */
-bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                             const bvx_voxelize_options *options, bvx_solid_report *report);
+/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled. Scratch:
+ * thin_walls.h where walls are looked for. */
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, const bvx_voxelize_options *options,
+                             bvx_solid_report *report);
 
-/* shell.c: the conservative surface of a mesh over the window of solid, in scratch words, and how many voxels it has. */
-bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *shell, uint64_t *voxels);
+/* shell.c: the conservative surface of a mesh over the window of solid, in
+ * scratch words, and how many voxels it has. */
+bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                           bvx_grid *shell, uint64_t *voxels);
 void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);
 
 #endif

@@ -1,10 +1,12 @@
 /* flood_rim.c - the inner rim of what a flood filled.
  *
- * Where the flood filled against the vote (a cavity), the walls' voxels around it vote outside and would stay as a thin empty
- * skin. Each wall voxel that votes outside goes to what it reaches first in steps from voxel to voxel, corners included, by others
- * of its kind: to the filled, then it is inside, or to what the flood reached or the lattice's end, then it stays outside; so it
- * does when both are equally far. One queue holds the voxels in the order of their steps, those from outside first among equals.
- * Guarantee: exact; follows from the grids alone. Where nothing was filled against the vote nothing changes. */
+ * Where the flood filled against the vote (a cavity), the walls' voxels around it vote outside and would stay
+ * as a thin empty skin. Each wall voxel that votes outside goes to what it reaches first in steps from voxel
+ * to voxel, corners included, by others of its kind: to the filled, then it is inside, or to what the flood
+ * reached or the lattice's end, then it stays outside; so it does when both are equally far. One queue holds
+ * the voxels in the order of their steps, those from outside first among equals.
+ * Guarantee: exact; follows from the grids alone. Where nothing was filled against the vote nothing
+ * changes. */
 #include "voxelize/fills.h"
 
 enum { RIM_NONE = 0, RIM_OUTSIDE = 1, RIM_FILLED = 2 };
@@ -39,10 +41,12 @@ static int side_of_rim(const rim_work *w, const int32_t v[3])
 {
     int32_t n[3];
     int side = RIM_NONE;
+
     for (int32_t way = 0; way < 27; way++) {
         if (!step_from_rim(w->walls, v, way, n)) return RIM_OUTSIDE;
         if (bvx_grid_get(&w->filled, n[0], n[1], n[2])) side = RIM_FILLED;
-        else if (!bvx_grid_get(w->walls, n[0], n[1], n[2]) && !bvx_grid_get(w->solid, n[0], n[1], n[2])) return RIM_OUTSIDE;
+        else if (!bvx_grid_get(w->walls, n[0], n[1], n[2]) && !bvx_grid_get(w->solid, n[0], n[1], n[2]))
+            return RIM_OUTSIDE;
     }
     return side;
 }
@@ -52,6 +56,7 @@ static uint64_t look_along_rim(rim_work *w, int side)
 {
     const bvx_grid *const g = w->walls;
     uint64_t voxels = 0;
+
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
@@ -61,7 +66,8 @@ static uint64_t look_along_rim(rim_work *w, int side)
                 voxels += bvxi_popcount(left);
                 for (; left != 0 && side != RIM_NONE; left &= left - 1) {
                     int32_t const v[3] = {k * BVXI_WORD_BITS + bvxi_lowest(left), y, z};
-                    if (side_of_rim(w, v) == side) w->queue[w->count++] = row * (uint64_t)g->size[0] + (uint64_t)v[0];
+                    if (side_of_rim(w, v) == side)
+                        w->queue[w->count++] = row * (uint64_t)g->size[0] + (uint64_t)v[0];
                 }
             }
         }
@@ -78,6 +84,7 @@ static void spread_rim(rim_work *w)
 {
     uint64_t outside, first;
     int32_t v[3], n[3];
+
     look_along_rim(w, RIM_OUTSIDE);
     outside = w->count;
     look_along_rim(w, RIM_FILLED);
@@ -90,9 +97,11 @@ static void spread_rim(rim_work *w)
         voxel_of_rim(w->walls, w->queue[i], v);
         for (int32_t way = 0; way < 27; way++) {
             if (!step_from_rim(w->walls, v, way, n) || !bvx_grid_get(w->walls, n[0], n[1], n[2])) continue;
-            if (bvx_grid_get(w->solid, n[0], n[1], n[2]) || bvx_grid_get(&w->filled, n[0], n[1], n[2])) continue;
+            if (bvx_grid_get(w->solid, n[0], n[1], n[2]) || bvx_grid_get(&w->filled, n[0], n[1], n[2]))
+                continue;
             take_for_rim(w, n, bvx_grid_get(w->solid, v[0], v[1], v[2]));
-            w->queue[w->count++] = ((uint64_t)n[2] * (uint64_t)w->walls->size[1] + (uint64_t)n[1]) * (uint64_t)w->walls->size[0] +
+            w->queue[w->count++] = ((uint64_t)n[2] * (uint64_t)w->walls->size[1] + (uint64_t)n[1]) *
+                                       (uint64_t)w->walls->size[0] +
                                    (uint64_t)n[0];
         }
     }

@@ -1,9 +1,10 @@
 /* hole_edges.c - the open edges of a snapped mesh.
  *
- * An edge waits until a triangle that runs along it the other way has come: the first few beside their lower corner, others in a
- * table. What waits at the end is open, as often as it is or, where directions are not to matter, an odd rest once. This is done
- * for corners by their numbers first, which leaves little of most meshes, then for that by their places.
- * Where a table searches too long, as for input that was made against its hash, a tree takes its place (core/key_tree.h).
+ * An edge waits until a triangle that runs along it the other way has come: the first few beside their lower
+ * corner, others in a table. What waits at the end is open, as often as it is or, where directions are not to
+ * matter, an odd rest once. This is done for corners by their numbers first, which leaves little of most
+ * meshes, then for that by their places. Where a table searches too long, as for input that was made against
+ * its hash, a tree takes its place (core/key_tree.h).
  * Guarantee: the same edges for any order of triangles, in any order. */
 #include "core/key_tree.h"
 #include "voxelize/holes.h"
@@ -11,15 +12,15 @@
 enum { HOLE_TABLE = 1 << 12, HOLE_BESIDE = 4 };
 #define HOLE_EMPTY UINT64_MAX
 
-/* lower << 32 | higher in the next free slot; net: how many more triangles run upwards than downwards, never 0. With a tree: in the
- * order of their first appearance, where net may become 0. */
+/* lower << 32 | higher in the next free slot; net: how many more triangles run upwards than downwards, never
+ * 0. With a tree: in the order of their first appearance, where net may become 0. */
 typedef struct edge_table {
     uint64_t *key;
     int64_t *net;
-    uint64_t size, used; /* size: a power of two, at least twice used */
+    uint64_t size, used;   /* size: a power of two, at least twice used */
     uint64_t puts, probes; /* edges put since it was made, steps from slot to slot */
-    bvxi_key_tree tree;  /* its child is NULL: the table is hashed */
-    uint64_t listed;     /* with a tree: edges that key and net hold */
+    bvxi_key_tree tree;    /* its child is NULL: the table is hashed */
+    uint64_t listed;       /* with a tree: edges that key and net hold */
 } edge_table;
 
 static inline uint64_t slot_of_edge(const edge_table *t, uint64_t key)
@@ -39,6 +40,7 @@ static void close_edge_table(bvx_context *ctx, edge_table *t)
 static bvx_status open_edge_table(bvx_context *ctx, uint64_t size, edge_table *t)
 {
     bvx_status status;
+
     memset(t, 0, sizeof *t);
     t->size = size;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges that wait", &t->key);
@@ -53,6 +55,7 @@ static bvx_status open_edge_table(bvx_context *ctx, uint64_t size, edge_table *t
 static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
 {
     edge_table larger;
+
     BVXI_TRY(open_edge_table(ctx, 2 * t->size, &larger));
     for (uint64_t i = 0; i < t->size; i++) {
         uint64_t slot;
@@ -83,6 +86,7 @@ static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVX
 static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 {
     uint64_t at;
+
     t->key[t->listed] = key;
     t->net[t->listed] = 0;
     at = bvxi_key_tree_find(&t->tree, t->listed);
@@ -111,6 +115,7 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
 {
     edge_table larger;
     bvx_status status;
+
     BVXI_TRY(open_edge_table(ctx, 2 * (t->used + 3) > t->size ? 2 * t->size : t->size, &larger));
     for (uint64_t i = 0; i < t->listed; i++) {
         if (t->net[i] == 0) continue;
@@ -118,8 +123,9 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
         larger.net[larger.used++] = t->net[i];
     }
     close_edge_table(ctx, t);
-    status = larger.size > UINT32_MAX ? bvxi_fail(ctx, BVX_ERR_RANGE, "more than 2^31 edges of one triangle wait for another")
-                                      : plant_edge_tree(ctx, &larger);
+    status = larger.size > UINT32_MAX
+                 ? bvxi_fail(ctx, BVX_ERR_RANGE, "more than 2^31 edges of one triangle wait for another")
+                 : plant_edge_tree(ctx, &larger);
     *t = larger;
     return status;
 }
@@ -127,7 +133,8 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
 /* Room for three edges more, however they are to be found. */
 static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 {
-    if (BVXI_UNLIKELY(t->tree.child != NULL)) return t->listed + 3 > t->size ? grow_edge_tree(ctx, t) : BVX_OK;
+    if (BVXI_UNLIKELY(t->tree.child != NULL))
+        return t->listed + 3 > t->size ? grow_edge_tree(ctx, t) : BVX_OK;
     if (BVXI_UNLIKELY(t->probes > bvxi_probe_limit(t->puts))) {
         BVXI_TRY(plant_edge_tree(ctx, t));
         return BVX_OK; /* at most half of it is used */
@@ -141,6 +148,7 @@ static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 static void empty_slot(edge_table *t, uint64_t free)
 {
     uint64_t const mask = t->size - 1;
+
     for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
         if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
         t->key[free] = t->key[i];
@@ -156,6 +164,7 @@ static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
     uint64_t const key = from < to ? (uint64_t)from << 32 | to : (uint64_t)to << 32 | from;
     int64_t const direction = from < to ? 1 : -1;
     uint64_t slot = slot_of_edge(t, key);
+
     if (from == to) return;
     if (BVXI_UNLIKELY(t->tree.child != NULL)) {
         put_edge_in_tree(t, key, direction);
@@ -174,7 +183,8 @@ static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
 }
 
 /* What waits in the end, each as often as it is, or with odd_once once where that is odd; from << 32 | to. */
-static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd_once, uint64_t **edges, uint64_t *count)
+static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd_once, uint64_t **edges,
+                                  uint64_t *count)
 {
     *edges = NULL;
     *count = 0;
@@ -185,7 +195,8 @@ static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd
             int64_t const net = key == HOLE_EMPTY ? 0 : t->net[i];
             uint64_t copies = (uint64_t)(net < 0 ? -net : net);
             if (odd_once) copies &= 1;
-            for (uint64_t k = 0; k < copies && fill; k++) (*edges)[n + k] = net > 0 ? key : key << 32 | key >> 32;
+            for (uint64_t k = 0; k < copies && fill; k++)
+                (*edges)[n + k] = net > 0 ? key : key << 32 | key >> 32;
             n += copies;
         }
         if (!fill) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges", edges));
@@ -194,12 +205,14 @@ static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd
     return BVX_OK;
 }
 
-/* The first few edges that wait at their lower corner do so beside it: (higher << 1 | runs downwards) + 1, or 0. */
+/* The first few edges that wait at their lower corner do so beside it:
+ * (higher << 1 | runs downwards) + 1, or 0. */
 static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
 {
     uint32_t *const slot = beside + (size_t)HOLE_BESIDE * (from < to ? from : to);
     uint32_t const value = ((from < to ? to << 1 : from << 1 | 1)) + 1, other = ((value - 1) ^ 1) + 1;
     int free = -1;
+
     for (int i = 0; i < HOLE_BESIDE; i++) {
         if (slot[i] == other) {
             slot[i] = 0;
@@ -211,7 +224,8 @@ static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
     return free >= 0;
 }
 
-static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uint64_t vertices, uint64_t limit, edge_table *t)
+static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uint64_t vertices,
+                                   uint64_t limit, edge_table *t)
 {
     for (uint64_t v = 0; v < vertices; v++)
         for (int i = 0; i < HOLE_BESIDE; i++) {
@@ -225,11 +239,12 @@ static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uin
     return BVX_OK;
 }
 
-static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same, uint64_t limit, uint32_t *beside,
-                                edge_table *t)
+static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
+                                uint64_t limit, uint32_t *beside, edge_table *t)
 {
     int const narrow = view->vertex_count < UINT32_MAX / 2; /* corners fit 31 bits */
     uint32_t c[3];
+
     for (uint64_t i = 0; i < view->triangle_count && t->used <= limit; i++) {
         bvxi_view_triangle(view, i, c);
         for (int k = 0; k < 3 && same != NULL; k++) c[k] = same[c[k]];
@@ -242,8 +257,10 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
     return take_from_beside(ctx, beside, view->vertex_count, limit, t);
 }
 
-/* Edges of triangles; same: NULL, or which vertex stands for each. Where more than limit wait in the end what was done is of no use. */
-static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same, uint64_t limit, edge_table *t)
+/* Edges of triangles; same: NULL, or which vertex stands for each. Where
+ * more than limit wait in the end what was done is of no use. */
+static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
+                                   uint64_t limit, edge_table *t)
 {
     uint64_t const bytes = view->vertex_count * HOLE_BESIDE * 4;
     uint32_t *beside;
@@ -309,12 +326,15 @@ static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
 static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint32_t v, uint32_t *first)
 {
     const int32_t *const xyz = p->snapped->xyz, *const q = xyz + 3 * (uint64_t)v;
+
     if (BVXI_UNLIKELY(p->table == NULL)) {
         *first = (uint32_t)bvxi_key_tree_find(&p->tree, v);
         return BVX_OK;
     }
     uint64_t slot = (hash_of_place(q) * p->size) >> 31;
-    for (uint32_t at; (at = p->table[slot]) != 0 && at != v + 1 && memcmp(xyz + 3 * (uint64_t)(at - 1), q, 12) != 0; p->probes++)
+    for (uint32_t at;
+         (at = p->table[slot]) != 0 && at != v + 1 && memcmp(xyz + 3 * (uint64_t)(at - 1), q, 12) != 0;
+         p->probes++)
         slot = slot + 1 == p->size ? 0 : slot + 1;
     if (p->table[slot] == 0) p->table[slot] = v + 1;
     *first = p->table[slot] - 1;
@@ -322,11 +342,14 @@ static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint3
 }
 
 /* The edges that are left over by number, by their places. */
-static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count, edge_table *t)
+static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count,
+                              edge_table *t)
 {
     place_table p;
     uint32_t from = 0, to = 0;
-    bvx_status status = open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count, &p);
+    bvx_status status = open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count,
+                                         &p);
+
     for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
         status = vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from);
         if (status == BVX_OK) status = vertex_at_place(ctx, &p, (uint32_t)list[i], &to);
@@ -339,14 +362,17 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
 }
 
 /* All triangles, by their corners' places. */
-static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, edge_table *t)
+static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s,
+                                edge_table *t)
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *same = NULL;
     place_table p;
     bvx_status status = open_place_table(ctx, s, s->vertex_count, &p);
+
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same);
-    for (uint64_t v = 0; v < s->vertex_count && status == BVX_OK; v++) status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
+    for (uint64_t v = 0; v < s->vertex_count && status == BVX_OK; v++)
+        status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
     close_place_table(ctx, &p);
     if (status == BVX_OK) status = cancel_triangles(ctx, view, same, UINT64_MAX, t);
     bvxi_free(ctx, same, bytes);
@@ -354,14 +380,15 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
 }
 
 /* By numbers and then what is left by places; where numbers cancel too little, all by places. */
-bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once, uint64_t **edges,
-                           uint64_t *count)
+bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
+                           uint64_t **edges, uint64_t *count)
 {
     uint64_t *list = NULL, left = 0;
     uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;
     edge_table t;
     int full = 0;
     bvx_status status;
+
     *edges = NULL;
     *count = 0;
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
@@ -370,7 +397,8 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     if (status == BVX_OK && !full) status = list_open_edges(ctx, &t, 0, &list, &left);
     close_edge_table(ctx, &t);
     if (status == BVX_OK) status = open_edge_table(ctx, HOLE_TABLE, &t);
-    if (status == BVX_OK) status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
+    if (status == BVX_OK)
+        status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
     bvxi_free(ctx, list, left * 8);
     if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
     close_edge_table(ctx, &t);

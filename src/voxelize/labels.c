@@ -1,8 +1,9 @@
 /* labels.c - the values of a label map: bvx_list_labels.
  *
- * Rows are read as runs of one value. A run is added to its value's entry, which is looked up among all entries by hashing, but
- * mostly is that of the run before. Where the table searches too long, as for values that were made against the hash, a tree takes
- * its place (core/key_tree.h). Guarantee: ascending values; nothing of the table's order is seen. */
+ * Rows are read as runs of one value. A run is added to its value's entry, which is looked up among all
+ * entries by hashing, but mostly is that of the run before. Where the table searches too long, as for values
+ * that were made against the hash, a tree takes its place (core/key_tree.h). Guarantee: ascending values;
+ * nothing of the table's order is seen. */
 #include "core/key_tree.h"
 #include "grid/volume.h"
 #include "mesh/radix.h"
@@ -20,8 +21,8 @@ typedef struct label_entry {
 typedef struct label_table {
     bvx_context *ctx;
     label_entry *entries;
-    uint32_t *slots;           /* entry and 1, 0 for none [Size: 2 * room]; NULL beside the tree */
-    uint64_t count, room;      /* room is a power of two */
+    uint32_t *slots;      /* entry and 1, 0 for none [Size: 2 * room]; NULL beside the tree */
+    uint64_t count, room; /* room is a power of two */
     uint64_t searches, probes;
     bvxi_key_tree tree;
 } label_table;
@@ -31,7 +32,8 @@ static uint64_t label_slot(label_table *t, uint64_t value)
     uint64_t h = (value ^ value >> 32) * UINT64_C(0x9e3779b97f4a7c15);
     t->searches++;
     h = (h >> 29) & (2 * t->room - 1);
-    for (; t->slots[h] != 0 && t->entries[t->slots[h] - 1].value != value; t->probes++) h = (h + 1) & (2 * t->room - 1);
+    for (; t->slots[h] != 0 && t->entries[t->slots[h] - 1].value != value; t->probes++)
+        h = (h + 1) & (2 * t->room - 1);
     return h;
 }
 
@@ -60,13 +62,16 @@ static bvx_status plant_labels(label_table *t)
 static bvx_status grow_labels(label_table *t)
 {
     uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
+
     if (room > UINT32_MAX / 2)
         return bvxi_fail(t->ctx, BVX_ERR_RANGE, "%s: more than 2^30 labels", labels_name);
     free_label_slots(t);
-    BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries, room * sizeof *t->entries, "the labels"));
+    BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
+                         room * sizeof *t->entries, "the labels"));
     t->room = room;
     if (t->tree.key != NULL) return bvxi_key_tree_grow(t->ctx, &t->tree, room);
-    BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots));
+    BVXI_TRY(
+        bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots));
     for (uint64_t i = 0; i < t->count; i++) t->slots[label_slot(t, t->entries[i].value)] = (uint32_t)(i + 1);
     return BVX_OK;
 }
@@ -103,6 +108,7 @@ static uint64_t whole_sample(const uint8_t *p, int32_t type)
     uint16_t v16;
     uint32_t v32;
     uint64_t v64;
+
     switch (type) {
     case BVX_SAMPLE_U8: return *p;
     case BVX_SAMPLE_I8: return (uint64_t)(int64_t)(*p < 128 ? *p : *p - 256);
@@ -114,9 +120,7 @@ static uint64_t whole_sample(const uint8_t *p, int32_t type)
     case BVX_SAMPLE_I32:
         memcpy(&v32, p, sizeof v32);
         return type == BVX_SAMPLE_U32 || v32 < UINT32_C(0x80000000) ? v32 : v32 | ~UINT64_C(0xffffffff);
-    default:
-        memcpy(&v64, p, sizeof v64);
-        return v64;
+    default: memcpy(&v64, p, sizeof v64); return v64;
     }
 }
 
@@ -130,10 +134,11 @@ static void add_label_run(label_entry *e, int32_t x, int32_t end, int32_t y, int
     }
 }
 
-static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8_t *row, int64_t step, int32_t y, int32_t z,
-                           uint64_t *last)
+static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8_t *row, int64_t step,
+                           int32_t y, int32_t z, uint64_t *last)
 {
     int32_t const n = v->size[0];
+
     for (int32_t x = 0; x < n;) {
         uint64_t const value = whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
@@ -149,10 +154,12 @@ static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const in
 {
     const uint8_t *const first = v->samples;
     uint64_t last = 0;
+
     for (int32_t z = 0; z < v->size[2]; z++) {
         BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
         for (int32_t y = 0; y < v->size[1]; y++)
-            BVXI_TRY(list_row(t, v, first + (ptrdiff_t)(y * stride[1] + z * stride[2]), stride[0], y, z, &last));
+            BVXI_TRY(
+                list_row(t, v, first + (ptrdiff_t)(y * stride[1] + z * stride[2]), stride[0], y, z, &last));
     }
     return BVX_OK;
 }
@@ -164,7 +171,9 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
     uint64_t *keys = NULL;
     uint32_t *order = NULL;
     bvx_status status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 8, "the labels' order", &keys);
-    if (status == BVX_OK) status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order);
     for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
         keys[i] = t->entries[i].value ^ flip;
         order[i] = (uint32_t)i;
@@ -191,17 +200,20 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     label_table t = {0};
     int64_t stride[3];
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
     BVXI_TRY(bvxi_volume_check(context, labels_name, volume, stride));
     if (volume->sample_type >= BVX_SAMPLE_F32)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers", labels_name);
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
+                         labels_name);
     t.ctx = context;
     status = list_volume(&t, volume, stride);
     if (status == BVX_OK) {
         *count = t.count;
         if (labels != NULL && capacity < t.count)
-            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u", labels_name, t.count, capacity);
+            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",
+                               labels_name, t.count, capacity);
         else if (labels != NULL && t.count != 0)
             status = give_labels(&t, volume->sample_type % 2 == 0, labels);
     }
@@ -211,8 +223,8 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     return status;
 }
 
-bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels, uint64_t capacity,
-                           uint64_t *count)
+bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
+                           uint64_t capacity, uint64_t *count)
 {
     return BVXI_CALL(context, run_list_labels(context, volume, labels, capacity, count));
 }

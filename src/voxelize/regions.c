@@ -1,11 +1,12 @@
 /* regions.c - every region that the conservative surface leaves is inside or outside as a whole.
  *
- * Source: the interior fill of "Fast voxelization based on TIN" 3, with a seed for every region in place of one, and each
- * seed's side decided by the exact rule.
+ * Source: the interior fill of "Fast voxelization based on TIN" 3, with a seed for every region in place of
+ * one, and each seed's side decided by the exact rule.
  *
- * A conservative surface lets no path between face neighbours through, so on a mesh without holes all centres of a region lie
- * on one side, and those on which the three axes agree say on which. A single wrong row is outvoted by its region. Where a
- * hole joins inside and outside the region has both; then each centre keeps its own vote.
+ * A conservative surface lets no path between face neighbours through, so on a mesh without holes all centres
+ * of a region lie on one side, and those on which the three axes agree say on which. A single wrong row is
+ * outvoted by its region. Where a hole joins inside and outside the region has both; then each centre keeps
+ * its own vote.
  * Guarantee: exact, global. */
 #include "voxelize/fills.h"
 #include "grid/spaces.h"
@@ -30,6 +31,7 @@ static void look_at_run(void *user, uint32_t region, int32_t begin, int32_t end,
     size_t const row = region_row(w->solid, y, z);
     const uint64_t *const in = w->solid->words + row, *const sure = w->sure + row;
     uint8_t *const sides = w->sides + region;
+
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && *sides != (REGION_SURE_IN | REGION_SURE_OUT); k++) {
         uint64_t const known = sure[k] & bvxi_run_mask(begin, end, k);
         if ((known & in[k]) != 0) *sides |= REGION_SURE_IN;
@@ -41,6 +43,7 @@ static void settle_run(void *user, uint32_t region, int32_t begin, int32_t end, 
 {
     region_work *const w = user;
     uint64_t *const row = w->solid->words + region_row(w->solid, y, z);
+
     if (w->sides[region] == REGION_SURE_IN) {
         bvxi_set_run(row, begin, end);
     } else if (w->sides[region] == REGION_SURE_OUT) {
@@ -50,12 +53,13 @@ static void settle_run(void *user, uint32_t region, int32_t begin, int32_t end, 
     }
 }
 
-bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure, bvx_grid *solid,
-                        bvx_solid_report *report)
+bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
+                        bvx_grid *solid, bvx_solid_report *report)
 {
     region_work work = {sure, solid, NULL, report};
     bvxi_spaces spaces;
     bvx_status status;
+
     BVXI_TRY(bvxi_spaces_open(ctx, function, "regions", surface, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the regions' sides", &work.sides);
     if (status == BVX_OK) {

@@ -1,7 +1,8 @@
-/* row_depths.c - how many times over the rows of a lattice lie inside a mesh: entering crossings less leaving ones.
+/* row_depths.c - how many times over the rows of a lattice lie inside a mesh: entering crossings less leaving
+ * ones.
  *
- * A voxel that is one deep everywhere, or minus one everywhere, is inside by any rule. Deeper ones, and both together, are what
- * overlaps, nested shells and shells inside out look like.
+ * A voxel that is one deep everywhere, or minus one everywhere, is inside by any rule. Deeper ones, and both
+ * together, are what overlaps, nested shells and shells inside out look like.
  * Guarantee: follows from the snapped triangles and the lattice alone. */
 #include "bits/sort.h"
 #include "voxelize/auto.h"
@@ -25,7 +26,9 @@ static int32_t depths_of_row(const depth_work *w, int32_t *c, uint32_t n)
 
         depth += (c[i] & 1) != 0 ? -1 : 1;
         if (x >= w->size) break;
-        if (i + 1 < n && (bvxi_floor_shift(c[i + 1], 1) == bvxi_floor_shift(c[i], 1) || bvxi_floor_shift(c[i + 1], 1) - w->low <= 0)) continue;
+        if (i + 1 < n && (bvxi_floor_shift(c[i + 1], 1) == bvxi_floor_shift(c[i], 1) ||
+                          bvxi_floor_shift(c[i + 1], 1) - w->low <= 0))
+            continue;
         if (depth == 1) depths |= BVXI_DEPTH_UP;
         else if (depth == -1) depths |= BVXI_DEPTH_DOWN;
         else if (depth != 0) depths |= BVXI_DEPTH_DEEP;
@@ -47,19 +50,22 @@ static void look_at_depths(void *user, int32_t piece, int32_t worker)
     }
 }
 
-static bvx_status look_at_depth_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_row_lists *lists, double from, double to)
+static bvx_status look_at_depth_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_row_lists *lists,
+                                      double from, double to)
 {
     int32_t *const depths = job->user;
     depth_work w = {lists, job->grid->low[0], job->grid->size[0], 0, {0}};
 
     w.pieces = bvxi_piece_count(lists->rows, DEPTH_GRAIN);
     if (w.pieces > DEPTH_PIECES) w.pieces = DEPTH_PIECES;
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to), w.pieces, look_at_depths, &w));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                           w.pieces, look_at_depths, &w));
     for (int32_t i = 0; i < w.pieces; i++) *depths |= w.depths[i];
     return BVX_OK;
 }
 
-bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_lattice *lattice, double from, double to, int32_t *depths)
+bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_lattice *lattice, double from,
+                           double to, int32_t *depths)
 {
     bvx_solid_report unused = {0};
     bvx_grid rows = {0}; /* a shape without words: nothing is filled */

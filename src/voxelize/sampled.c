@@ -1,14 +1,15 @@
 /* sampled.c - voxels that hold a point of the triangle's subdivision.
  *
- * Source: Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model. 2010, Algorithm 1. The paper
- * cuts the longest edge l into ceil(l / w) parts, which leaves edges as long as a voxel; here it is k = floor(l / w) + 1, so
- * that the parts are shorter, as its text asks. The points (a k + (b - a) i + (c - a) j) / k, i + j <= k, are rational: whole
- * voxels and a rest in parts of k 2^F. A step is shorter than a voxel, so walking takes no division; only triangles that
- * stick out of the tile are divided, once a row. So neither the order of the corners nor rounding shows.
- * Lengths are counted in voxels: stretched voxels are cubes here.
+ * Source: Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model. 2010, Algorithm
+ * 1. The paper cuts the longest edge l into ceil(l / w) parts, which leaves edges as long as a voxel; here it
+ * is k = floor(l / w) + 1, so that the parts are shorter, as its text asks. The points (a k + (b - a) i + (c
+ * - a) j) / k, i + j <= k, are rational: whole voxels and a rest in parts of k 2^F. A step is shorter than a
+ * voxel, so walking takes no division; only triangles that stick out of the tile are divided, once a row. So
+ * neither the order of the corners nor rounding shows. Lengths are counted in voxels: stretched voxels are
+ * cubes here.
  * Bit budget: k <= 2^28 and k 2^F < 2^32, so coordinates times k stay below 2^60.
- * Guarantee: exact; 26-connected on connected meshes, not 6-separating. Cost: (k + 1)(k + 2) / 2 points a triangle, less
- * those outside the window, but at least k. */
+ * Guarantee: exact; 26-connected on connected meshes, not 6-separating. Cost: (k + 1)(k + 2) / 2 points a
+ * triangle, less those outside the window, but at least k. */
 #include "voxelize/touch_batch.h"
 
 #include <math.h>
@@ -63,11 +64,13 @@ static inline void walk_on(sample_walk *w, const sample_walk *step, int64_t divi
 }
 
 /* Points from w on along the way to the third corner. */
-static inline void touch_points(bvxi_surface_tile *tile, const sample_triangle *s, const sample_walk start[3], int64_t points)
+static inline void touch_points(bvxi_surface_tile *tile, const sample_triangle *s, const sample_walk start[3],
+                                int64_t points)
 {
     sample_walk x = start[0], y = start[1], z = start[2];
     sample_walk const dx = step_of(s->to_c[0], s->divisor), dy = step_of(s->to_c[1], s->divisor);
     sample_walk const dz = step_of(s->to_c[2], s->divisor);
+
     for (int64_t n = 0; n < points; n++) {
         bvxi_touch_voxel(tile->job, (int32_t)x.voxel, (int32_t)y.voxel, (int32_t)z.voxel, s->number);
         walk_on(&x, &dx, s->divisor);
@@ -80,6 +83,7 @@ static inline void touch_points(bvxi_surface_tile *tile, const sample_triangle *
 static void sample_inside(bvxi_surface_tile *tile, const sample_triangle *s, int32_t f)
 {
     sample_walk start[3], step[3];
+
     for (int a = 0; a < 3; a++) {
         step[a] = step_of(s->to_b[a], s->divisor);
         start[a].voxel = s->p[a] >> f; /* not negative */
@@ -91,11 +95,13 @@ static void sample_inside(bvxi_surface_tile *tile, const sample_triangle *s, int
     }
 }
 
-/* Narrow [*first, *last] to the points j whose voxels from + way j, in parts of the divisor, lie in [low, high]. */
+/* Narrow [*first, *last] to the points j whose voxels from + way j, in
+ * parts of the divisor, lie in [low, high]. */
 static void narrow_points(int64_t from, int64_t way, int64_t low, int64_t high, int64_t *first, int64_t *last)
 {
     int64_t const below = low - from, above = high - from; /* in parts */
     int64_t least, most;
+
     if (way == 0) {
         if (below > 0 || above < 0) *last = *first - 1;
         return;
@@ -114,7 +120,8 @@ static void sample_cut(bvxi_surface_tile *tile, const sample_triangle *s)
         sample_walk w[3];
         for (int a = 0; a < 3; a++) {
             from[a] = s->p[a] * s->k + s->to_b[a] * i;
-            narrow_points(from[a], s->to_c[a], s->low[a] * s->divisor, (s->high[a] + 1) * s->divisor - 1, &first, &last);
+            narrow_points(from[a], s->to_c[a], s->low[a] * s->divisor, (s->high[a] + 1) * s->divisor - 1,
+                          &first, &last);
         }
         if (first > last) continue;
         for (int a = 0; a < 3; a++) {
@@ -133,6 +140,7 @@ static void sample_triangle_of(bvxi_surface_tile *tile, const bvxi_touch_batch *
     int32_t const low[3] = {0, rows->j0, rows->k0}, high[3] = {job->size[0] - 1, rows->j1 - 1, rows->k1 - 1};
     int inside = 1, first_inside = 1;
     sample_triangle s;
+
     s.number = b->triangle[n];
     for (int a = 0; a < 3; a++) {
         int64_t const voxel = bvxi_floor_shift(b->p[0][a][n], job->fraction_bits);

@@ -1,12 +1,13 @@
-/* seed.c - a voxel inside a surface by scanning lines of voxels, and one in each pocket: bvx_find_seed, bvx_find_pockets.
+/* seed.c - a voxel inside a surface by scanning lines of voxels, and one in each pocket: bvx_find_seed,
+ * bvx_find_pockets.
  *
- * Source: "Fast voxelization based on TIN" Algorithm 2 (the depth buffer's idea: a voxel between the first and the last surface
- * voxel of its lines along x, y and z), with what it lacks. Printed, its steps 4 and 3 call each other for ever, 7 and 10
- * may lead back to a row that was tried, and a row may miss the model: here the way from the middle row has a bounded number
- * of turns, then every gap of every row is looked at, spread evenly. Hidden in six directions does not prove inside: the mesh is
- * asked (vote.c).
- * Guarantee: what is found is hidden, and inside where a mesh was given; nothing found with no limit means that no gap of any
- * row begins with such a voxel. */
+ * Source: "Fast voxelization based on TIN" Algorithm 2 (the depth buffer's idea: a voxel between the first
+ * and the last surface voxel of its lines along x, y and z), with what it lacks. Printed, its steps 4 and 3
+ * call each other for ever, 7 and 10 may lead back to a row that was tried, and a row may miss the model:
+ * here the way from the middle row has a bounded number of turns, then every gap of every row is looked at,
+ * spread evenly. Hidden in six directions does not prove inside: the mesh is asked (vote.c).
+ * Guarantee: what is found is hidden, and inside where a mesh was given; nothing found with no limit means
+ * that no gap of any row begins with such a voxel. */
 #include "voxelize/fills.h"
 #include "grid/spaces.h"
 
@@ -23,7 +24,7 @@ typedef struct seed_judge {
     const char *function;
     const bvx_mesh_view *mesh; /* NULL: none is asked */
     const bvx_grid *surface;
-    bvx_grid vote;             /* words are scratch */
+    bvx_grid vote; /* words are scratch */
 } seed_judge;
 
 static bvx_status make_seed_vote(seed_judge *j)
@@ -33,6 +34,7 @@ static bvx_status make_seed_vote(seed_judge *j)
     bvxi_solid_job job;
     uint64_t *sure = NULL;
     bvx_status status;
+
     BVXI_TRY(bvxi_solid_open(j->ctx, j->function, j->mesh, &j->surface->lattice, &job));
     j->vote = *j->surface;
     j->vote.words = NULL;
@@ -59,7 +61,8 @@ static bvx_status check_seed_mesh(seed_judge *j)
 
 /* ---- Lines ---- */
 
-/* First and last set voxel of the line through a voxel along an axis; 0 when there are not two with room between them. */
+/* First and last set voxel of the line through a voxel along an axis; 0
+ * when there are not two with room between them. */
 static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t *low, int32_t *high)
 {
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
@@ -117,8 +120,8 @@ static bvx_status judge_seed(seed_search *s)
     return BVX_OK;
 }
 
-/* Is voxel between the first and the last of its lines along y and z? -1: yes; else the axis where not, with the line's
- * ends; -2 when there are no more lines. */
+/* Is voxel between the first and the last of its lines along y and z? -1: yes; else the axis where not, with
+ * the line's ends; -2 when there are no more lines. */
 static int look_across(seed_search *s, int32_t *low, int32_t *high)
 {
     for (int axis = 1; axis < 3; axis++) {
@@ -153,6 +156,7 @@ static bvx_status turn_from_middle(seed_search *s)
 static bvx_status look_at_gaps(seed_search *s)
 {
     int32_t first, last, low, high;
+
     s->seed.starts++;
     if (!scan_for_seed(s, 0, &first, &last)) return BVX_OK;
     s->voxel[0] = first;
@@ -161,16 +165,19 @@ static bvx_status look_at_gaps(seed_search *s)
         s->voxel[0] = next_gap(s->surface, row, 0, s->voxel[0], last);
         if (s->voxel[0] >= last) return BVX_OK;
         if (look_across(s, &low, &high) == -1) BVXI_TRY(judge_seed(s));
-        while (!s->done && !bvx_grid_get(s->surface, s->voxel[0], s->voxel[1], s->voxel[2])) s->voxel[0]++; /* last ends it */
+        /* last ends it */
+        while (!s->done && !bvx_grid_get(s->surface, s->voxel[0], s->voxel[1], s->voxel[2])) s->voxel[0]++;
     }
     return BVX_OK;
 }
 
-/* Every row of the box, far from each other at first: steps of about 0.618 of all, without a common factor. */
+/* Every row of the box, far from each other at first: steps of about 0.618 of all, without a common
+ * factor. */
 static bvx_status look_at_rows(bvx_context *ctx, seed_search *s)
 {
     uint64_t const rows = (uint64_t)s->size[1] * (uint64_t)s->size[2];
     uint64_t stride = rows / 8 * 5 + 1, at = rows / 2;
+
     for (;; stride++) {
         uint64_t a = rows, b = stride;
         while (b != 0) {
@@ -196,12 +203,15 @@ static int find_seed_box(seed_search *s)
 {
     const bvx_grid *const g = s->surface;
     int32_t high[3] = {-1, -1, -1};
+
     for (int a = 0; a < 3; a++) s->low[a] = g->size[a];
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             bvxi_row_runs runs;
             int32_t begin, end, least = -1, most = 0;
-            bvxi_row_runs_start(&runs, g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row, g->size[0], 0);
+            bvxi_row_runs_start(
+                &runs, g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
+                g->size[0], 0);
             while (bvxi_row_runs_next(&runs, &begin, &end)) {
                 if (least < 0) least = begin;
                 most = end - 1;
@@ -223,6 +233,7 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
 {
     seed_search s;
     bvx_status status = BVX_OK;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (seed == NULL) return bvxi_fail_null(context, seed_name, "seed");
     BVXI_TRY(bvxi_grid_check(context, seed_name, surface));
@@ -242,7 +253,8 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
     return status;
 }
 
-bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, uint64_t limit, bvx_seed *seed)
+bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                         uint64_t limit, bvx_seed *seed)
 {
     return BVXI_CALL(context, run_find_seed(context, surface, mesh, limit, seed));
 }
@@ -270,6 +282,7 @@ static void judge_pocket(void *user, uint32_t space, int32_t begin, int32_t end,
 static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     pocket_work *const w = user;
+
     (void)end;
     if (space != w->seen) return;
     w->seen++;
@@ -282,11 +295,13 @@ static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, 
     w->count++;
 }
 
-static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_t *seeds, uint64_t capacity, uint64_t *count)
+static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_t *seeds, uint64_t capacity,
+                               uint64_t *count)
 {
     pocket_work work = {judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
     bvxi_spaces spaces;
     bvx_status status;
+
     BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside);
     if (status == BVX_OK) {
@@ -295,7 +310,8 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
         bvxi_spaces_each(&spaces, give_pocket, &work);
         *count = work.count;
         if (seeds != NULL && work.count > capacity)
-            status = bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u", pockets_name, work.count, capacity);
+            status = bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
+                               pockets_name, work.count, capacity);
     }
     bvxi_free(ctx, work.outside, spaces.count);
     bvxi_spaces_free(&spaces);
@@ -307,6 +323,7 @@ static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface
 {
     seed_judge judge = {0};
     bvx_status status = BVX_OK;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
     BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
@@ -321,8 +338,8 @@ static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface
     return status;
 }
 
-bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh, int32_t *seeds, uint64_t capacity,
-                            uint64_t *count)
+bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
+                            int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
     return BVXI_CALL(context, run_find_pockets(context, surface, mesh, seeds, capacity, count));
 }

@@ -1,15 +1,17 @@
 /* sheet.c - the solid angle of the sheet over a mesh's holes.
  *
- * Sources: Van Oosterom, Strackee. The Solid Angle of a Plane Triangle. 1983; Barill, Dickson, Schmidt, Levin, Jacobson. Fast
- * Winding Numbers for Soups and Clouds. 2018 (far parts as dipoles); Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside
- * Segmentation using Generalized Winding Numbers. 2013 (what lies behind a hole follows from its edge alone).
+ * Sources: Van Oosterom, Strackee. The Solid Angle of a Plane Triangle. 1983; Barill, Dickson, Schmidt,
+ * Levin, Jacobson. Fast Winding Numbers for Soups and Clouds. 2018 (far parts as dipoles); Jacobson, Kavan,
+ * Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding Numbers. 2013 (what lies
+ * behind a hole follows from its edge alone).
  *
- * A part of the sheet that is far off counts as a dipole at the middle of its ball. With area A, radius r, distance d the error
- * is below A r / (2 pi (d - r)^3) turns; parts are opened until the sum of that leaves no doubt, at last all of them.
- * Moving along, the angle changes, but for whole turns where the sheet is crossed, as the field of a current along its edge (Biot
- * and Savart): its gradient is a sum over the edges of what was opened and over the dipoles. Within a reach t of the place it
- * stays linear but for t^2 length / (4 pi (d - t)^3) for each edge, and for each dipole 3 t^2 A / (4 pi (d - r - t)^4) and its error.
- * On which side of a triangle a centre lies is decided in integers, ties as everywhere (cover.h), as crossings are. */
+ * A part of the sheet that is far off counts as a dipole at the middle of its ball. With area A, radius r,
+ * distance d the error is below A r / (2 pi (d - r)^3) turns; parts are opened until the sum of that leaves
+ * no doubt, at last all of them. Moving along, the angle changes, but for whole turns where the sheet is
+ * crossed, as the field of a current along its edge (Biot and Savart): its gradient is a sum over the edges
+ * of what was opened and over the dipoles. Within a reach t of the place it stays linear but for t^2 length /
+ * (4 pi (d - t)^3) for each edge, and for each dipole 3 t^2 A / (4 pi (d - r - t)^4) and its error. On which
+ * side of a triangle a centre lies is decided in integers, ties as everywhere (cover.h), as crossings are. */
 #include "voxelize/sheet_tree.h"
 #include "core/angle.h"
 #include "core/vec3.h"
@@ -18,15 +20,15 @@
 
 const double bvxi_sheet_near[BVXI_SHEET_LEVELS] = {1e-3, 5e-5, -1};
 
-/* What one question gathers. Angles of near triangles are summed as a product of complex numbers and the times that it went
- * round, those of far parts as they are. */
+/* What one question gathers. Angles of near triangles are summed as a product of complex numbers and the
+ * times that it went round, those of far parts as they are. */
 typedef struct sheet_sum {
     double at[3];
     double re, im; /* of the angle of half a turn a turn */
     int32_t rounds, factors;
     double turns, error;
-    double near;   /* parts are opened until their error is below */
-    double reach;  /* 0: the place alone, nothing below is gathered */
+    double near;  /* parts are opened until their error is below */
+    double reach; /* 0: the place alone, nothing below is gathered */
     double gradient[3], rest, bend, edge_rest;
     bvxi_sheet_look *look; /* gets near edges and triangles */
 } sheet_sum;
@@ -36,6 +38,7 @@ static inline void turn_by(sheet_sum *sum, double re, double im, int up)
 {
     double const x = sum->re * re - sum->im * im;
     double y = sum->re * im + sum->im * re;
+
     if (im == 0 && re < 0) { /* half a turn: a hair less, so that the sign does not get lost */
         double const hair = 1e-30 * re * sum->re;
         y += up ? -hair : hair;
@@ -62,11 +65,13 @@ static inline void see_point(const bvxi_sheet *s, uint64_t i, const sheet_sum *s
 }
 
 /* The triangle of node n goes to the look unless it lies further off than reach. */
-static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *const p[3], double det, const sheet_sum *sum)
+static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *const p[3], double det,
+                               const sheet_sum *sum)
 {
     bvxi_sheet_look *const look = sum->look;
     double const limit = n->radius + sum->reach;
     double r2 = 0, u[3], w[3], normal[3];
+
     for (int a = 0; a < 3; a++) {
         double const r = n->centre[a] - sum->at[a];
         r2 += r * r;
@@ -85,16 +90,18 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
     if (look->triangles <= BVXI_LOOK_TRIANGLES) look->triangles++;
 }
 
-/* Add triangle i, m, j: half its solid angle, positive on the side away from its normal, as it is for the faces of a closed body
- * from inside. */
-static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3], const int64_t p[3],
-                         sheet_sum *sum)
+/* Add triangle i, m, j: half its solid angle, positive on the side away
+ * from its normal, as it is for the faces of a closed body from inside. */
+static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bvxi_seen_point *const q[3],
+                         const int64_t p[3], sheet_sum *sum)
 {
     const double *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
     double const la = q[0]->length, lb = q[1]->length, lc = q[2]->length, most = 1e-10 * la * lb * lc;
-    double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                 a[2] * (b[0] * c[1] - b[1] * c[0]);
     double den = la * lb * lc + bvxi_vec_dot(a, b) * lc + bvxi_vec_dot(b, c) * la + bvxi_vec_dot(c, a) * lb;
     int up = det > 0;
+
     if (sum->reach > 0) keep_near_triangle(&s->node[corner[1]], q, det, sum);
     if (BVXI_UNLIKELY(det <= most && det >= -most && den <= most)) {
         const int32_t *fixed[3];
@@ -115,11 +122,15 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, la = pa->length, lb = pb->length;
     double const ab = bvxi_vec_dot(a, b), uu = bvxi_vec_dot(u, u), length = sqrt(uu);
     double c[3], cc, d = 0.5 * (la + lb - length) - sum->reach, rest, factor, *gradient = sum->gradient;
+
     if (uu == 0) return;
     bvxi_vec_cross(a, b, c);
     cc = bvxi_vec_dot(c, c);
-    if (d < 2 * sum->reach) d = (bvxi_vec_dot(a, u) >= 0 ? la : bvxi_vec_dot(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach; /* exactly */
-    rest = d <= 1e-3 * sum->reach ? BVXI_SHEET_NO_BOUND : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
+    /* exactly */
+    if (d < 2 * sum->reach)
+        d = (bvxi_vec_dot(a, u) >= 0 ? la : bvxi_vec_dot(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach;
+    rest = d <= 1e-3 * sum->reach ? BVXI_SHEET_NO_BOUND
+                                  : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
     if (rest > sum->edge_rest && sum->look->edges < BVXI_LOOK_EDGES) {
         bvxi_near_edge *const e = &sum->look->edge[sum->look->edges++];
         e->a = *pa;
@@ -132,8 +143,11 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
         sum->bend += rest;
     }
     if (rest >= BVXI_SHEET_NO_BOUND) return;
-    /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling where a and b point away from each other */
-    factor = ab >= 0 ? (la + lb) / (4 * BVXI_PI * la * lb * (la * lb + ab)) : (la + lb) * (la * lb - ab) / (4 * BVXI_PI * la * lb * cc);
+
+    /* (a x b) (|a| + |b|) / (|a| |b| (|a| |b| + a b)), without cancelling
+     * where a and b point away from each other */
+    factor = ab >= 0 ? (la + lb) / (4 * BVXI_PI * la * lb * (la * lb + ab))
+                     : (la + lb) * (la * lb - ab) / (4 * BVXI_PI * la * lb * cc);
     for (int k = 0; k < 3; k++) gradient[k] += factor * c[k];
 }
 
@@ -141,8 +155,10 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
 static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
 {
     double const r[3] = {n->centre[0] - sum->at[0], n->centre[1] - sum->at[1], n->centre[2] - sum->at[2]};
-    double const d2 = bvxi_vec_dot(r, r), least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
+    double const d2 = bvxi_vec_dot(r, r);
+    double const least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
     double error, rest = 0, bend = 0, factor, d, gap, flux;
+
     if (d2 <= least * least) return 0;
     d = sqrt(d2);
     gap = d - n->radius;
@@ -173,6 +189,7 @@ static void add_loop(const bvxi_sheet *s, uint64_t begin, uint64_t last, const i
     uint64_t i = begin, end[40]; /* halved each time */
     bvxi_seen_point a, seen[40];
     int32_t count = 1;
+
     end[0] = last;
     see_point(s, begin, sum, &a);
     see_point(s, last, sum, &seen[0]);
@@ -207,13 +224,15 @@ static void start_sheet_sum(const bvxi_sheet *s, const int64_t p[3], sheet_sum *
 /* The product's angle is half the solid angle: 2 pi of it is a turn of 4 pi. */
 static double turns_of_product(const sheet_sum *sum)
 {
-    return (sum->im < 0 ? -bvxi_angle(sum->re, -sum->im) : bvxi_angle(sum->re, sum->im)) / (2 * BVXI_PI) + sum->rounds;
+    return (sum->im < 0 ? -bvxi_angle(sum->re, -sum->im) : bvxi_angle(sum->re, sum->im)) / (2 * BVXI_PI) +
+           sum->rounds;
 }
 
 static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, sheet_sum *sum)
 {
     bvxi_sheet_walk w;
     uint64_t i, j;
+
     start_sheet_sum(s, p, sum);
     sum->error = BVXI_SHEET_ROUNDING;
     sum->near = near;
@@ -240,9 +259,11 @@ double bvxi_sheet_angle(const bvxi_sheet *s, const int64_t p[3], double near)
     return sum.turns;
 }
 
-void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, double near, double edge_rest, bvxi_sheet_look *look)
+void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, double near, double edge_rest,
+                       bvxi_sheet_look *look)
 {
     sheet_sum sum;
+
     sum.gradient[0] = sum.gradient[1] = sum.gradient[2] = sum.rest = sum.bend = 0;
     memset(look, 0, sizeof *look);
     sum.look = look;
@@ -258,7 +279,8 @@ void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, do
 int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer)
 {
     double const whole = floor(turns + 0.5), signed_off = turns - whole; /* -1/2 .. 1/2 */
-    double const off = signed_off < 0 ? -signed_off : signed_off, from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
+    double const off = signed_off < 0 ? -signed_off : signed_off;
+    double const from_quarter = off < 0.25 ? 0.25 - off : off - 0.25;
     answer->tie = off + error < 0.5 ? 0 : signed_off < 0 ? -1 : 1;
     answer->whole = (int32_t)whole;
     answer->clear = off < 0.25;
@@ -268,6 +290,7 @@ int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_she
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int32_t want_clear)
 {
     bvxi_sheet_answer answer = {0, 0, 0};
+
     for (int level = 0; level < BVXI_SHEET_LEVELS; level++) {
         sheet_sum sum;
         sum.reach = 0;
@@ -281,6 +304,7 @@ double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uin
 {
     const uint32_t *const all = s->tree->corner;
     sheet_sum sum;
+
     sum.reach = 0;
     start_sheet_sum(s, p, &sum);
     for (uint64_t i = 0; i < count; i++) {

@@ -1,15 +1,16 @@
 /* sheet_four.c - the solid angle of the sheet over a mesh's holes, from four places at once.
  *
- * The sums of sheet.c in four lanes. Parts are opened where one of the four asks for it, so each is as near as by itself; neighbours
- * ask for nearly the same. Where digits count, lanes that do not ask for it stand still meanwhile. What is rare (a place in a
- * triangle's plane, near edges and triangles to be listed) is done lane by lane.
+ * The sums of sheet.c in four lanes. Parts are opened where one of the four asks for it, so each is as near
+ * as by itself; neighbours ask for nearly the same. Where digits count, lanes that do not ask for it stand
+ * still meanwhile. What is rare (a place in a triangle's plane, near edges and triangles to be listed) is
+ * done lane by lane.
  * Guarantee: that of sheet.c. Without vectors its own functions are asked four times. */
 #include "voxelize/sheet.h"
 #include "core/angle.h"
 #include "core/simd.h"
 
 #define four_point BVXI_SIMD(bvxi_four_point)
-#define four_sum BVXI_SIMD(bvxi_four_sum)
+#define four_sum   BVXI_SIMD(bvxi_four_sum)
 
 #if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base
@@ -42,7 +43,8 @@ void bvxi_sheet_angles_four(const bvxi_sheet *s, const int64_t p[4][3], double n
 #endif
 }
 
-void bvxi_sheet_around_four(const bvxi_sheet *s, const int64_t p[4][3], double reach, double near, double edge_rest, bvxi_sheet_look look[4])
+void bvxi_sheet_around_four(const bvxi_sheet *s, const int64_t p[4][3], double reach, double near,
+                            double edge_rest, bvxi_sheet_look look[4])
 {
 #if BVXI_HAVE_AVX2
     if (s->fast) {
@@ -57,7 +59,8 @@ void bvxi_sheet_around_four(const bvxi_sheet *s, const int64_t p[4][3], double r
 #endif
 }
 
-void bvxi_sheet_turns_four(const bvxi_sheet *s, const int64_t p[4][3], int32_t want_clear, bvxi_sheet_answer answer[4])
+void bvxi_sheet_turns_four(const bvxi_sheet *s, const int64_t p[4][3], int32_t want_clear,
+                           bvxi_sheet_answer answer[4])
 {
 #if BVXI_HAVE_AVX2
     if (s->fast) {

@@ -1,9 +1,10 @@
-/* sheet_four_body.h - the sums of sheet.c from four places. Included by sheet_four.c once for each level of core/simd.h, after
- * sheet_lanes_body.h. */
+/* sheet_four_body.h - the sums of sheet.c from four places. Included by
+ * sheet_four.c once for each level of core/simd.h, after sheet_lanes_body.h. */
 
 /* ---- Lanes together ---- */
 
-BVXI_SIMD_CODE static inline void BVXI_SIMD(from_centre)(const bvxi_sheet_node *n, const four_sum *sum, doubles4 r[3])
+BVXI_SIMD_CODE static inline void BVXI_SIMD(from_centre)(const bvxi_sheet_node *n, const four_sum *sum,
+                                                         doubles4 r[3])
 {
     r[0] = four_sub(four_all(n->centre[0]), sum->at[0]);
     r[1] = four_sub(four_all(n->centre[1]), sum->at[1]);
@@ -26,14 +27,18 @@ BVXI_SIMD_CODE static inline int BVXI_SIMD(add_far_to_four)(const bvxi_sheet_nod
     BVXI_SIMD(from_centre)(n, sum, r);
     doubles4 const d2 = four_dot(r, r);
     if (four_bits(four_less_equal(d2, four_all(least * least))) != 0) return 0;
-    doubles4 const d = four_sqrt(d2), gap = four_sub(d, four_all(n->radius)), cube = four_mul(four_mul(gap, gap), gap);
+    doubles4 const d = four_sqrt(d2);
+    doubles4 const gap = four_sub(d, four_all(n->radius));
+    doubles4 const cube = four_mul(four_mul(gap, gap), gap);
     if (four_bits(four_less(four_mul(four_all(sum->near), cube), four_all(part))) != 0) return 0;
 
     /* Its error within reach, and what the dipole bends. */
     if (sum->reach > 0) {
-        doubles4 const left = four_sub(gap, four_all(sum->reach)), left3 = four_mul(four_mul(left, left), left);
+        doubles4 const left = four_sub(gap, four_all(sum->reach));
+        doubles4 const left3 = four_mul(four_mul(left, left), left);
         doubles4 const rest = four_div(four_all(part), left3);
-        doubles4 const most = four_all(3 * sum->reach * sum->reach * n->area / (4 * BVXI_PI)), bend = four_div(most, four_mul(left3, left));
+        doubles4 const most = four_all(3 * sum->reach * sum->reach * n->area / (4 * BVXI_PI));
+        doubles4 const bend = four_div(most, four_mul(left3, left));
         if (four_bits(four_less(four_all(sum->near), four_add(rest, bend))) != 0) return 0;
         sum->rest = four_add(sum->rest, rest);
         sum->bend = four_add(sum->bend, bend);
@@ -54,7 +59,8 @@ BVXI_SIMD_CODE static inline int BVXI_SIMD(add_far_to_four)(const bvxi_sheet_nod
 }
 
 /* As add_loop of sheet.c. */
-BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_to_four)(const bvxi_sheet *s, uint64_t begin, uint64_t last, four_sum *sum)
+BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_to_four)(const bvxi_sheet *s, uint64_t begin, uint64_t last,
+                                                       four_sum *sum)
 {
     int const edges = sum->reach > 0;
     uint64_t i = begin, end[40];
@@ -71,7 +77,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_to_four)(const bvxi_sheet *s, uint
         const four_point *const b = &seen[count - 1];
         const four_point *const three[3] = {&a, &seen[count], b};
 
-        if (j - i < 2 || (j - i > 2 && (i != begin || j != last) && BVXI_SIMD(add_far_to_four)(&s->node[m], sum))) {
+        if (j - i < 2 ||
+            (j - i > 2 && (i != begin || j != last) && BVXI_SIMD(add_far_to_four)(&s->node[m], sum))) {
             if (edges) BVXI_SIMD(add_edge_to_four)(&a, b, sum);
             a = *b;
             i = j;
@@ -85,7 +92,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_to_four)(const bvxi_sheet *s, uint
     }
 }
 
-BVXI_SIMD_CODE static inline void BVXI_SIMD(begin_four)(const bvxi_sheet *s, const int64_t p[4][3], double near, four_sum *sum)
+BVXI_SIMD_CODE static inline void BVXI_SIMD(begin_four)(const bvxi_sheet *s, const int64_t p[4][3],
+                                                        double near, four_sum *sum)
 {
     doubles4 const zero = four_all(0.0);
 
@@ -110,11 +118,13 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(end_four)(four_sum *sum)
 
     four_store(re, sum->re);
     four_store(im, sum->im);
-    for (int l = 0; l < 4; l++) turns[l] = (im[l] < 0 ? -bvxi_angle(re[l], -im[l]) : bvxi_angle(re[l], im[l])) / (2 * BVXI_PI);
+    for (int l = 0; l < 4; l++)
+        turns[l] = (im[l] < 0 ? -bvxi_angle(re[l], -im[l]) : bvxi_angle(re[l], im[l])) / (2 * BVXI_PI);
     sum->turns = four_add(sum->turns, four_add(four_load(turns), sum->rounds));
 }
 
-BVXI_SIMD_CODE static void BVXI_SIMD(add_sheet_to_four)(const bvxi_sheet *s, const int64_t p[4][3], double near, four_sum *sum)
+BVXI_SIMD_CODE static void BVXI_SIMD(add_sheet_to_four)(const bvxi_sheet *s, const int64_t p[4][3],
+                                                        double near, four_sum *sum)
 {
     bvxi_sheet_walk w;
     uint64_t i, j;
@@ -127,7 +137,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_sheet_to_four)(const bvxi_sheet *s, con
 
         if (BVXI_SIMD(add_far_to_four)(bvxi_sheet_group(s, i, j), sum)) continue;
         if (j - i < 2) {
-            BVXI_SIMD(add_loop_to_four)(s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, sum);
+            BVXI_SIMD(add_loop_to_four)
+            (s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, sum);
             continue;
         }
         bvxi_sheet_push(&w, m, j);
@@ -138,8 +149,10 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_sheet_to_four)(const bvxi_sheet *s, con
 
 /* ---- Each lane for itself ---- */
 
-/* Of the active lanes those that are far from the part, which then counts as a whole there; in the digits of add_far_part. */
-BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet_node *n, four_mask active, four_sum *sum)
+/* Of the active lanes those that are far from the part, which then counts
+ * as a whole there; in the digits of add_far_part. */
+BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet_node *n, four_mask active,
+                                                                four_sum *sum)
 {
     double const least = 2 * n->radius;
     doubles4 r[3];
@@ -149,7 +162,9 @@ BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet
     four_mask far = four_and(active, four_less(four_all(least * least), d2));
     if (four_bits(far) == 0) return far;
 
-    doubles4 const d = four_sqrt(d2), gap = four_sub(d, four_all(n->radius)), cube = four_mul(four_mul(gap, gap), gap);
+    doubles4 const d = four_sqrt(d2);
+    doubles4 const gap = four_sub(d, four_all(n->radius));
+    doubles4 const cube = four_mul(four_mul(gap, gap), gap);
     doubles4 const most = four_mul(four_all(sum->near * (2 * BVXI_PI)), cube);
     far = four_and(far, four_less_equal(four_all(n->area * n->radius), most));
     if (four_bits(far) == 0) return far;
@@ -160,7 +175,8 @@ BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet
 }
 
 /* Lanes stand still up to the point until: parts are met from left to right. */
-BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64_t begin, uint64_t last, four_mask active, four_sum *sum)
+BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64_t begin, uint64_t last,
+                                                     four_mask active, four_sum *sum)
 {
     doubles4 until = four_choose(active, four_all(0.0), four_all(0x1p60));
     uint64_t i = begin, end[40];
@@ -195,7 +211,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64
     }
 }
 
-BVXI_SIMD_CODE static void BVXI_SIMD(angles_four)(const bvxi_sheet *s, const int64_t p[4][3], double near, double turns[4])
+BVXI_SIMD_CODE static void BVXI_SIMD(angles_four)(const bvxi_sheet *s, const int64_t p[4][3], double near,
+                                                  double turns[4])
 {
     doubles4 until = four_all(0.0);
     bvxi_sheet_walk w;
@@ -217,7 +234,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(angles_four)(const bvxi_sheet *s, const int
         open = four_but(open, far);
         if (four_bits(open) == 0) continue;
         if (j - i < 2) {
-            BVXI_SIMD(add_loop_alone)(s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, open, &sum);
+            BVXI_SIMD(add_loop_alone)
+            (s, bvxi_loop_begin(s->holes, s->order[i]), s->holes->loop_end[s->order[i]] - 1, open, &sum);
             continue;
         }
         bvxi_sheet_push(&w, m, j);
@@ -229,8 +247,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(angles_four)(const bvxi_sheet *s, const int
 
 /* ---- Questions ---- */
 
-BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int64_t p[4][3], double reach, double near,
-                                                 double edge_rest, bvxi_sheet_look look[4])
+BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int64_t p[4][3], double reach,
+                                                  double near, double edge_rest, bvxi_sheet_look look[4])
 {
     double numbers[10][4];
     four_sum sum;
@@ -258,8 +276,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int
 }
 
 /* Four places that are not told with the first parts are asked one by one. */
-BVXI_SIMD_CODE static void BVXI_SIMD(turns_four)(const bvxi_sheet *s, const int64_t p[4][3], int32_t want_clear,
-                                                bvxi_sheet_answer answer[4])
+BVXI_SIMD_CODE static void BVXI_SIMD(turns_four)(const bvxi_sheet *s, const int64_t p[4][3],
+                                                 int32_t want_clear, bvxi_sheet_answer answer[4])
 {
     double turns[4], error[4];
     four_sum sum;
@@ -270,5 +288,6 @@ BVXI_SIMD_CODE static void BVXI_SIMD(turns_four)(const bvxi_sheet *s, const int6
     four_store(turns, sum.turns);
     four_store(error, sum.error);
     for (int l = 0; l < 4; l++)
-        if (!bvxi_sheet_conclude(turns[l], error[l], want_clear, &answer[l])) answer[l] = bvxi_sheet_turns(s, p[l], want_clear);
+        if (!bvxi_sheet_conclude(turns[l], error[l], want_clear, &answer[l]))
+            answer[l] = bvxi_sheet_turns(s, p[l], want_clear);
 }

@@ -1,6 +1,8 @@
-/* sheet_lanes_body.h - four places that a sheet is seen from: triangles and edges that are added to the sums of all.
+/* sheet_lanes_body.h - four places that a sheet is seen from: triangles and edges that are added to the sums
+ * of all.
  *
- * What sheet.c does for one place, in the same order of operations. Included by sheet_four.c once for each level of core/simd.h. */
+ * What sheet.c does for one place, in the same order of operations. Included by sheet_four.c once for each
+ * level of core/simd.h. */
 
 typedef struct four_point {
     doubles4 v[3], length;
@@ -15,12 +17,13 @@ typedef struct four_sum {
     bvxi_sheet_look *look; /* of each lane */
     double near, reach, edge_rest;
     int32_t factors;
-    int alone;          /* 1: each lane opens parts for itself, the others stand still */
-    four_mask active;   /* alone: those that do not */
-    doubles4 counted;   /* alone: their factors */
+    int alone;        /* 1: each lane opens parts for itself, the others stand still */
+    four_mask active; /* alone: those that do not */
+    doubles4 counted; /* alone: their factors */
 } four_sum;
 
-BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint64_t i, const four_sum *sum, four_point *p)
+BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint64_t i, const four_sum *sum,
+                                                      four_point *p)
 {
     const double *const q = bvxi_sheet_point(s, i);
 
@@ -83,11 +86,13 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 r
 }
 
 /* As keep_near_triangle of sheet.c. */
-BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_node *n, const four_point *const p[3], doubles4 det,
-                                                              const four_sum *sum)
+BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_node *n,
+                                                               const four_point *const p[3], doubles4 det,
+                                                               const four_sum *sum)
 {
     double const limit = n->radius + sum->reach;
-    doubles4 const r[3] = {four_sub(four_all(n->centre[0]), sum->at[0]), four_sub(four_all(n->centre[1]), sum->at[1]),
+    doubles4 const r[3] = {four_sub(four_all(n->centre[0]), sum->at[0]),
+                           four_sub(four_all(n->centre[1]), sum->at[1]),
                            four_sub(four_all(n->centre[2]), sum->at[2])};
     doubles4 u[3], w[3], normal[3];
     double numbers[4][4];
@@ -121,8 +126,10 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_
 }
 
 /* Lanes whose place lies in the triangle's plane, or nearly. */
-BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uint64_t corner[3], const four_point *const q[3],
-                                                       uint32_t lanes, const four_sum *sum, doubles4 *det, doubles4 *den, four_mask up)
+BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uint64_t corner[3],
+                                                       const four_point *const q[3], uint32_t lanes,
+                                                       const four_sum *sum, doubles4 *det, doubles4 *den,
+                                                       four_mask up)
 {
     double dets[4], dens[4], ups[4];
     const int32_t *fixed[3];
@@ -140,15 +147,17 @@ BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, cons
             BVXI_SIMD(lane_of_point)(q[k], lane, &p);
             memcpy(v[k], p.v, sizeof v[k]);
         }
-        ups[lane] = bvxi_touching_angle(fixed, sum->place[lane], (const double(*)[3])v, dets[lane], &dens[lane], &dets[lane]);
+        ups[lane] = bvxi_touching_angle(fixed, sum->place[lane], (const double(*)[3])v, dets[lane],
+                                        &dens[lane], &dets[lane]);
     }
     *det = four_load(dets);
     *den = four_load(dens);
     return four_less(four_all(0.0), four_load(ups));
 }
 
-BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_sheet *s, const uint64_t corner[3],
-                                                                 const four_point *const q[3], four_sum *sum)
+BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_sheet *s,
+                                                                  const uint64_t corner[3],
+                                                                  const four_point *const q[3], four_sum *sum)
 {
     const doubles4 *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
     doubles4 const la = q[0]->length, lb = q[1]->length, lc = q[2]->length;
@@ -162,13 +171,16 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_she
     four_mask up = four_less(four_all(0.0), det);
 
     if (sum->reach > 0) BVXI_SIMD(keep_near_of_four)(&s->node[corner[1]], q, det, sum);
-    uint32_t const touching = four_bits(four_and(four_less_equal(four_size(det), most), four_less_equal(den, most)));
-    if (BVXI_UNLIKELY(touching != 0)) up = BVXI_SIMD(touch_lanes)(s, corner, q, touching, sum, &det, &den, up);
+    uint32_t const touching = four_bits(
+        four_and(four_less_equal(four_size(det), most), four_less_equal(den, most)));
+    if (BVXI_UNLIKELY(touching != 0))
+        up = BVXI_SIMD(touch_lanes)(s, corner, q, touching, sum, &det, &den, up);
     BVXI_SIMD(turn_four)(sum, den, det, up);
 }
 
-BVXI_SIMD_CODE static void BVXI_SIMD(keep_edge_of_four)(const four_point *pa, const four_point *pb, const doubles4 c[3], doubles4 ab,
-                                                        uint32_t lanes, const four_sum *sum)
+BVXI_SIMD_CODE static void BVXI_SIMD(keep_edge_of_four)(const four_point *pa, const four_point *pb,
+                                                        const doubles4 c[3], doubles4 ab, uint32_t lanes,
+                                                        const four_sum *sum)
 {
     double numbers[4][4];
 
@@ -186,7 +198,8 @@ BVXI_SIMD_CODE static void BVXI_SIMD(keep_edge_of_four)(const four_point *pa, co
 }
 
 /* As add_sheet_edge of sheet.c. */
-BVXI_SIMD_CODE static inline void BVXI_SIMD(add_edge_to_four)(const four_point *pa, const four_point *pb, four_sum *sum)
+BVXI_SIMD_CODE static inline void BVXI_SIMD(add_edge_to_four)(const four_point *pa, const four_point *pb,
+                                                              four_sum *sum)
 {
     const doubles4 *const a = pa->v, *const b = pb->v;
     doubles4 const zero = four_all(0.0), reach = four_all(sum->reach), twice = four_add(reach, reach);
@@ -204,13 +217,15 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_edge_to_four)(const four_point *
     doubles4 d = four_sub(four_mul(four_all(0.5), four_sub(four_add(la, lb), length)), reach);
     four_mask const close = four_less(d, twice);
     if (four_bits(close) != 0) {
-        four_mask const at_b = four_less_equal(four_dot(b, u), zero), at_a = four_less_equal(zero, four_dot(a, u));
+        four_mask const at_b = four_less_equal(four_dot(b, u), zero);
+        four_mask const at_a = four_less_equal(zero, four_dot(a, u));
         doubles4 const off = four_choose(at_a, la, four_choose(at_b, lb, four_div(four_sqrt(cc), length)));
         d = four_choose(close, four_sub(off, reach), d);
     }
     four_mask const too_near = four_less_equal(d, four_all(1e-3 * sum->reach));
     doubles4 const cube = four_mul(four_mul(d, d), d);
-    doubles4 const bent = four_div(four_mul(four_all(sum->reach * sum->reach), length), four_mul(four_all(4 * BVXI_PI), cube));
+    doubles4 const bent = four_div(four_mul(four_all(sum->reach * sum->reach), length),
+                                   four_mul(four_all(4 * BVXI_PI), cube));
     doubles4 const rest = four_choose(too_near, four_all(BVXI_SHEET_NO_BOUND), bent);
 
     /* Near edges are listed, as far as there is room. */

@@ -1,12 +1,13 @@
-/* sheet_nodes.c - what the parts of a sheet over holes are from far off: balls and areas; parts of loops, loops, groups of
- * loops. */
+/* sheet_nodes.c - what the parts of a sheet over holes are from far off:
+ * balls and areas; parts of loops, loops, groups of loops. */
 #include "voxelize/sheet_tree.h"
 #include "mesh/radix.h"
 
 /* Half the cross product of b - a and c - a. */
 static void sheet_normal(const double a[3], const double b[3], const double c[3], double n[3])
 {
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     n[0] = 0.5 * (u[1] * v[2] - u[2] * v[1]);
     n[1] = 0.5 * (u[2] * v[0] - u[0] * v[2]);
     n[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
@@ -22,6 +23,7 @@ static double sheet_distance(const double a[3], const double b[3])
 static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
 {
     double low[3], high[3];
+
     memcpy(low, bvxi_sheet_point(s, i), sizeof low);
     memcpy(high, low, sizeof high);
     for (uint64_t k = i + 1; k <= j; k++) {
@@ -45,6 +47,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
 {
     bvxi_sheet_walk w;
     uint64_t from, to;
+
     memset(node, 0, sizeof *node);
     enclose_points(s, i, j, node);
     w.count = 0;
@@ -76,6 +79,7 @@ static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_
 {
     double const d = sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
     double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
+
     memset(both, 0, sizeof *both);
     for (int i = 0; i < 3; i++) {
         both->normal[i] = a->normal[i] + b->normal[i];
@@ -97,13 +101,15 @@ static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
     return key;
 }
 
-/* Groups from small to large: a group's halves come after it on the walk, so a list of them is gone through backwards. */
+/* Groups from small to large: a group's halves come after it on the walk,
+ * so a list of them is gone through backwards. */
 static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 {
     uint64_t const loops = s->holes->loops;
     uint64_t *key = NULL, *range = NULL, count = 0, i, j;
     bvxi_sheet_walk w;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 8, "the holes' places", &key);
+
     if (status == BVX_OK) {
         for (uint32_t l = 0; l < loops; l++) {
             key[l] = loop_place(s, l);
@@ -124,7 +130,8 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
         }
         while (count-- > 0) {
             uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
-            join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]), &s->group[m]);
+            join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
+                       &s->group[m]);
         }
     }
     bvxi_free(ctx, range, loops * 16);
@@ -135,6 +142,7 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
 static void fill_sheet(bvxi_sheet *s)
 {
     uint64_t begin = 0;
+
     for (uint64_t i = 0; i < 3 * s->holes->points; i++)
         s->point[i] = (double)s->xyz[3 * (uint64_t)s->holes->vertex[i / 3] + i % 3] * s->scale[i % 3];
     for (uint64_t l = 0; l < s->holes->loops; begin = s->holes->loop_end[l++]) {
@@ -152,11 +160,12 @@ static void fill_sheet(bvxi_sheet *s)
     }
 }
 
-bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice,
-                           bvxi_sheet *sheet)
+bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
+                           const bvx_lattice *lattice, bvxi_sheet *sheet)
 {
     double const largest = bvxi_largest_spacing(lattice);
     bvx_status status;
+
     memset(sheet, 0, sizeof *sheet);
     sheet->holes = holes;
     sheet->xyz = snapped->xyz;
@@ -167,9 +176,14 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);
     }
     status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node, "the sheet over the holes", &sheet->node);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes", &sheet->group);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node,
+                            "the sheet over the holes", &sheet->node);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
+                            &sheet->group);
     if (status == BVX_OK) {
         fill_sheet(sheet);
         status = group_loops(ctx, sheet);

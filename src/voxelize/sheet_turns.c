@@ -2,22 +2,24 @@
  *
  * Bricks, and centres by themselves, are asked four at a time (sheet_four.c).
  *
- * Source: the hierarchy is that of Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for Soups and Clouds. 2018, on
- * the side of the questions.
+ * Source: the hierarchy is that of Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for Soups
+ * and Clouds. 2018, on the side of the questions.
  *
- * A brick is asked at its middle, where the angle comes with its gradient and with a bound on how far it may be from linear within
- * the brick (sheet.c). Where that leaves no doubt for any centre, and no sheet is near, all have one whole number. Else the brick
- * is cut into eight. A small one tells what its centres have: the linear angle, what near edges sweep on the way from the middle, and
- * which near triangles that way crosses (sheet_near.c). Centres nearer than the bound to a half are asked by themselves.
+ * A brick is asked at its middle, where the angle comes with its gradient and with a bound on how far it may
+ * be from linear within the brick (sheet.c). Where that leaves no doubt for any centre, and no sheet is near,
+ * all have one whole number. Else the brick is cut into eight. A small one tells what its centres have: the
+ * linear angle, what near edges sweep on the way from the middle, and which near triangles that way crosses
+ * (sheet_near.c). Centres nearer than the bound to a half are asked by themselves.
  * Guarantee: what each centre would say by itself, so where bricks lie does not matter. */
 #include "voxelize/sheet_tree.h"
 #include "voxelize/turns_brick.h"
 
 enum { TURNS_STACK = 160, TURNS_SMALL = 4, TURNS_PLAIN = 8, TURNS_LANES = 4 };
 
-static const double turns_near[2] = {1e-2, 1e-3}; /* parts of the sheet are opened until each is off by less; in small bricks */
-static const double turns_edge = 1e-2;  /* in small bricks edges are near when they alone are off by more */
-static const double turns_doubt = 0.2;  /* small bricks are cut further when their bound is above */
+/* parts of the sheet are opened until each is off by less; in small bricks */
+static const double turns_near[2] = {1e-2, 1e-3};
+static const double turns_edge = 1e-2; /* in small bricks edges are near when they alone are off by more */
+static const double turns_doubt = 0.2; /* small bricks are cut further when their bound is above */
 
 /* Centres that are to be asked by themselves. */
 typedef struct turns_asked {
@@ -30,9 +32,11 @@ static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
     int64_t const step = (int64_t)1 << block->sheet->fraction_bits;
     bvxi_sheet_answer answer[TURNS_LANES];
     int64_t p[TURNS_LANES][3];
+
     if (asked->count == 0) return;
     for (int32_t i = 0; i < TURNS_LANES; i++)
-        for (int32_t a = 0; a < 3; a++) p[i][a] = (block->low[a] + asked->at[i < asked->count ? i : 0][a]) * step + step / 2;
+        for (int32_t a = 0; a < 3; a++)
+            p[i][a] = (block->low[a] + asked->at[i < asked->count ? i : 0][a]) * step + step / 2;
     if (asked->count == 1) answer[0] = bvxi_sheet_turns(block->sheet, p[0], block->want_clear);
     else bvxi_sheet_turns_four(block->sheet, (const int64_t(*)[3])p, block->want_clear, answer);
     for (int32_t i = 0; i < asked->count; i++) {
@@ -58,14 +62,15 @@ static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, 
 }
 
 /* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
-static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2, const double h[3], int32_t *whole,
-                       int *clear)
+static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
+                       const double h[3], int32_t *whole, int *clear)
 {
     double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
     const double *const g = look->gradient, *const e = look->edge_gradient;
     double turns = look->turns + g[0] * h[0] + g[1] * h[1] + g[2] * h[2], n;
     double const linear = turns + e[0] * h[0] + e[1] * h[1] + e[2] * h[2];
     int32_t entered = 0;
+
     if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
         if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
         if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
@@ -76,13 +81,14 @@ static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *loo
     return 1;
 }
 
-static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look, double reach2,
-                       turns_asked *asked)
+static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                       double reach2, turns_asked *asked)
 {
     const double *const step = block->sheet->step;
     double middle[3], h[3];
     int32_t whole;
     int clear;
+
     for (int32_t a = 0; a < 3; a++) middle[a] = b->at[a] + 0.5 * (b->size[a] - 1);
     for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
         for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++) {
@@ -92,18 +98,22 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
             for (int32_t x = b->at[0]; x < b->at[0] + b->size[0]; x++) {
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
-                if (tell_centre(block, look, reach2, h, &whole, &clear)) set_turns(block, row, x, whole, block->want_clear && clear);
+                if (tell_centre(block, look, reach2, h, &whole, &clear))
+                    set_turns(block, row, x, whole, block->want_clear && clear);
                 else ask_later(block, x, y, z, asked);
             }
         }
 }
 
 /* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
-static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look, int32_t *whole, int *clear)
+static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                      int32_t *whole, int *clear)
 {
     double spread = look->rest + look->bend + look->edge_bend, n;
+
     for (int32_t a = 0; a < 3; a++) {
-        double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] * (look->gradient[a] + look->edge_gradient[a]);
+        double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
+                           (look->gradient[a] + look->edge_gradient[a]);
         spread += way < 0 ? -way : way;
     }
     if (look->triangles > 0 || !is_certain(block, look->turns, spread, &n, clear)) return 0;
@@ -112,15 +122,19 @@ static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const
 }
 
 /* 1 when the brick is done with. */
-static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look, double reach, turns_asked *asked)
+static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look, double reach,
+                     turns_asked *asked)
 {
     int32_t whole;
     int clear;
+
     if (is_settled(block, b, look, &whole, &clear)) {
         settle_brick(block, b, whole, block->want_clear && clear);
         return 1;
     }
-    if (b->side > TURNS_PLAIN || (b->side > 2 && (look->rest + look->bend > turns_doubt || look->triangles > BVXI_LOOK_TRIANGLES))) return 0;
+    if (b->side > TURNS_PLAIN ||
+        (b->side > 2 && (look->rest + look->bend > turns_doubt || look->triangles > BVXI_LOOK_TRIANGLES)))
+        return 0;
     tell_brick(block, b, look, reach * reach, asked);
     return 1;
 }
@@ -131,6 +145,7 @@ static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *
     const bvxi_sheet *const s = block->sheet;
     int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
     double reach = 0;
+
     for (int32_t a = 0; a < 3; a++) {
         double const way = 0.5 * (b->size[a] - 1) * s->step[a];
         reach += way * way;
@@ -140,13 +155,15 @@ static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *
 }
 
 /* Bricks of one side; those that are not done with are cut. */
-static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_t bricks, turns_brick *stack, int32_t *count, turns_asked *asked)
+static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_t bricks, turns_brick *stack,
+                           int32_t *count, turns_asked *asked)
 {
     int const small = b->side <= TURNS_SMALL;
     double const edge = small ? turns_edge : 1e60;
     bvxi_sheet_look look[TURNS_LANES];
     int64_t p[TURNS_LANES][3];
     double reach = 0;
+
     for (int32_t i = 0; i < TURNS_LANES; i++) {
         double const own = middle_of_brick(block, &b[i < bricks ? i : 0], p[i]);
         reach = own > reach ? own : reach;
@@ -162,6 +179,7 @@ void bvxi_sheet_block(bvxi_turns_block *block)
     turns_brick stack[TURNS_STACK]; /* four times seven more, and one, at each of four cuts */
     turns_asked asked;
     int32_t count = 1;
+
     asked.count = 0;
     if (block->pending != NULL) {
         bvxi_sheet_tree_block(block);

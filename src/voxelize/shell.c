@@ -7,11 +7,13 @@ void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell)
     memset(shell, 0, sizeof *shell);
 }
 
-bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *shell, uint64_t *voxels)
+bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                           bvx_grid *shell, uint64_t *voxels)
 {
     uint64_t const words = bvxi_grid_words(solid);
     bvx_surface_options o;
     bvx_status status;
+
     bvx_surface_options_init(&o, sizeof o);
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);

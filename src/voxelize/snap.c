@@ -1,6 +1,7 @@
 /* snap.c - vertices to fixed point: q = floor((p - origin) * (2^F / spacing) + 1/2) in doubles, |q| < 2^30.
  *
- * Guarantee: depends on the vertex and the lattice alone, so that shared edges stay shared and windows agree. */
+ * Guarantee: depends on the vertex and the lattice alone, so that shared edges stay shared and windows
+ * agree. */
 #include "voxelize/snap.h"
 
 enum { SNAP_GRAIN = 8192, SNAP_BAD = INT32_MIN, SNAP_RUN = 64 };
@@ -11,16 +12,17 @@ typedef struct snap_job {
     bvxi_snapped *out;
     bvxi_row_block block;
     int32_t fraction_bits, pieces, cpu;
-    int32_t swap; /* the coordinate that changes places with the first */
+    int32_t swap;     /* the coordinate that changes places with the first */
     uint8_t bad[256]; /* by piece */
 } snap_job;
 
-/* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. Vertices that do not
- * fit come out with coordinates of 0 and make the result other than 1. */
-BVXI_VECTOR_INLINE int snap_run(const float *BVXI_RESTRICT p, const double *BVXI_RESTRICT origin, const double *BVXI_RESTRICT scale,
-                                int32_t *BVXI_RESTRICT q)
+/* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. Vertices
+ * that do not fit come out with coordinates of 0 and make the result other than 1. */
+BVXI_VECTOR_INLINE int snap_run(const float *BVXI_RESTRICT p, const double *BVXI_RESTRICT origin,
+                                const double *BVXI_RESTRICT scale, int32_t *BVXI_RESTRICT q)
 {
     uint64_t outside[3 * SNAP_RUN], any = 0;
+
     for (int32_t i = 0; i < 3 * SNAP_RUN; i++) {
         double const v = ((double)p[i] - origin[i]) * scale[i];
         int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
@@ -38,6 +40,7 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
     const bvx_mesh_view *const view = job->view;
     int fits = 1;
     uint64_t v = begin;
+
     if (bvxi_view_packed_f32(view)) {
         double origin[3 * SNAP_RUN], scale[3 * SNAP_RUN];
         float p[3 * SNAP_RUN];
@@ -47,7 +50,8 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
         }
         for (; end - v >= SNAP_RUN; v += SNAP_RUN) {
             memcpy(p, bvxi_view_position_at(view, v), sizeof p);
-            if (BVXI_UNLIKELY(!snap_run(p, origin, scale, job->out->xyz + 3 * v))) break; /* the slow loop finds which */
+            /* the slow loop finds which */
+            if (BVXI_UNLIKELY(!snap_run(p, origin, scale, job->out->xyz + 3 * v))) break;
         }
     }
     for (; v < end; v++) {
@@ -73,6 +77,7 @@ static void snap_piece(void *user, int32_t index, int32_t worker)
 {
     snap_job *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->view->vertex_count, job->pieces, index, &begin, &end);
 #if BVXI_HAVE_AVX2
@@ -85,25 +90,30 @@ static void snap_piece(void *user, int32_t index, int32_t worker)
 }
 
 /* Vertices that no triangle uses may be anything; the first used one that does not fit is named. */
-static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_job *job, const bvx_lattice *lattice)
+static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_job *job,
+                             const bvx_lattice *lattice)
 {
     const bvx_mesh_view *const view = job->view;
+
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t corner[3];
-        if (!bvxi_view_triangle(view, t, corner)) continue; /* reported by the stage, with the triangle's number */
+        /* reported by the stage, with the triangle's number */
+        if (!bvxi_view_triangle(view, t, corner)) continue;
         for (int32_t i = 0; i < 3; i++) {
             double p[3];
             if (job->out->xyz[3 * (uint64_t)corner[i]] != SNAP_BAD) continue;
             bvxi_view_position(view, corner[i], p);
             for (int32_t a = 0; a < 3; a++)
                 if (!(p[a] - p[a] == 0.0))
-                    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: vertex %i (of triangle %u) has a coordinate that is not finite",
-                                     function, (uint64_t)corner[i], t);
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: vertex %i at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
-                             "with %d fraction bits coordinates up to %g voxels away fit",
-                             function, (uint64_t)corner[i], p[0], p[1], p[2], (int64_t)lattice->fraction_bits,
-                             BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));
+                    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                         "%s: vertex %i (of triangle %u) has a coordinate that is not finite",
+                                         function, (uint64_t)corner[i], t);
+            return bvxi_fail(
+                ctx, BVX_ERR_RANGE,
+                "%s: vertex %i at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
+                "with %d fraction bits coordinates up to %g voxels away fit",
+                function, (uint64_t)corner[i], p[0], p[1], p[2], (int64_t)lattice->fraction_bits,
+                BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));
         }
     }
     for (uint64_t v = 0; v < view->vertex_count; v++)
@@ -118,22 +128,25 @@ void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s)
     memset(s, 0, sizeof *s);
 }
 
-bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double scale[3])
+bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
+                           double scale[3])
 {
     for (int32_t a = 0; a < 3; a++) {
         scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
         if (!(scale[a] - scale[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by", function, lattice->spacing[a]);
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by",
+                             function, lattice->spacing[a]);
     }
     return BVX_OK;
 }
 
-bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view, const bvx_lattice *lattice,
-                     bvxi_snapped *out)
+bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                     const bvx_lattice *lattice, bvxi_snapped *out)
 {
     snap_job job = {0};
     bvx_status status;
     int any_bad = 0;
+
     memset(out, 0, sizeof *out);
     out->vertex_count = view->vertex_count;
     job.view = view;
@@ -164,6 +177,7 @@ static void cell_piece(void *user, int32_t index, int32_t worker)
     const int32_t *const xyz = job->out->xyz;
     uint32_t *const cell = job->out->cell;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
@@ -173,8 +187,8 @@ static void cell_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block, double progress,
-                           bvxi_snapped *s)
+bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const bvxi_row_block *block,
+                           double progress, bvxi_snapped *s)
 {
     snap_job job = {0};
     job.out = s;
@@ -188,6 +202,7 @@ static void swap_piece(void *user, int32_t index, int32_t worker)
 {
     const snap_job *const job = user;
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
@@ -202,6 +217,7 @@ static void swap_piece(void *user, int32_t index, int32_t worker)
 bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_snapped *s)
 {
     snap_job job = {0};
+
     job.out = s;
     job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
     while (s->axis != axis) {

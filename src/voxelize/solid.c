@@ -1,16 +1,18 @@
 /* solid.c - the rows of centres inside a mesh, along any axis.
  *
- * Source: the scanline solid of "LOD by voxelization and downsampling" 2.3, its offsets replaced by an exact tie rule
- * (cover.h).
+ * Source: the scanline solid of "LOD by voxelization and downsampling" 2.3, its offsets replaced by an exact
+ * tie rule (cover.h).
  *
- * Vertices are snapped once. In rounds, chunks of triangles find their crossings with rows (crossings.c, spans.c) and
- * tiles of rows toggle one bit for each; at the end prefix parity turns toggles into runs. Rows that do not balance are
- * redone from their crossing lists; the rule nonzero makes lists for all rows (solid_rows.c).
+ * Vertices are snapped once. In rounds, chunks of triangles find their crossings with rows (crossings.c,
+ * spans.c) and tiles of rows toggle one bit for each; at the end prefix parity turns toggles into runs. Rows
+ * that do not balance are redone from their crossing lists; the rule nonzero makes lists for all rows
+ * (solid_rows.c).
  * Guarantee: exact, and the same bits for any order of triangles, threads and windows. */
 #include "voxelize/solid.h"
 
 enum { CHUNK_GRAIN = 4096 };
-#define CHUNK_BYTES (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
+#define CHUNK_BYTES \
+    (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
 
 /* ---- rounds ---- */
 
@@ -19,6 +21,7 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
 {
     int32_t const j = (int32_t)(at & 0xffff), k = (int32_t)(at >> 16);
     uint64_t const row = bvxi_block_row(job, j, k);
+
     if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
         int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
         if (x < job->grid->size[0]) {
@@ -50,7 +53,8 @@ typedef struct tile_sink {
 static void take_large(void *user, uint32_t row, int32_t code)
 {
     tile_sink *const sink = user;
-    if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST) sink->job->crossings[sink->tile]++;
+    if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST)
+        sink->job->crossings[sink->tile]++;
     take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
 }
 
@@ -59,22 +63,27 @@ static void take_tile(void *user, int32_t tile, int32_t worker)
     bvxi_solid_job *const job = user;
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
     tile_sink sink = {job, tile, 0};
+
     (void)worker;
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
         uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
         const bvxi_crossing *const x = chunk->sorted;
         if (job->mode == BVXI_TOGGLE) {
-            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
             job->crossings[tile] += end - begin;
         } else if (job->mode == BVXI_TOGGLE_SUMMED) {
-            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
             job->crossings[tile] += end - begin;
         } else {
-            for (uint32_t i = begin; i < end; i++) take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
             if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
         }
-        for (uint32_t i = 0; i < chunk->large_count; i++) bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
+        for (uint32_t i = 0; i < chunk->large_count; i++)
+            bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
     job->tile_sums[tile][0] += sink.sum;
 }
@@ -83,6 +92,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
 {
     uint64_t const all = job->view->triangle_count;
     uint64_t left = all;
+
     job->mode = mode;
     job->rounds = 0;
     for (int32_t c = 0; c < job->chunks; c++) {
@@ -96,7 +106,8 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
         left = 0;
         job->rounds++;
         for (int32_t c = 0; c < job->chunks; c++) {
-            if (job->chunk[c].bad != UINT64_MAX) return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
+            if (job->chunk[c].bad != UINT64_MAX)
+                return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
             left += job->chunk[c].end - job->chunk[c].next;
         }
         BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->tiles.count, take_tile, job));
@@ -108,7 +119,8 @@ bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode,
 {
     if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
     job->mode = mode;
-    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to), job->tiles.count, take_tile, job);
+    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                         job->tiles.count, take_tile, job);
 }
 
 /* ---- toggles to runs ---- */
@@ -117,6 +129,7 @@ bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode,
 static uint32_t close_row(uint64_t *words, int32_t n)
 {
     uint64_t carry = 0;
+
     for (int32_t k = 0; k < n; k++) {
         uint64_t const w = words[k];
         if (w == 0) {
@@ -133,6 +146,7 @@ static uint32_t close_row(uint64_t *words, int32_t n)
 static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint64_t *sum)
 {
     uint64_t carry = 0;
+
     for (int32_t k = 0; k < n; k++) {
         uint64_t const w = words[k];
         words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
@@ -162,13 +176,16 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     uint64_t sum = 0;
+
     (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t *const words = bvxi_block_words(job, j, k);
             uint64_t const row = bvxi_block_row(job, j, k);
-            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row, bvxi_window_row(job, j, k), &sum)
-                                              : close_row(words, g->words_per_row)) ^ job->beyond[row];
+            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row,
+                                                                 bvxi_window_row(job, j, k), &sum)
+                                              : close_row(words, g->words_per_row)) ^
+                                 job->beyond[row];
             words[g->words_per_row - 1] &= tail;
             job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
             if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
@@ -181,9 +198,12 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
 static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15), job->tiles.count, clear_tile, job));
+
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15),
+                           job->tiles.count, clear_tile, job));
     BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85), job->tiles.count, close_tile, job));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
+                           job->tiles.count, close_tile, job));
     for (int32_t t = 0; t < job->tiles.count; t++) unbalanced += job->unbalanced[t];
     if (unbalanced == 0 || job->keep_odd) return BVX_OK;
     job->listed = job->beyond;
@@ -196,6 +216,7 @@ static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_sol
 {
     bvxi_row_lists lists;
     bvx_status status;
+
     BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.4, &lists));
     for (int32_t c = 0; c < job->chunks; c++) {
         report->triangles_used += job->chunk[c].used;
@@ -212,13 +233,15 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
 {
     uint64_t const rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
     bvx_status status;
+
     job->listed = NULL;
     memset(job->crossings, 0, sizeof job->crossings);
     memset(job->unbalanced, 0, sizeof job->unbalanced);
     memset(job->dropped, 0, sizeof job->dropped);
     memset(job->tile_sums, 0, sizeof job->tile_sums);
     bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
-    BVXI_TRY(bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
+    BVXI_TRY(
+        bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
     if (job->take_lists != NULL) {
         status = fill_from_lists(ctx, job, report);
     } else if (job->fill == BVX_FILL_BELOW) {
@@ -240,17 +263,20 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
 }
 
 /* Blocks of at most 65535 x 65535 rows: sides that fit the 16 bits of a cell. */
-bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *g, int32_t axis, int32_t fill, double from,
-                           double to, bvx_solid_report *report)
+bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *g, int32_t axis,
+                           int32_t fill, double from, double to, bvx_solid_report *report)
 {
-    int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) * ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
+    int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) *
+                           ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
+
     BVXI_TRY(bvxi_snap_turn(ctx, axis, from, &job->snapped));
     job->grid = g;
     job->fill = fill;
     job->progress_share = (to - from) / blocks;
     job->progress_from = from;
     for (int32_t z = 0; z < g->size[2]; z += BVXI_MAX_CELL_SIDE) {
-        for (int32_t y = 0; y < g->size[1]; y += BVXI_MAX_CELL_SIDE, job->progress_from += job->progress_share) {
+        for (int32_t y = 0; y < g->size[1];
+             y += BVXI_MAX_CELL_SIDE, job->progress_from += job->progress_share) {
             job->block.y0 = g->low[1] + y;
             job->block.z0 = g->low[2] + z;
             job->block.ny = g->size[1] - y < BVXI_MAX_CELL_SIDE ? g->size[1] - y : BVXI_MAX_CELL_SIDE;
@@ -265,10 +291,13 @@ bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid
 static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
 {
     unsigned char *memory;
+
     job->chunks = bvxi_piece_count(job->view->triangle_count, CHUNK_GRAIN);
     if (job->chunks > BVXI_SOLID_CHUNKS) job->chunks = BVXI_SOLID_CHUNKS;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch, "the workers' batches", &job->batch));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch,
+                        "the workers' batches", &job->batch));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
     job->chunk = (bvxi_chunk *)(void *)memory;
     memory += (size_t)job->chunks * sizeof *job->chunk;
     for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
@@ -278,10 +307,11 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
     return BVX_OK;
 }
 
-bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                           bvxi_solid_job *job)
+bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                           const bvx_lattice *lattice, bvxi_solid_job *job)
 {
     bvx_status status;
+
     memset(job, 0, sizeof *job);
     job->function = function;
     job->view = mesh;

@@ -1,7 +1,8 @@
 /* solid_losses.c - what a solid has lost of its mesh: thin walls, and how the volumes compare.
  *
- * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and asks for closest points there: two to
- * three times the fill of a scan. Parts of lattices, as work in tiles has them, are looked at only where asked.
+ * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and asks for
+ * closest points there: two to three times the fill of a scan. Parts of lattices, as work in tiles has them,
+ * are looked at only where asked.
  * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
@@ -12,7 +13,7 @@
 
 enum { LOSS_GRAIN = 4096 };
 
-#define LOSS_SHEET 1e-6  /* of the volume of a cube of that surface: folded sheets enclose less */
+#define LOSS_SHEET 1e-6 /* of the volume of a cube of that surface: folded sheets enclose less */
 
 /* Sums over some triangles: six times the volume, twice the shadows along each axis. */
 typedef struct loss_sums {
@@ -124,23 +125,27 @@ static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 /* What the mesh encloses; 0 where the solid does not hold all of it, or next to nothing is enclosed. */
 static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh, const bvx_grid *solid)
 {
-    double const volume = bvxi_absolute(sums->volume) / 6.0, area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
+    double const volume = bvxi_absolute(sums->volume) / 6.0;
+    double const area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
 
     if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e38)) return 0;
-    return is_in_window(mesh, solid) ? bvxi_nearest_float(volume) : 0; /* sums' last bits follow the order of triangles */
+    /* sums' last bits follow the order of triangles */
+    return is_in_window(mesh, solid) ? bvxi_nearest_float(volume) : 0;
 }
 
 /* ---- Of the solid ---- */
 
-/* Is it known that the triangles run the same way round? Rules that do not ask for it say nothing of it when asked for by name. */
+/* Is it known that the triangles run the same way round? Rules that do not
+ * ask for it say nothing of it when asked for by name. */
 static int is_oriented(const bvx_solid_report *r)
 {
     if (r->turned != 0) return 0;
-    return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING || (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
+    return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
+           (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
 }
 
-void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                         const bvx_solid_report *report, bvxi_walls *walls)
+void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                         const bvx_grid *solid, const bvx_solid_report *report, bvxi_walls *walls)
 {
     memset(walls, 0, sizeof *walls);
     walls->ctx = ctx;
@@ -148,7 +153,8 @@ void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_
     walls->mesh = mesh;
     walls->solid = solid;
     walls->unoriented = !is_oriented(report);
-    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0) walls->open = walls->unoriented ? 2 : 1;
+    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0)
+        walls->open = walls->unoriented ? 2 : 1;
 }
 
 void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
@@ -170,8 +176,8 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
 }
 
-static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                                 bvx_solid_report *report)
+static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                                 const bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_walls walls;
     bvx_status status;
@@ -184,11 +190,12 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
     return status;
 }
 
-bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                             const bvx_voxelize_options *o, bvx_solid_report *report)
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
-    int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] && solid->size[2] == l->dims[2];
+    int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
+                      solid->size[2] == l->dims[2];
     int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
     loss_sums sums;
     uint64_t voxels;

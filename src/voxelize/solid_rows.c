@@ -1,8 +1,8 @@
 /* solid_rows.c - rows filled from their sorted crossings.
  *
  * Every row under the rule nonzero, and those rows under parity whose crossings do not balance.
- * Guarantee: a row's bits follow from its crossings over the whole line, in no order of triangles, and a window sees
- * the same row as the whole lattice does. */
+ * Guarantee: a row's bits follow from its crossings over the whole line, in no order of triangles, and a
+ * window sees the same row as the whole lattice does. */
 #include "voxelize/solid.h"
 #include "bits/sort.h"
 
@@ -26,6 +26,7 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
 {
     int64_t filled = 0, least;
     uint32_t drop = 0;
+
     for (uint32_t i = 1; i + 1 < n; i += 2) filled += (int64_t)crossing_at(c[i + 1]) - crossing_at(c[i]);
     least = filled; /* without the first crossing */
     for (uint32_t i = 2; i < n; i += 2) {
@@ -48,12 +49,14 @@ static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c
     return 1;
 }
 
-/* Drop the unmatched crossings of a row whose signed sum is not zero: leaving ones that no entering one precedes, from
- * the left, or entering ones that no leaving one follows, from the right; as many as the sum asks for. */
+/* Drop the unmatched crossings of a row whose signed sum is not zero: leaving
+ * ones that no entering one precedes, from the left, or entering ones that no
+ * leaving one follows, from the right; as many as the sum asks for. */
 static uint32_t drop_for_winding(int32_t *c, uint32_t n, int64_t sum)
 {
     uint32_t kept = 0;
     int64_t depth = 0, drop = sum < 0 ? -sum : sum;
+
     if (sum < 0) {
         for (uint32_t i = 0; i < n; i++) {
             int const leaving = c[i] & 1;
@@ -82,6 +85,7 @@ static uint64_t fill_nonzero(const bvxi_solid_job *job, uint64_t *row, int32_t *
 {
     int64_t sum = 0, winding = 0;
     uint32_t kept = n;
+
     for (uint32_t i = 0; i < n; i++) sum += (c[i] & 1) != 0 ? -1 : 1;
     if (sum != 0) kept = drop_for_winding(c, n, sum);
     for (uint32_t i = 0, from = 0; i < kept; i++) {
@@ -92,13 +96,15 @@ static uint64_t fill_nonzero(const bvxi_solid_job *job, uint64_t *row, int32_t *
     return n - kept;
 }
 
-/* After filling, row_end[row] is the end of the row's list and the list begins where the previous row's ends. */
+/* After filling, row_end[row] is the end of the row's list and the list begins where the previous row's
+ * ends. */
 static void solve_rows(void *user, int32_t tile, int32_t worker)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const row_bytes = (size_t)job->grid->words_per_row * 8;
     uint64_t dropped = 0, unbalanced = 0, crossings = 0;
+
     (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
@@ -132,17 +138,21 @@ void bvxi_row_lists_free(bvx_context *ctx, bvxi_row_lists *lists)
     memset(lists, 0, sizeof *lists);
 }
 
-bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from, double to, bvxi_row_lists *made)
+bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from, double to,
+                             bvxi_row_lists *made)
 {
     bvxi_row_lists *const lists = &job->lists;
     double const middle = 0.5 * (from + to);
     bvx_status status;
+
     memset(lists, 0, sizeof *lists);
     lists->rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts", &lists->row_end);
+    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts",
+                             &lists->row_end);
     if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle);
     if (status == BVX_OK) {
-        for (uint64_t row = 0; row < lists->rows; row++) { /* counts become begins; filling turns them into ends */
+        /* counts become begins; filling turns them into ends */
+        for (uint64_t row = 0; row < lists->rows; row++) {
             uint64_t const n = lists->row_end[row];
             lists->row_end[row] = lists->total;
             lists->total += n;
@@ -160,7 +170,8 @@ bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job, double from)
     bvxi_row_lists lists;
     bvx_status status;
     BVXI_TRY(bvxi_solid_gather(ctx, job, from, 0.95, &lists));
-    status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.95), bvxi_solid_progress(job, 1.0), job->tiles.count, solve_rows, job);
+    status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.95), bvxi_solid_progress(job, 1.0),
+                           job->tiles.count, solve_rows, job);
     bvxi_row_lists_free(ctx, &lists);
     return status;
 }

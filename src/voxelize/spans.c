@@ -1,7 +1,7 @@
 /* spans.c - the rows that one larger triangle covers.
  *
- * Each slice is solved for its span of rows by floor and ceiling divisions of the edge functions in 64-bit integers, so
- * that a needle costs its own length and not its box.
+ * Each slice is solved for its span of rows by floor and ceiling divisions of the edge functions in 64-bit
+ * integers, so that a needle costs its own length and not its box.
  * Guarantee: exact for every triangle that the lattice can hold (bit budgets in lattice.h and cover.h). */
 #include "voxelize/solid.h"
 
@@ -21,6 +21,7 @@ static inline int32_t most_of_three(int32_t a, int32_t b, int32_t c)
 static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows asked, bvxi_rows *r)
 {
     int32_t y[3], z[3];
+
     for (int32_t i = 0; i < 3; i++) {
         y[i] = (int32_t)(cell[corner[i]] & 0xffff);
         z[i] = (int32_t)(cell[corner[i]] >> 16);
@@ -36,7 +37,8 @@ static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows as
     return r->j0 < r->j1 && r->k0 < r->k1;
 }
 
-void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take, void *sink)
+void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take,
+                      void *sink)
 {
     const int32_t *const xyz = job->snapped.xyz, *p[3];
     int32_t const f = job->fraction_bits;
@@ -46,13 +48,15 @@ void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triang
     bvxi_triangle t;
     bvxi_divider d;
     bvxi_rows r;
+
     bvxi_view_triangle(job->view, triangle, corner);
     if (!box_rows(job->snapped.cell, corner, rows, &r)) return;
     for (int32_t i = 0; i < 3; i++) p[i] = xyz + 3 * (size_t)corner[i];
     if (!bvxi_triangle_setup(p[0], p[1], p[2], &t)) return;
     bvxi_triangle_walk(&t, job->snapped.axis);
     for (int32_t a = 1; a < 3; a++)
-        extent[a] = (double)((int64_t)most_of_three(p[0][a], p[1][a], p[2][a]) - least_of_three(p[0][a], p[1][a], p[2][a]));
+        extent[a] = (double)((int64_t)most_of_three(p[0][a], p[1][a], p[2][a]) -
+                             least_of_three(p[0][a], p[1][a], p[2][a]));
     bvxi_divider_setup(&t, f, extent[1], extent[2], &d);
     for (int32_t k = r.k0; k < r.k1; k++) {
         int64_t const y0 = (job->block.y0 + r.j0) * step + half, z = (job->block.z0 + k) * step + half;
@@ -60,7 +64,8 @@ void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triang
         bvxi_cover_span(&t, y0, z, step, &first, &last);
         for (int64_t n = first; n <= last; n++) {
             int32_t const j = r.j0 + (int32_t)n;
-            int32_t const i = bvxi_cross(&t, &d, f, (double)(y0 + n * step), (double)z, job->block.y0 + j, job->block.z0 + k);
+            int32_t const i = bvxi_cross(&t, &d, f, (double)(y0 + n * step), (double)z, job->block.y0 + j,
+                                         job->block.z0 + k);
             take(sink, (uint32_t)k << 16 | (uint32_t)j, (int32_t)((uint32_t)i << 1 | (uint32_t)t.leaving));
         }
     }

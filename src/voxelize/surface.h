@@ -1,7 +1,7 @@
 /* surface.h - a mesh's surface as voxels: what the three definitions of it share. Not installed.
  *
- * Triangles are sorted by tile of rows, ascending within each. A tile is one task: it alone writes its rows, so nothing
- * is atomic and lists of attached triangles come out ascending. */
+ * Triangles are sorted by tile of rows, ascending within each. A tile is one task: it alone writes its rows,
+ * so nothing is atomic and lists of attached triangles come out ascending. */
 #ifndef BVXI_VOXELIZE_SURFACE_H
 #define BVXI_VOXELIZE_SURFACE_H
 
@@ -25,21 +25,21 @@ typedef struct bvxi_bins {
 
 typedef struct bvxi_surface_job {
     const bvx_mesh_view *view;
-    const bvx_grid *grid; /* words are written by BVXI_TOUCH_SET */
+    const bvx_grid *grid;  /* words are written by BVXI_TOUCH_SET */
     const bvx_grid *solid; /* thin: crossings beside its voxels are left out; of grid's window, or NULL */
     bvxi_snapped snapped;
-    bvxi_tiles tiles;     /* of the window's rows */
+    bvxi_tiles tiles; /* of the window's rows */
     bvxi_bins bins;
     int32_t fraction_bits, mode, cpu, task;
-    int32_t pieces;       /* of the triangles, for a single tile and a single thread */
-    uint32_t first;       /* triangle of the present piece */
+    int32_t pieces;          /* of the triangles, for a single tile and a single thread */
+    uint32_t first;          /* triangle of the present piece */
     int32_t size[3], low[3]; /* of the window [Units: voxels] */
 
     /* attached triangles */
     bvxi_rank rank;
-    uint64_t *offset;   /* by voxel: count, then where the next triangle goes */
+    uint64_t *offset; /* by voxel: count, then where the next triangle goes */
     uint32_t *list;
-    uint32_t *last;     /* by voxel: the triangle counted last, plus 1 */
+    uint32_t *last; /* by voxel: the triangle counted last, plus 1 */
 
     uint64_t used[BVXI_SURFACE_TILES], samples[BVXI_SURFACE_TILES], parts[BVXI_SURFACE_TILES]; /* by tile */
 } bvxi_surface_job;
@@ -55,12 +55,14 @@ typedef struct bvxi_surface_tile {
 bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_job *job);
 void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job);
 
-/* Triangles into the tile's rows, by the mode's definition: id[0 .. count), or when id is NULL count ones from job->first on. */
+/* Triangles into the tile's rows, by the mode's definition: id[0 .. count),
+ * or when id is NULL count ones from job->first on. */
 void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count);
 void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count);
 void bvxi_touch_sampled(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count);
 
-static inline uint64_t *bvxi_surface_words(const bvxi_surface_job *job, const bvx_grid *grid, int32_t j, int32_t k)
+static inline uint64_t *bvxi_surface_words(const bvxi_surface_job *job, const bvx_grid *grid, int32_t j,
+                                           int32_t k)
 {
     return grid->words + ((size_t)k * (size_t)job->size[1] + (size_t)j) * (size_t)grid->words_per_row;
 }
@@ -70,7 +72,8 @@ static inline uint64_t *bvxi_surface_row(const bvxi_surface_job *job, int32_t j,
     return bvxi_surface_words(job, job->grid, j, k);
 }
 
-/* Count or list a triangle for voxels from bit `first` of the grid on; any may come again from the same triangle. */
+/* Count or list a triangle for voxels from bit `first` of the grid on; any
+ * may come again from the same triangle. */
 static inline void bvxi_attach_run(bvxi_surface_job *job, uint64_t first, uint32_t count, uint32_t triangle)
 {
     uint32_t at = bvxi_rank_before(&job->rank, first);
@@ -82,15 +85,18 @@ static inline void bvxi_attach_run(bvxi_surface_job *job, uint64_t first, uint32
     }
 }
 
-/* Triangle touches voxels [x0, x1] of row (j, k), all inside the window. Any voxel may come again from one triangle. */
-static inline void bvxi_touch_run(bvxi_surface_job *job, int32_t j, int32_t k, int32_t x0, int32_t x1, uint32_t triangle)
+/* Triangle touches voxels [x0, x1] of row (j, k), all inside the window.
+ * Any voxel may come again from one triangle. */
+static inline void bvxi_touch_run(bvxi_surface_job *job, int32_t j, int32_t k, int32_t x0, int32_t x1,
+                                  uint32_t triangle)
 {
     uint64_t *const row = bvxi_surface_row(job, j, k);
     if (BVXI_LIKELY(job->task == BVXI_TOUCH_SET)) {
         bvxi_set_run(row, x0, x1 + 1);
         return;
     }
-    bvxi_attach_run(job, (uint64_t)(row - job->grid->words) * BVXI_WORD_BITS + (uint64_t)x0, (uint32_t)(x1 - x0) + 1, triangle);
+    bvxi_attach_run(job, (uint64_t)(row - job->grid->words) * BVXI_WORD_BITS + (uint64_t)x0,
+                    (uint32_t)(x1 - x0) + 1, triangle);
 }
 
 static inline void bvxi_touch_voxel(bvxi_surface_job *job, int32_t i, int32_t j, int32_t k, uint32_t triangle)

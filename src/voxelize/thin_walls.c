@@ -1,13 +1,16 @@
-/* thin_walls.c - walls of a closed body that are thinner than the lattice can hold: where they are, and how thick.
+/* thin_walls.c - walls of a closed body that are thinner than the lattice can hold: where they are, and how
+ * thick.
  *
- * Source: Andres, Jacob. The Discrete Analytical Hyperplanes. 1997: an even wall of one and a half voxels holds whatever moves
- * from voxel to voxel across faces and edges, however it lies (the two largest parts of its normal sum to 1.414 at most).
+ * Source: Andres, Jacob. The Discrete Analytical Hyperplanes. 1997: an even wall of one and a half voxels
+ * holds whatever moves from voxel to voxel across faces and edges, however it lies (the two largest parts of
+ * its normal sum to 1.414 at most).
  *
- * A wall thinner than that may have no centre inside, here and there or everywhere. It shows where a lattice line crosses the mesh
- * between two outside centres, and where outside centres meet diagonally between inside ones. There the nearest point of
- * the mesh and the nearest one behind it are asked for: where they face away from each other and lie no further apart than
- * a voxel and a half, there is a thin wall.
- * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points at thin places. */
+ * A wall thinner than that may have no centre inside, here and there or everywhere. It shows where a lattice
+ * line crosses the mesh between two outside centres, and where outside centres meet diagonally between inside
+ * ones. There the nearest point of the mesh and the nearest one behind it are asked for: where they face away
+ * from each other and lie no further apart than a voxel and a half, there is a thin wall.
+ * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points
+ * at thin places. */
 #include "voxelize/thin_walls.h"
 
 #include "mesh/facet.h"
@@ -18,11 +21,12 @@
 
 #include <math.h>
 
-#define WALL_DEPTH 0.75   /* where the other side is looked for */
-#define WALL_FACING 0.55  /* cosine between a face and the opposite of the other */
-#define WALL_STRAIGHT 0.9 /* where triangles are flipped: cosine between both faces, and between them and the way through */
-#define WALL_SAME 0.25    /* nearest points this near to each other are of one face */
-#define WALL_BESIDE 1.8   /* from a place to the centres around it: the root of 3 */
+#define WALL_DEPTH  0.75 /* where the other side is looked for */
+#define WALL_FACING 0.55 /* cosine between a face and the opposite of the other */
+#define WALL_STRAIGHT \
+    0.9 /* where triangles are flipped: cosine between both faces, and between them and the way through */
+#define WALL_SAME   0.25 /* nearest points this near to each other are of one face */
+#define WALL_BESIDE 1.8  /* from a place to the centres around it: the root of 3 */
 
 enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
 
@@ -49,9 +53,11 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
     t->count = count;
-    BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
+    BVXI_TRY(
+        bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
     for (uint64_t i = 0; i < words; i++)
-        for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1) t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
+        for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
+            t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
     return BVX_OK;
 }
 
@@ -74,7 +80,8 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, si
     for (int32_t k = 0; k < words; k++) {
         size_t const i = row + (size_t)k, j = beside + (size_t)k;
         uint64_t const a = in[i], c = in[j];
-        uint64_t const b = a >> 1 | (k + 1 < words ? in[i + 1] << 63 : 0), d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
+        uint64_t const b = a >> 1 | (k + 1 < words ? in[i + 1] << 63 : 0);
+        uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
         uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
 
         if ((p | q) == 0) continue;
@@ -114,7 +121,8 @@ bvx_status bvxi_walls_mark(bvxi_walls *t)
 /* ---- The triangles nearby ---- */
 
 /* A view of triangles that are listed, over the mesh's vertices. */
-static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, uint64_t count, bvx_mesh_view *view)
+static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, uint64_t count,
+                           bvx_mesh_view *view)
 {
     *view = *mesh;
     view->indices = corner;
@@ -124,7 +132,8 @@ static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, ui
 }
 
 /* Blocks of voxels that hold [low, high], cut to the window. */
-static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3], int32_t to[3])
+static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3],
+                        int32_t to[3])
 {
     for (int a = 0; a < 3; a++) {
         double const last = (double)t->block_size[a] - 1;
@@ -158,7 +167,8 @@ static void mark_blocks(bvxi_walls *t)
         }
         block_range(t, low, high, from, to);
         for (int32_t z = from[2]; z <= to[2]; z++)
-            for (int32_t y = from[1]; y <= to[1]; y++) memset(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1);
+            for (int32_t y = from[1]; y <= to[1]; y++)
+                memset(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1);
     }
 }
 
@@ -189,7 +199,8 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
         from[a] = r[a] < low ? r[a] : low;
         to[a] = r[a] > high ? r[a] : high;
     }
-    if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS) return 1;
+    if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS)
+        return 1;
     for (int32_t z = from[2]; z <= to[2]; z++)
         for (int32_t y = from[1]; y <= to[1]; y++)
             for (int32_t x = from[0]; x <= to[0]; x++)
@@ -234,8 +245,8 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
     return turned;
 }
 
-/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their corners' places.
- * keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
+/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
+ * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
 static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
 {
     uint64_t const count = t->near.triangle_count;
@@ -263,7 +274,9 @@ static bvx_status order_triangles_nearby(bvxi_walls *t)
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &sorted));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &keys);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places", &numbers);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
+                            &numbers);
     if (status == BVX_OK) status = sort_triangles_nearby(t, keys, numbers, sorted);
     bvxi_free(ctx, numbers, count * 4);
     bvxi_free(ctx, keys, count * 8);
@@ -291,8 +304,9 @@ static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double hi
     }
 }
 
-/* Triangles that count at the list's centres, and with beside at those around them, and a search among them: the nearest one within a
- * spacing, what is nearest to a point WALL_DEPTH behind it, which it is no further from itself. */
+/* Triangles that count at the list's centres, and with beside at those around
+ * them, and a search among them: the nearest one within a spacing, what is
+ * nearest to a point WALL_DEPTH behind it, which it is no further from itself. */
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
     bvx_context *const ctx = t->ctx;
@@ -307,8 +321,12 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
     t->corner_bytes = t->mesh->triangle_count * 12;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places", &t->against);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places",
+                            &t->against);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks",
+                            &t->block_of);
     if (status == BVX_OK) {
         mark_blocks(t);
         place_vertices_in_blocks(t);
@@ -321,7 +339,8 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
     BVXI_TRY(order_triangles_nearby(t));
     bound_triangles_nearby(t, low, high);
-    return bvxi_closest_build(ctx, "thin", 0.3, 0.4, &t->near, low, high, bvxi_unit_scale(low, high), &t->closest.tree);
+    return bvxi_closest_build(ctx, "thin", 0.3, 0.4, &t->near, low, high, bvxi_unit_scale(low, high),
+                              &t->closest.tree);
 }
 
 /* ---- What the mesh is like at a centre ---- */
@@ -339,7 +358,8 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
     bvxi_view_triangle(&t->near, triangle, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
     length = bvxi_facet_normal((const double(*)[3])p, n);
-    if (t->against[triangle] && (!t->unoriented || t->open == 1)) length = -length; /* else the corners' places decide */
+    /* else the corners' places decide */
+    if (t->against[triangle] && (!t->unoriented || t->open == 1)) length = -length;
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -369,8 +389,8 @@ static int is_nothing_behind(const bvxi_walls *t, const double p[3], const doubl
 }
 
 /* The wall behind the point of the mesh next to a centre, seen along out; n: the normal there. */
-static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3], const double n[3], uint32_t *hint,
-                     bvxi_wall *found)
+static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3],
+                        const double n[3], uint32_t *hint, bvxi_wall *found)
 {
     bvx_closest_point back;
     double behind[3], m[3], facing, through, apart = 0, deep = 0;
@@ -388,10 +408,13 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     apart = sqrt(apart) / t->unit;
     deep /= t->unit;
     facing = wall_dot(n, m);
-    through = wall_dot(out, n) < 0 ? -wall_dot(out, m) : wall_dot(out, m); /* at edges normals are of one of their faces */
+    /* at edges normals are of one of their faces */
+    through = wall_dot(out, n) < 0 ? -wall_dot(out, m) : wall_dot(out, m);
     if (!t->unoriented && through < facing) facing = through;
 
-    if (t->unoriented ? bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart : facing < -WALL_FACING) {
+    if (t->unoriented
+            ? bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart
+            : facing < -WALL_FACING) {
         if (apart <= BVXI_THIN_WALL) found->wall = (float)apart;
     } else if (!t->open && apart <= WALL_SAME && is_nothing_behind(t, front->position, out)) {
         found->wall = 0;
@@ -407,7 +430,8 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     int32_t at[3];
 
     bvxi_bit_centre(g, bit, at);
-    for (int a = 0; a < 3; a++) centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
+    for (int a = 0; a < 3; a++)
+        centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
     bvxi_closest_ask(&t->closest, centre, &hint[0], &front);
     found->wall = BVXI_NO_WALL;
     found->sheet = 0;
@@ -416,7 +440,8 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     if (!(front.distance < t->limit * t->unit)) return;
 
     unit_normal(t, front.triangle, n);
-    for (int a = 0; a < 3; a++) out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
+    for (int a = 0; a < 3; a++)
+        out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
     look_behind(t, &front, out, n, &hint[1], found);
 }
 

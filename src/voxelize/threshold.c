@@ -1,8 +1,9 @@
 /* threshold.c - the voxels whose sample lies in a range: bvx_threshold.
  *
- * The range's ends are moved inwards to the nearest numbers of the samples' own type, once; then each sample is compared as
- * what it is, 64 at a time (threshold_runs.c), along the axis that runs fastest. Guarantee: exactly low <= sample <= high, for
- * all types; NaN and infinite samples are not set. Counts are sums and extremes over pieces, so no thread shows in them. */
+ * The range's ends are moved inwards to the nearest numbers of the samples' own type, once; then each sample
+ * is compared as what it is, 64 at a time (threshold_runs.c), along the axis that runs fastest. Guarantee:
+ * exactly low <= sample <= high, for all types; NaN and infinite samples are not set. Counts are sums and
+ * extremes over pieces, so no thread shows in them. */
 #include "voxelize/threshold.h"
 
 #include <math.h>
@@ -12,7 +13,8 @@
 
 /* ---- ranges of a type ---- */
 
-/* The float beside f towards greater ones (up 1) or lesser ones; f is finite and the step does not leave the finite ones. */
+/* The float beside f towards greater ones (up 1) or lesser ones; f is
+ * finite and the step does not leave the finite ones. */
 static float step_float(float f, int up)
 {
     uint32_t bits;
@@ -72,7 +74,9 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
     case BVX_SAMPLE_I8: range_of_signed(low, high, INT8_MIN, INT8_MAX, 128.0, range); break;
     case BVX_SAMPLE_I16: range_of_signed(low, high, INT16_MIN, INT16_MAX, 32768.0, range); break;
     case BVX_SAMPLE_I32: range_of_signed(low, high, INT32_MIN, INT32_MAX, 2147483648.0, range); break;
-    case BVX_SAMPLE_I64: range_of_signed(low, high, INT64_MIN, INT64_MAX, 9223372036854775808.0, range); break;
+    case BVX_SAMPLE_I64:
+        range_of_signed(low, high, INT64_MIN, INT64_MAX, 9223372036854775808.0, range);
+        break;
     case BVX_SAMPLE_F32: range_of_floats(low, high, range); break;
     default:
         range->low.d = low < -THRESHOLD_F64_MAX ? -THRESHOLD_F64_MAX : low;
@@ -87,6 +91,7 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
 static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
 {
     double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
+
     memset(report, 0, sizeof *report);
     for (int32_t p = 0; p < pieces; p++) {
         report->nan += tally[p].nan;
@@ -100,12 +105,14 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
     report->greatest = greatest + 0.0;
 }
 
-bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, double to, const bvx_volume_view *volume,
-                          const int64_t stride[3], const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid)
+bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, double to,
+                          const bvx_volume_view *volume, const int64_t stride[3], const bvxi_range *range,
+                          bvx_volume_report *report, bvx_grid *grid)
 {
     bvxi_sample_walk walk = {0};
     bvxi_range_tally *tally = NULL;
     bvx_status status = BVX_OK;
+
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = bvxi_range_run_for(ctx, volume->sample_type);
@@ -138,17 +145,20 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     bvx_grid made;
     int64_t stride[3];
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
-    if (low != low || high != high) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: an end of the range is NaN", name);
+    if (low != low || high != high)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: an end of the range is NaN", name);
     bvxi_range_make(volume->sample_type, low, high, &range);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
-    status = bvxi_threshold(context, "threshold", 0, 1, volume, stride, &range, report != NULL ? &counts : NULL, &made);
+    status = bvxi_threshold(context, "threshold", 0, 1, volume, stride, &range,
+                            report != NULL ? &counts : NULL, &made);
     if (status != BVX_OK) {
         if (made.words != grid->words) bvx_grid_free(context, &made);
         return status;
@@ -158,8 +168,8 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     return BVX_OK;
 }
 
-bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high, bvx_volume_report *report,
-                         bvx_grid *grid)
+bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
+                         bvx_volume_report *report, bvx_grid *grid)
 {
     return BVXI_CALL(context, run_threshold(context, volume, low, high, report, grid));
 }

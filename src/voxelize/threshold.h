@@ -5,8 +5,9 @@
 #include "grid/sample_bits.h"
 #include "grid/volume.h"
 
-/* The least and the greatest sample of a type that lie in a range: doubles are no sample's type but one, so the ends are moved
- * inwards to numbers that the type has. Exact: v is in the range just when low <= v <= high. */
+/* The least and the greatest sample of a type that lie in a range: doubles
+ * are no sample's type but one, so the ends are moved inwards to numbers
+ * that the type has. Exact: v is in the range just when low <= v <= high. */
 typedef struct bvxi_range {
     int32_t type, empty;
     union {
@@ -25,11 +26,13 @@ typedef struct bvxi_range_tally {
     double least, greatest;
 } bvxi_range_tally;
 
-/* threshold_runs.c: the rule (a bvxi_range) for runs of samples; with tally (bvxi_range_tally) where one is given. */
+/* threshold_runs.c: the rule (a bvxi_range) for runs of samples; with tally
+ * (bvxi_range_tally) where one is given. */
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
 
 /* Threshold a checked view into an open grid; report may be NULL. */
-bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, double to, const bvx_volume_view *volume,
-                          const int64_t stride[3], const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid);
+bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, double to,
+                          const bvx_volume_view *volume, const int64_t stride[3], const bvxi_range *range,
+                          bvx_volume_report *report, bvx_grid *grid);
 
 #endif

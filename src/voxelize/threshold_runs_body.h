@@ -1,9 +1,11 @@
-/* threshold_runs_body.h - floats, eight at a time. Included by threshold_runs.c once for each level of core/simd.h. */
+/* threshold_runs_body.h - floats, eight at a time. Included by
+ * threshold_runs.c once for each level of core/simd.h. */
 
-/* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons, extremes and whether there
- * is anything but finite numbers on the way. Extremes ignore NaN in either operand's place, as such blocks are counted anew. */
-BVXI_SIMD_CODE static int32_t BVXI_SIMD(range_words_f32)(const bvxi_range *r, bvxi_range_tally *t, const uint8_t *p, int32_t n,
-                                                         uint64_t *words)
+/* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons,
+ * extremes and whether there is anything but finite numbers on the way. Extremes ignore NaN in either
+ * operand's place, as such blocks are counted anew. */
+BVXI_SIMD_CODE static int32_t BVXI_SIMD(range_words_f32)(const bvxi_range *r, bvxi_range_tally *t,
+                                                         const uint8_t *p, int32_t n, uint64_t *words)
 {
     floats8 const low = eight_all(r->low.f), high = eight_all(r->high.f), zero = eight_all(0.0f);
     floats8 least = eight_all(3.4028234663852886e38f), greatest = eight_all(-3.4028234663852886e38f);
@@ -52,11 +54,13 @@ BVXI_SIMD_CODE static int32_t BVXI_SIMD(range_words_f32)(const bvxi_range *r, bv
     return n;
 }
 
-BVXI_SIMD_CODE static void BVXI_SIMD(range_rows_f32)(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
-                                                     uint64_t *words)
+BVXI_SIMD_CODE static void BVXI_SIMD(range_rows_f32)(const void *rule, void *tally, const uint8_t *p,
+                                                     int64_t stride, int32_t n, uint64_t *words)
 {
     const bvxi_range *const r = rule;
-    int32_t const whole = stride == 4 && !r->empty ? BVXI_SIMD(range_words_f32)(r, tally, p, n >> 6, words) : 0;
+    int32_t const whole = stride == 4 && !r->empty ? BVXI_SIMD(range_words_f32)(r, tally, p, n >> 6, words)
+                                                   : 0;
 
-    if (64 * whole < n) BVXI_SIMD(range_run_f32)(rule, tally, p + (size_t)whole * 256, stride, n - 64 * whole, words + whole);
+    if (64 * whole < n)
+        BVXI_SIMD(range_run_f32)(rule, tally, p + (size_t)whole * 256, stride, n - 64 * whole, words + whole);
 }

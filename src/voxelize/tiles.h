@@ -4,8 +4,8 @@
 
 #include "core/core.h"
 
-/* Tiles of 2^y_shift rows by 2^z_shift slices over ny x nz rows. Thick slabs of slices first; flat blocks are cut along
- * y too. */
+/* Tiles of 2^y_shift rows by 2^z_shift slices over ny x nz rows. Thick
+ * slabs of slices first; flat blocks are cut along y too. */
 typedef struct bvxi_tiles {
     int32_t ny, nz;
     int32_t y_shift, z_shift;

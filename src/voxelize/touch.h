@@ -4,7 +4,8 @@
 
 #include "voxelize/surface.h"
 
-/* Hand the runs within the tile's rows and the window to bvxi_touch_run. Corners are relative to the window's low corner. */
+/* Hand the runs within the tile's rows and the window to bvxi_touch_run.
+ * Corners are relative to the window's low corner. */
 void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32_t triangle);
 
 #endif

@@ -1,16 +1,17 @@
-/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by three, a triangle
- * misses: loops without branches, in doubles that hold every number. Not installed.
+/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by three,
+ * a triangle misses: loops without branches, in doubles that hold every number. Not installed.
  *
- * Voxels are bits: octants s_x + 2 s_y + 4 s_z, cells x + 3 y + 9 z. The triangle's box reaches all of them along the axes
- * that are looked at, so the projections and the plane alone decide. The edges of a projection without area run to and fro,
- * so they bound it on both sides.
+ * Voxels are bits: octants s_x + 2 s_y + 4 s_z, cells x + 3 y + 9 z. The triangle's box reaches all of them
+ * along the axes that are looked at, so the projections and the plane alone decide. The edges of a projection
+ * without area run to and fro, so they bound it on both sides.
  *
- * Octants. Corners are relative to the point, within 2^16. The triangle lies within the eight voxels, so an octant may be
- * taken as endless: an edge misses it when it has the point outside and no way into the octant leads inside.
- * Cells. Corners are relative to the middle of the middle cell, within 1.5 * 2^16, the cube's side being S = 3 * 2^16.
- * Components of the normal are below S^2, products with corners below S^3 / 2, a sum of two at most S^3 < 2^53, and the sum of
- * three is a determinant of numbers up to S / 2: below S^3 / 2. What is added from cell to cell is a multiple of 2^F below
- * S^3 and exact; the last sum may be rounded, which leaves its sign. */
+ * Octants. Corners are relative to the point, within 2^16. The triangle lies within the eight voxels, so an
+ * octant may be taken as endless: an edge misses it when it has the point outside and no way into the octant
+ * leads inside. Cells. Corners are relative to the middle of the middle cell, within 1.5 * 2^16, the cube's
+ * side being S = 3 * 2^16. Components of the normal are below S^2, products with corners below S^3 / 2, a sum
+ * of two at most S^3 < 2^53, and the sum of three is a determinant of numbers up to S / 2: below S^3 / 2.
+ * What is added from cell to cell is a multiple of 2^F below S^3 and exact; the last sum may be rounded,
+ * which leaves its sign. */
 #ifndef BVXI_TOUCH_CELLS_H
 #define BVXI_TOUCH_CELLS_H
 
@@ -23,17 +24,20 @@ static const int64_t bvxi_cell_third[3][3] = {
 
 /* ---- octants ---- */
 
-/* Octants that an edge (au, av) -> (bu, bv) of a projection leaves outside; turn is +1 or -1, the sign of the area. */
-BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn, int64_t u0, int64_t u1,
-                                             int64_t v0, int64_t v1)
+/* Octants that an edge (au, av) -> (bu, bv) of a projection leaves outside;
+ * turn is +1 or -1, the sign of the area. */
+BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn,
+                                             int64_t u0, int64_t u1, int64_t v0, int64_t v1)
 {
-    double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn; /* at the point, and slopes */
+    /* at the point, and slopes */
+    double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn;
     int64_t const u = (du > 0 ? 0 : u1) | (du < 0 ? 0 : u0), v = (dv > 0 ? 0 : v1) | (dv < 0 ? 0 : v0);
     return at < 0 ? u & v : 0;
 }
 
 /* Octants that the projection of a triangle onto axes u, v misses. */
-BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const double b[3], const double c[3], int u, int v)
+BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const double b[3], const double c[3],
+                                                   int u, int v)
 {
     double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
     double const turn = area < 0 ? -1.0 : 1.0;
@@ -44,16 +48,19 @@ BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const doub
            bvxi_edge_octants(c[u], c[v], a[u], a[v], turn, u0, u1, v0, v1);
 }
 
-/* Octants that the plane misses: on its positive side those along which all slopes grow, else the opposite ones. */
+/* Octants that the plane misses: on its positive side those along which all
+ * slopes grow, else the opposite ones. */
 BVXI_VECTOR_INLINE int64_t bvxi_plane_octants(const double a[3], const double b[3], const double c[3])
 {
     double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
     double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
     double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     double const at = -(nx * a[0] + ny * a[1] + nz * a[2]);
-    int64_t const up = ((nx > 0 ? 0 : 0x55) | (nx < 0 ? 0 : 0xaa)) & ((ny > 0 ? 0 : 0x33) | (ny < 0 ? 0 : 0xcc)) &
+    int64_t const up = ((nx > 0 ? 0 : 0x55) | (nx < 0 ? 0 : 0xaa)) &
+                       ((ny > 0 ? 0 : 0x33) | (ny < 0 ? 0 : 0xcc)) &
                        ((nz > 0 ? 0 : 0x0f) | (nz < 0 ? 0 : 0xf0));
-    int64_t const down = ((nx < 0 ? 0 : 0x55) | (nx > 0 ? 0 : 0xaa)) & ((ny < 0 ? 0 : 0x33) | (ny > 0 ? 0 : 0xcc)) &
+    int64_t const down = ((nx < 0 ? 0 : 0x55) | (nx > 0 ? 0 : 0xaa)) &
+                         ((ny < 0 ? 0 : 0x33) | (ny > 0 ? 0 : 0xcc)) &
                          ((nz < 0 ? 0 : 0x0f) | (nz > 0 ? 0 : 0xf0));
     return (at > 0 ? up : 0) | (at < 0 ? down : 0);
 }
@@ -65,7 +72,8 @@ typedef struct bvxi_cell_edge {
     double row[3], step;
 } bvxi_cell_edge;
 
-BVXI_VECTOR_INLINE bvxi_cell_edge bvxi_cell_edge_of(double au, double av, double bu, double bv, double turn, double side)
+BVXI_VECTOR_INLINE bvxi_cell_edge bvxi_cell_edge_of(double au, double av, double bu, double bv, double turn,
+                                                    double side)
 {
     double const du = (av - bv) * turn * side, dv = (bu - au) * turn * side;
     bvxi_cell_edge e;
@@ -77,7 +85,8 @@ BVXI_VECTOR_INLINE bvxi_cell_edge bvxi_cell_edge_of(double au, double av, double
 }
 
 /* Cells that the projection of a triangle onto axes u, v misses; side is 2^F. */
-BVXI_VECTOR_INLINE int64_t bvxi_projection_cells(const double a[3], const double b[3], const double c[3], int u, int v, double side)
+BVXI_VECTOR_INLINE int64_t bvxi_projection_cells(const double a[3], const double b[3], const double c[3],
+                                                 int u, int v, double side)
 {
     double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
     double const turn = area < 0 ? -1.0 : 1.0;
@@ -85,18 +94,23 @@ BVXI_VECTOR_INLINE int64_t bvxi_projection_cells(const double a[3], const double
     bvxi_cell_edge const bc = bvxi_cell_edge_of(b[u], b[v], c[u], c[v], turn, side);
     bvxi_cell_edge const ca = bvxi_cell_edge_of(c[u], c[v], a[u], a[v], turn, side);
     int64_t missed = 0;
+
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) {
-            double const n = i - 1, x = ab.row[j] + n * ab.step, y = bc.row[j] + n * bc.step, z = ca.row[j] + n * ca.step;
+            double const n = i - 1;
+            double const x = ab.row[j] + n * ab.step;
+            double const y = bc.row[j] + n * bc.step;
+            double const z = ca.row[j] + n * ca.step;
             double const xy = x < y ? x : y, least = xy < z ? xy : z;
             missed |= least < 0 ? bvxi_cell_third[u][i] & bvxi_cell_third[v][j] : 0;
         }
     return missed;
 }
 
-/* Cells of a layer z that the plane misses: its value in the cell's middle is larger than what it changes from there to a
- * corner. across: how far the value has changed from layer to layer. */
-BVXI_VECTOR_INLINE int64_t bvxi_plane_layer(double at, double sx, double sy, double across, double reach, int k)
+/* Cells of a layer z that the plane misses: its value in the cell's middle is larger than what it changes
+ * from there to a corner. across: how far the value has changed from layer to layer. */
+BVXI_VECTOR_INLINE int64_t bvxi_plane_layer(double at, double sx, double sy, double across, double reach,
+                                            int k)
 {
     int64_t missed = 0;
     for (int j = 0; j < 3; j++)
@@ -107,7 +121,8 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_layer(double at, double sx, double sy, dou
     return missed;
 }
 
-BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3], const double c[3], double side)
+BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3], const double c[3],
+                                            double side)
 {
     double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
     double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);

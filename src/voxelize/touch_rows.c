@@ -1,14 +1,14 @@
 /* touch_rows.c - a triangle of any size and the voxels whose closed boxes it meets, run by run.
  *
- * Source: as conservative.c. Each condition is linear in the voxel's indices, so it bounds a slice's rows, or a row's run,
- * by one division: the edges of the projection onto (y, z) bound rows, those onto (x, z) and (x, y) and the plane's two
- * sides bound runs. The edges of a projection without area run to and fro, so they bound it on both sides. What bounds a row in every slice, or a slice
- * in every row, is divided once. The plane's bounds are estimated in doubles; where an integer lies too near to be sure,
- * 128 bits decide.
+ * Source: as conservative.c. Each condition is linear in the voxel's indices, so it bounds a slice's rows, or
+ * a row's run, by one division: the edges of the projection onto (y, z) bound rows, those onto (x, z) and (x,
+ * y) and the plane's two sides bound runs. The edges of a projection without area run to and fro, so they
+ * bound it on both sides. What bounds a row in every slice, or a slice in every row, is divided once. The
+ * plane's bounds are estimated in doubles; where an integer lies too near to be sure, 128 bits decide.
  *
- * Bit budget (lattice.h). Corners relative to the cut box lie within 1.5 * 2^30, their differences below 2^31, indices
- * times 2^F below 2^29: an edge's value stays below 4.5 * 2^60 + 2 * 2^60 < 2^63. The plane: components of the normal
- * < 2^63, values < 2^96 in 128 bits.
+ * Bit budget (lattice.h). Corners relative to the cut box lie within 1.5 * 2^30, their differences below
+ * 2^31, indices times 2^F below 2^29: an edge's value stays below 4.5 * 2^60 + 2 * 2^60 < 2^63. The plane:
+ * components of the normal < 2^63, values < 2^96 in 128 bits.
  * Guarantee: exact. */
 #include "voxelize/touch.h"
 
@@ -26,8 +26,9 @@ typedef struct touch_lines {
     int32_t count;
 } touch_lines;
 
-/* Voxel i of row (j, k) meets the plane when low <= i <= high: low = from - along_j j - along_k k, high = to - the same, each
- * off by less than error in doubles. Exactly: n . (i, j, k) step + most >= 0 >= n . (i, j, k) step + least. */
+/* Voxel i of row (j, k) meets the plane when low <= i <= high: low = from -
+ * along_j j - along_k k, high = to - the same, each off by less than error in
+ * doubles. Exactly: n . (i, j, k) step + most >= 0 >= n . (i, j, k) step + least. */
 typedef struct touch_plane {
     int64_t n[3]; /* normal, n[0] >= 0 */
     bvxi_wide most, least;
@@ -52,10 +53,13 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
 {
     const bvxi_surface_job *const job = tile->job;
     int32_t const f = job->fraction_bits;
-    int32_t const low[3] = {0, tile->rows.j0, tile->rows.k0}, high[3] = {job->size[0] - 1, tile->rows.j1 - 1, tile->rows.k1 - 1};
+    int32_t const low[3] = {0, tile->rows.j0, tile->rows.k0};
+    int32_t const high[3] = {job->size[0] - 1, tile->rows.j1 - 1, tile->rows.k1 - 1};
+
     for (int a = 0; a < 3; a++) {
         int32_t const p = corner[0][a], q = corner[1][a], r = corner[2][a];
-        int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r), most = p > q ? (p > r ? p : r) : (q > r ? q : r);
+        int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
+        int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
         t->low[a] = bvxi_floor_shift(least - 1, f);
         t->high[a] = bvxi_floor_shift(most, f);
         if (t->low[a] < low[a]) t->low[a] = low[a];
@@ -70,15 +74,19 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
 
 /* ---- lines ---- */
 
-static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn, touch_lines *lines)
+static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn,
+                             touch_lines *lines)
 {
     const int64_t *const p = t->p[from], *const q = t->p[to];
-    int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn; /* slopes of the edge function, positive inside */
+    /* slopes of the edge function, positive inside */
+    int64_t const du = (p[v] - q[v]) * turn, dv = (q[u] - p[u]) * turn;
     touch_line *const line = &lines->line[lines->count];
+
     if (du == 0 && dv == 0) return;
     line->a = du * t->step;
     line->b = dv * t->step;
-    line->c = (p[u] * q[v] - p[v] * q[u]) * turn + (du > 0 ? line->a : 0) + (dv > 0 ? line->b : 0); /* at the best corner */
+    /* at the best corner */
+    line->c = (p[u] * q[v] - p[v] * q[u]) * turn + (du > 0 ? line->a : 0) + (dv > 0 ? line->b : 0);
     lines->count++;
 }
 
@@ -89,8 +97,8 @@ static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touc
     for (int i = 0; i < 3; i++) add_touched_edge(t, u, v, i, (i + 1) % 3, area < 0 ? -1 : 1, lines);
 }
 
-/* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the triangle's box along
- * v, or is all of the projection, and v lies in the box: it allows them all. */
+/* Narrow [*first, *last] to the indices along u that all lines allow at index v. An edge along u bounds the
+ * triangle's box along v, or is all of the projection, and v lies in the box: it allows them all. */
 static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first, int64_t *last)
 {
     for (int32_t i = 0; i < lines->count; i++) {
@@ -122,13 +130,15 @@ static bvxi_wide negated(bvxi_wide w)
 #endif
 }
 
-/* n: the normal. A plane along x bounds no run; its rows are bounded by the lines of (y, z), which have no area then. */
+/* n: the normal. A plane along x bounds no run; its rows are bounded by the
+ * lines of (y, z), which have no area then. */
 static void make_plane(touch_triangle *t, const int64_t n[3])
 {
     touch_plane *const p = &t->plane;
     int64_t const turn = n[0] < 0 ? -1 : 1;
     double const rows = (double)(t->high[1] - t->low[1]), slices = (double)(t->high[2] - t->low[2]);
     double inverse;
+
     for (int a = 0; a < 3; a++) p->n[a] = n[a] * turn;
     if (p->n[0] == 0) return;
     p->most = bvxi_wide_mul(-p->n[0], t->p[0][0]);
@@ -145,28 +155,35 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     p->to = -bvxi_wide_double(p->least) * inverse;
     p->along_j = (double)p->n[1] * (double)t->step * inverse;
     p->along_k = (double)p->n[2] * (double)t->step * inverse;
+
     /* no more than ten roundings of terms that sum up to this; floors are taken of numbers raised by 2 */
-    p->error = (absolute(p->from) + absolute(p->to) + absolute(p->along_j) * rows + absolute(p->along_k) * slices) *
-                   (1.0 / 562949953421312.0) + 1.0 / 16777216.0; /* 2^-49, 2^-24 */
+    p->error = (absolute(p->from) + absolute(p->to) + absolute(p->along_j) * rows +
+                absolute(p->along_k) * slices) *
+                   (1.0 / 562949953421312.0) +
+               1.0 / 16777216.0; /* 2^-49, 2^-24 */
 }
 
 static void narrow_exactly(const touch_triangle *t, int64_t j, int64_t k, int64_t *first, int64_t *last)
 {
     const touch_plane *const p = &t->plane;
-    bvxi_wide const at = bvxi_wide_add(bvxi_wide_mul(p->n[1], t->step * j), bvxi_wide_mul(p->n[2], t->step * k));
+    bvxi_wide const at = bvxi_wide_add(bvxi_wide_mul(p->n[1], t->step * j),
+                                       bvxi_wide_mul(p->n[2], t->step * k));
     /* ceil(-v / b) is -floor(v / b) */
     int64_t const from = -bvxi_wide_floor_div_scaled(bvxi_wide_add(at, p->most), p->n[0], t->step, TOUCH_FAR);
-    int64_t const to = bvxi_wide_floor_div_scaled(negated(bvxi_wide_add(at, p->least)), p->n[0], t->step, TOUCH_FAR);
+    int64_t const to = bvxi_wide_floor_div_scaled(negated(bvxi_wide_add(at, p->least)), p->n[0], t->step,
+                                                  TOUCH_FAR);
     if (from > *first) *first = from;
     if (to < *last) *last = to;
 }
 
-static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k, int64_t *first, int64_t *last)
+static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k, int64_t *first,
+                                   int64_t *last)
 {
     const touch_plane *const p = &t->plane;
     double const error = p->error, shift = p->along_j * (double)j + p->along_k * (double)k;
     double const low = p->from - shift, high = p->to - shift;
     int sure = error < 0.25;
+
     if (BVXI_LIKELY(sure) && (low > (double)*last + 0.5 || high < (double)*first - 0.5)) {
         *last = *first - 1;
         return;
@@ -191,6 +208,7 @@ static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k
 static int open_triangle(const bvxi_surface_tile *tile, const int32_t (*corner)[3], touch_triangle *t)
 {
     int64_t u[3], v[3], n[3];
+
     if (!cut_to_tile(tile, corner, t)) return 0;
     for (int a = 0; a < 3; a++) {
         u[a] = t->p[1][a] - t->p[0][a];
@@ -207,9 +225,11 @@ static int open_triangle(const bvxi_surface_tile *tile, const int32_t (*corner)[
 }
 
 /* The part of row j that the lines of (x, y) allow. */
-static inline void bounds_of_row(const touch_triangle *t, touch_rows_kept *kept, int32_t j, int64_t *first, int64_t *last)
+static inline void bounds_of_row(const touch_triangle *t, touch_rows_kept *kept, int32_t j, int64_t *first,
+                                 int64_t *last)
 {
     int32_t const at = j % ROWS_KEPT;
+
     if (BVXI_UNLIKELY(kept->row[at] != j)) {
         int64_t x0 = 0, x1 = t->high[0] - t->low[0];
         narrow_by_lines(&t->xy, j, &x0, &x1);
@@ -227,6 +247,7 @@ void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32
     touch_rows_kept kept;
     int64_t least = 0, most, rows, slices;
     int across; /* 1: the plane bounds each row in its own place */
+
     if (!open_triangle(tile, corner, &t)) return;
     most = t.high[0] - t.low[0];
     rows = t.high[1] - t.low[1];
@@ -245,8 +266,8 @@ void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32
             if (first > last) continue;
             if (across) narrow_by_plane(&t, j, k, &first, &last);
             if (first <= last)
-                bvxi_touch_run(tile->job, t.low[1] + (int32_t)j, t.low[2] + (int32_t)k, t.low[0] + (int32_t)first,
-                               t.low[0] + (int32_t)last, triangle);
+                bvxi_touch_run(tile->job, t.low[1] + (int32_t)j, t.low[2] + (int32_t)k,
+                               t.low[0] + (int32_t)first, t.low[0] + (int32_t)last, triangle);
         }
     }
 }

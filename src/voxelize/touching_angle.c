@@ -1,9 +1,10 @@
-/* touching_angle.c - the solid angle of a triangle from a displaced centre in its plane, on its edge or at its corner.
+/* touching_angle.c - the solid angle of a triangle from a displaced centre in its plane, on its edge or at
+ * its corner.
  *
- * The displacement (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, is small against all else, so the angle is the limit: in the plane and
- * inside half of all directions, outside none; on an edge those between the half plane and the way back, a lune; at a
- * corner the spherical triangle of the way back and the two edges. The way back from the displacement is towards -x, but
- * across an edge that runs along x towards -y.
+ * The displacement (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, is small against all else, so the angle is the
+ * limit: in the plane and inside half of all directions, outside none; on an edge those between the half
+ * plane and the way back, a lune; at a corner the spherical triangle of the way back and the two edges. The
+ * way back from the displacement is towards -x, but across an edge that runs along x towards -y.
  * Guarantee: which case it is, and the side, are decided in integers. */
 #include "voxelize/sheet.h"
 #include "core/vec3.h"
@@ -38,6 +39,7 @@ static void lune_angle(const double edge[3], int along_x, const double c[3], dou
 {
     double u[3] = {edge[0], edge[1], edge[2]}, across[3], back[3] = {0, 0, 0};
     double cu, bu;
+
     to_unit(u);
     back[along_x ? 1 : 0] = -1;
     cu = bvxi_vec_dot(c, u);
@@ -53,15 +55,17 @@ static void lune_angle(const double edge[3], int along_x, const double c[3], dou
 }
 
 /* At the corner between edges towards b and c. */
-static void corner_angle(const int64_t exact_b[3], const int64_t exact_c[3], const double b[3], const double c[3], double *re, double *im)
+static void corner_angle(const int64_t exact_b[3], const int64_t exact_c[3], const double b[3],
+                         const double c[3], double *re, double *im)
 {
     int const b_along = exact_b[1] == 0 && exact_b[2] == 0, c_along = exact_c[1] == 0 && exact_c[2] == 0;
     double u[3] = {b[0], b[1], b[2]}, v[3] = {c[0], c[1], c[2]};
     double const back[3] = {-1, 0, 0};
+
     *re = 1;
     *im = 0;
     if ((b_along && exact_b[0] < 0) || (c_along && exact_c[0] < 0)) return; /* moved off it */
-    if (b_along || c_along) { /* moved onto the edge */
+    if (b_along || c_along) {                                               /* moved onto the edge */
         lune_angle(b_along ? b : c, 1, b_along ? c : b, re, im);
         return;
     }
@@ -72,12 +76,14 @@ static void corner_angle(const int64_t exact_b[3], const int64_t exact_c[3], con
     if (*im < 0) *im = -*im;
 }
 
-int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const double v[3][3], double det, double *re, double *im)
+int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const double v[3][3], double det,
+                        double *re, double *im)
 {
     int64_t d[3][3], u[3], w[3], n[3], turn[3];
     bvxi_wide s;
     int32_t side;
     int inside = 1, up, largest = 0;
+
     for (int i = 0; i < 3; i++) {
         for (int a = 0; a < 3; a++) d[i][a] = q[i][a] - p[a];
         u[i] = (int64_t)q[1][i] - q[0][i];

@@ -1,7 +1,8 @@
 /* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
  *
- * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c, regions.c, below.c), the shell
- * is added, the edges are counted where asked, and a report says what was lost. */
+ * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
+ * regions.c, below.c), the shell is added, the edges are counted where asked, and a report says what was
+ * lost. */
 #include "voxelize/auto.h"
 #include "voxelize/fills.h"
 
@@ -37,40 +38,50 @@ static const bvxi_option voxelize_rows[] = {
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
     int const below = o->fill == BVX_FILL_BELOW;
+
     BVXI_TRY(bvxi_check_options(ctx, solid_name, o, BVXI_OPTIONS(voxelize_rows)));
-    if (o->base != o->base) return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number", solid_name);
+    if (o->base != o->base)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number",
+                             solid_name);
     if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
     if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
     if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
     if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
     if (o->check_thin == 1 && below)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is for bodies, not for the rule below", solid_name);
-    if (o->add_shell && below) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is for bodies, not for the rule below",
+                         solid_name);
+    if (o->add_shell && below)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
     return BVX_OK;
 }
 
-static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o, const bvx_window *window)
+static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o,
+                              const bvx_window *window)
 {
     if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
     for (int32_t a = 0; a < 3; a++)
         if (window->size[a] != lattice->dims[a])
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
-                             "the rule vote takes windows",
-                             solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
+            return bvxi_fail(
+                ctx, BVX_ERR_ARGUMENT,
+                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
+                "the rule vote takes windows",
+                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
     return BVX_OK;
 }
 
 static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                                  const bvx_voxelize_options *given, bvx_voxelize_options *o, bvx_window *window)
+                                  const bvx_voxelize_options *given, bvx_voxelize_options *o,
+                                  bvx_window *window)
 {
     BVXI_TRY(bvxi_take_options(ctx, solid_name, given, o, sizeof *o));
     BVXI_TRY(check_choices(ctx, o));
     BVXI_TRY(bvxi_view_check(ctx, solid_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
     if (o->second != NULL) {
         BVXI_TRY(bvxi_view_check(ctx, solid_name, o->second));
-        if (o->second->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the second mesh has no triangles", solid_name);
+        if (o->second->triangle_count == 0)
+            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the second mesh has no triangles", solid_name);
     }
     BVXI_TRY(bvxi_lattice_check(ctx, solid_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, solid_name, lattice, &o->window, window));
@@ -79,7 +90,8 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
 
 /* ---- The rules ---- */
 
-static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o, bvx_grid *solid, bvx_solid_report *report)
+static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
+                             bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job second;
     bvx_status status;
@@ -90,21 +102,22 @@ static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_vo
     return status;
 }
 
-static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_t *sure, int32_t close_gaps, bvx_grid *solid,
-                                bvx_solid_report *report)
+static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_t *sure, int32_t close_gaps,
+                                bvx_grid *solid, bvx_solid_report *report)
 {
     int32_t leaked = 0;
     BVXI_TRY(bvxi_flood(ctx, solid_name, shell, sure, close_gaps, solid, report, &leaked));
     if (!leaked) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_EMPTY,
-                     "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
-                     "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
-                     solid_name, report->leaks, (int64_t)close_gaps);
+    return bvxi_fail(
+        ctx, BVX_ERR_EMPTY,
+        "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
+        "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
+        solid_name, report->leaks, (int64_t)close_gaps);
 }
 
 /* The fills that look at more than rows: a vote first. */
-static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o, bvx_grid *solid,
-                               bvx_solid_report *report)
+static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
+                               bvx_grid *solid, bvx_solid_report *report)
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     int const more = o->fill != BVX_FILL_VOTE;
@@ -113,25 +126,30 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvx_status status;
+
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     status = bvxi_vote(ctx, job, more, solid, sure, 0.1, voted, report);
     if (status == BVX_OK && more) {
-        status = BVXI_SHARE(ctx, voted, shelled, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
+        status = BVXI_SHARE(ctx, voted, shelled,
+                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
         if (status == BVX_OK && o->fill == BVX_FILL_REGIONS)
-            status = BVXI_SHARE(ctx, shelled, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
+            status = BVXI_SHARE(ctx, shelled, 1.0,
+                                bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
         if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
-            status = BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
+            status = BVXI_SHARE(ctx, shelled, 1.0,
+                                flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_free(ctx, sure, bytes);
     return status;
 }
 
-static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, const bvxi_holes *holes,
-                               bvx_grid *solid, bvx_solid_report *report)
+static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
+                               const bvxi_holes *holes, bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job job;
     bvx_status status;
+
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
     if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
@@ -142,7 +160,8 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     return status;
 }
 
-bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes, bvx_grid *solid)
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
+                           bvx_grid *solid)
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report unused = {0};
@@ -151,15 +170,16 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
 }
 
 /* A bvxi_fill_by_name_fn. */
-static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid, bvx_solid_report *report)
+static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid,
+                              bvx_solid_report *report)
 {
     bvx_voxelize_options o = voxelize_defaults;
     o.fill = fill;
     return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
 }
 
-static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o, bvx_grid *solid,
-                                bvx_solid_report *report)
+static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
+                                bvx_grid *solid, bvx_solid_report *report)
 {
     if (o->fill == BVX_FILL_AUTO) return bvxi_fill_auto(ctx, solid_name, mesh, fill_chosen, solid, report);
     return fill_by_rule(ctx, mesh, o, NULL, solid, report);
@@ -167,7 +187,8 @@ static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, con
 
 /* ---- What comes after ---- */
 
-static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid, bvx_solid_report *report)
+static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid,
+                                bvx_solid_report *report)
 {
     uint64_t const words = bvxi_grid_words(solid);
     bvx_grid shell;
@@ -196,6 +217,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     bvx_window window;
     bvx_grid made;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
@@ -209,9 +231,11 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
         status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));
-    if (status == BVX_OK && o.check_edges) status = BVXI_SHARE(context, shelled, checked, count_edges(context, mesh, &report));
+    if (status == BVX_OK && o.check_edges)
+        status = BVXI_SHARE(context, shelled, checked, count_edges(context, mesh, &report));
     if (status == BVX_OK && o.report != NULL)
-        status = BVXI_SHARE(context, checked, 1.0, bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
+        status = BVXI_SHARE(context, checked, 1.0,
+                            bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     if (status != BVX_OK) {
         if (solid->words == NULL) bvx_grid_free(context, &made);
         return status;

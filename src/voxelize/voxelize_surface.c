@@ -1,8 +1,8 @@
 /* voxelize_surface.c - the voxels that a mesh's surface touches: bvx_voxelize_surface.
  *
- * Vertices are snapped, triangles are sorted by tile of rows (bins.c), each tile writes its own rows by the definition asked
- * for (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over the tiles: the first counts by rank,
- * the second fills in.
+ * Vertices are snapped, triangles are sorted by tile of rows (bins.c), each tile writes its own rows by the
+ * definition asked for (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over the
+ * tiles: the first counts by rank, the second fills in.
  * Guarantee: exact; the same bits for any order of triangles, threads and windows. */
 #include "voxelize/surface.h"
 
@@ -53,7 +53,8 @@ static void touch_tile(void *user, int32_t number, int32_t worker)
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
     (void)worker;
     begin_tile(&tile);
-    touch_by_mode(&tile, job->bins.id + job->bins.end[number], job->bins.end[number + 1] - job->bins.end[number]);
+    touch_by_mode(&tile, job->bins.id + job->bins.end[number],
+                  job->bins.end[number + 1] - job->bins.end[number]);
 }
 
 /* A piece of the triangles into the only tile; the pieces come one after the other. */
@@ -62,6 +63,7 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
     bvxi_surface_job *const job = user;
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, 0), 0};
     uint64_t begin, end;
+
     (void)worker;
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
     job->first = (uint32_t)begin;
@@ -72,7 +74,8 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
 static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t task, double from, double to)
 {
     job->task = task;
-    if (job->bins.id != NULL) return bvxi_parallel(ctx, "surface", from, to, job->tiles.count, touch_tile, job);
+    if (job->bins.id != NULL)
+        return bvxi_parallel(ctx, "surface", from, to, job->tiles.count, touch_tile, job);
     return bvxi_parallel(ctx, "surface", from, to, job->pieces, touch_only_tile, job);
 }
 
@@ -82,6 +85,7 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 static uint64_t place_attached(uint64_t *offset, uint64_t voxels)
 {
     uint64_t total = 0;
+
     for (uint64_t v = 0; v < voxels; v++) {
         uint64_t const n = offset[v];
         offset[v] = total;
@@ -100,7 +104,8 @@ static void restore_places(uint64_t *offset, uint64_t voxels)
 
 static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t voxels, bvx_attached *made)
 {
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, (voxels + 1) * 8, "the voxels' triangle counts", &made->offsets));
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_RESULT, (voxels + 1) * 8, "the voxels' triangle counts", &made->offsets));
     made->voxel_count = voxels;
     job->offset = made->offsets;
     memset(job->last, 0, (size_t)voxels * 4);
@@ -122,9 +127,11 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     uint32_t *prefix = NULL;
     uint64_t voxels = 0;
     bvx_status status;
+
     BVXI_TRY(bvx_grid_count(ctx, job->grid, &voxels));
     if (voxels >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2", surface_name,
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2", surface_name,
                          voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the voxels' ranks", &prefix));
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
@@ -143,7 +150,8 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
 
 /* ---- the call ---- */
 
-/* One thread takes all triangles as they come; more get some tiles each, so that none waits long for the last one. */
+/* One thread takes all triangles as they come; more get some tiles each, so
+ * that none waits long for the last one. */
 static int32_t choose_tile_count(const bvx_context *ctx)
 {
     int32_t const threads = bvxi_threads(ctx);
@@ -155,24 +163,29 @@ static const bvxi_option surface_option_rows[] = {
     BVXI_RESERVED(bvx_surface_options, reserved),
 };
 
-static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                                          const bvx_surface_options *given, bvx_surface_options *o, bvx_window *window)
+static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view *mesh,
+                                          const bvx_lattice *lattice, const bvx_surface_options *given,
+                                          bvx_surface_options *o, bvx_window *window)
 {
     BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
     BVXI_TRY(bvxi_check_options(ctx, surface_name, o, BVXI_OPTIONS(surface_option_rows)));
     if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: attached brings triangles, which are not used; zero it first", surface_name);
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: attached brings triangles, which are not used; zero it first", surface_name);
     BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));
-    if (mesh->triangle_count == 0) return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
     BVXI_TRY(bvxi_lattice_check(ctx, surface_name, lattice));
     return bvxi_window_take(ctx, surface_name, lattice, &o->window, window);
 }
 
-static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o, bvxi_surface_job *job)
+static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o,
+                              bvxi_surface_job *job)
 {
     bvx_status status = bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped);
     if (status == BVX_OK) status = bvxi_bins_open(ctx, function, job);
-    if (status == BVX_OK) status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
+    if (status == BVX_OK)
+        status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
     if (status == BVX_OK && o->attached != NULL) status = attach_triangles(ctx, job, o->attached);
     bvxi_bins_close(ctx, job);
     bvxi_snap_free(ctx, &job->snapped);
@@ -180,7 +193,8 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
 }
 
 /* A job for a grid that is open; the mesh and the lattice have been checked. */
-static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, const bvx_grid *grid, bvxi_surface_job *job)
+static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, const bvx_grid *grid,
+                          bvxi_surface_job *job)
 {
     memset(job, 0, sizeof *job);
     job->view = mesh;
@@ -194,7 +208,8 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
     job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
 }
 
-bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, const bvx_grid *solid, bvx_grid *lost)
+bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, bvx_grid *lost)
 {
     bvx_surface_options const o = surface_defaults;
     bvxi_surface_job job;
@@ -223,6 +238,7 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     bvx_grid made;
     bvxi_surface_job job;
     bvx_status status;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));

@@ -1,5 +1,6 @@
-/* main.c - the core on a Cortex-M3 without operating system, heap and floating-point unit: everything lives in one static
- * array. Prints the golden line of bare_case.h and the memory that it took, by semihosting; tests/tools/bare.sh compares. */
+/* main.c - the core on a Cortex-M3 without operating system, heap and floating-point
+ * unit: everything lives in one static array. Prints the golden line of bare_case.h
+ * and the memory that it took, by semihosting; tests/tools/bare.sh compares. */
 #define SHAPE_MAX 600
 #include "golden/bare_case.h"
 
@@ -31,6 +32,7 @@ static void say_number(uint64_t n, uint64_t base)
 {
     char digits[24];
     int32_t count = 0;
+
     do digits[count++] = "0123456789abcdef"[n % base];
     while ((n /= base) != 0);
     if (base == 16) {
@@ -45,6 +47,7 @@ int main(void)
     bvx_context *ctx = NULL;
     bare_result r = {0, 0, 0, 0};
     bvx_status status;
+
     bvx_context_options_init(&options, sizeof options);
     options.arena = arena;
     options.arena_size = sizeof arena;
@@ -66,10 +69,9 @@ int main(void)
         say(ctx != NULL ? bvx_last_message(ctx) : bvx_status_text(status));
     }
     say("\n");
-    semihost(0x04, text);                              /* SYS_WRITE0 */
-    semihost(0x18, (const void *)(uintptr_t)0x20026);  /* SYS_EXIT, application exit */
-    for (;;) {
-    }
+    semihost(0x04, text);                             /* SYS_WRITE0 */
+    semihost(0x18, (const void *)(uintptr_t)0x20026); /* SYS_EXIT, application exit */
+    for (;;) {}
 }
 
 /* ---- Start ---- */
@@ -88,8 +90,7 @@ static void fault(void)
 {
     semihost(0x04, "FAIL fault\n");
     semihost(0x18, (const void *)(uintptr_t)0x20023);
-    for (;;) {
-    }
+    for (;;) {}
 }
 
 /* Stack, reset, non-maskable interrupt, hard, memory, bus and usage faults. */

@@ -51,6 +51,7 @@ void *bench_alloc(void *user, size_t size, size_t align)
 {
     bench_memory *const m = user;
     int best = -1, empty = -1;
+
     (void)align; /* at most 64, which every block has */
     for (int i = 0; i < BENCH_BLOCKS; i++) {
         if (m->block[i].bytes == NULL) {
@@ -64,7 +65,8 @@ void *bench_alloc(void *user, size_t size, size_t align)
         if (empty < 0) return NULL;
         best = empty;
         m->block[best].room = (size / 64 + 1) * 64;
-        if (posix_memalign(&m->block[best].bytes, 64, m->block[best].room) != 0) return m->block[best].bytes = NULL;
+        if (posix_memalign(&m->block[best].bytes, 64, m->block[best].room) != 0)
+            return m->block[best].bytes = NULL;
     }
     m->block[best].used = 1;
     m->block[best].asked = size;
@@ -76,6 +78,7 @@ void *bench_alloc(void *user, size_t size, size_t align)
 void bench_free(void *user, void *block, size_t size, size_t align)
 {
     bench_memory *const m = user;
+
     (void)align;
     if (block == NULL) return;
     for (int i = 0; i < BENCH_BLOCKS; i++) {
@@ -99,6 +102,7 @@ bvx_context *bench_context(int threads, int cpu, bench_memory *memory)
 {
     bvx_context *ctx = NULL;
     bvx_context_options o;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     o.cpu = cpu;
@@ -119,11 +123,13 @@ bvx_context *bench_context(int threads, int cpu, bench_memory *memory)
 
 const int32_t bench_resolutions[BENCH_LEVELS] = {64, 32, 16, 8};
 
-void bench_main_job(bvx_context *ctx, const bvx_mesh_view *view, uint64_t level_count, bvx_mesh *levels, bvx_lod_report *reports)
+void bench_main_job(bvx_context *ctx, const bvx_mesh_view *view, uint64_t level_count, bvx_mesh *levels,
+                    bvx_lod_report *reports)
 {
     bvx_lattice lattice;
     bvx_grid solid = {0};
     bvx_lod_options options;
+
     bvx_lod_options_init(&options, sizeof options);
     options.resolutions = bench_resolutions;
     options.reports = reports;
@@ -157,6 +163,7 @@ uint8_t *bench_read_file(const char *path, size_t *size)
     int const zipped = ends_in(path, ".gz");
     FILE *file = fopen(path, "rb");
     uint8_t *bytes = NULL;
+
     if (file == NULL) return NULL;
     if (zipped) {
         fclose(file);
@@ -204,6 +211,7 @@ FILE *bench_open(const char *path)
 void bench_write_mesh(bvx_context *ctx, const char *path, const bvx_mesh *mesh)
 {
     bvx_buffer buffer = {0};
+
     bench_try(ctx, bvx_write_mesh(ctx, mesh, bvx_format_of_name(path), &buffer), path);
     FILE *const file = bench_open(path);
     int const ok = fwrite(buffer.bytes, 1, (size_t)buffer.size, file) == buffer.size;

@@ -8,7 +8,8 @@
 
 /* ---- times ---- */
 
-/* [Units: ms] One thread: its processor time, so that others on the machine count little; more: the time of day. */
+/* [Units: ms] One thread: its processor time, so that others on the machine
+ * count little; more: the time of day. */
 double bench_clock(int threads);
 
 enum { BENCH_MOST_RUNS = 1024 };
@@ -27,7 +28,8 @@ double bench_median(const bench_times *times);
 
 enum { BENCH_BLOCKS = 2048 };
 
-/* Keeps what was freed and hands it out again, so that no page is touched for the first time while the clock runs. */
+/* Keeps what was freed and hands it out again, so that no page is touched
+ * for the first time while the clock runs. */
 typedef struct bench_memory {
     struct {
         void *bytes;
@@ -46,11 +48,13 @@ bvx_context *bench_context(int threads, int cpu, bench_memory *memory);
 
 /* ---- the main job ---- */
 
-enum { BENCH_FINE = 512, BENCH_MAIN = 256, BENCH_LEVELS = 4 }; /* resolutions of the solids; levels of the main job */
+/* resolutions of the solids; levels of the main job */
+enum { BENCH_FINE = 512, BENCH_MAIN = 256, BENCH_LEVELS = 4 };
 extern const int32_t bench_resolutions[BENCH_LEVELS];
 
 /* From the mesh's arrays to the arrays of the first level_count levels. */
-void bench_main_job(bvx_context *ctx, const bvx_mesh_view *view, uint64_t level_count, bvx_mesh *levels, bvx_lod_report *reports);
+void bench_main_job(bvx_context *ctx, const bvx_mesh_view *view, uint64_t level_count, bvx_mesh *levels,
+                    bvx_lod_report *reports);
 
 /* ---- checks ---- */
 

@@ -1,12 +1,15 @@
 /* bench_components.c - parts of grids: counted, listed, numbered, and their topology.
  *
  *   bench_components MESH_FOLDER OUT [RUNS]   prints Markdown
- *   bench_components turns MESH_FOLDER OUT    writes the grids to OUT/components_NAME.npy, then does one run for each line
- *                                             "NAME CONNECTIVITY" of standard input and answers with the milliseconds for counting,
- *                                             numbering into fresh memory and into warm memory, and the number of parts
+ *   bench_components turns MESH_FOLDER OUT    writes the grids to OUT/components_NAME.npy, then does one run
+ *   for each line
+ *                                             "NAME CONNECTIVITY" of standard input and answers with the
+ *                                             milliseconds for counting,
+ *                                             numbering into fresh memory and into warm memory, and the
+ *                                             number of parts
  *
- * Grids of 512 x 512 x 512: the dragon's solid, and voxels at random, a tenth of them set. One thread, processor time, least of the
- * runs. */
+ * Grids of 512 x 512 x 512: the dragon's solid, and voxels at random, a tenth of them set. One thread,
+ * processor time, least of the runs. */
 #include "bench_models.h"
 
 #include <inttypes.h>
@@ -30,6 +33,7 @@ static void make_dragon(const char *folder)
 {
     bench_model model;
     bvx_lattice fitted, lattice;
+
     if (!bench_model_open(ctx, folder, "dragon_vrip_871414.ply.gz", "dragon", &model)) {
         fprintf(stderr, "bench_components: no dragon in %s\n", folder);
         exit(1);
@@ -44,6 +48,7 @@ static void make_random(void)
 {
     uint64_t const words = bvx_grid_bound(&grids[0].lattice, NULL);
     uint64_t state = 88172645463325252u;
+
     bench_try(ctx, bvx_grid_create(ctx, &grids[0].lattice, NULL, &grids[1]), "grid");
     for (uint64_t i = 0; i < words; i++) {
         uint64_t w = 0;
@@ -66,6 +71,7 @@ static double time_list(const bvx_grid *g, int32_t connectivity, uint64_t count)
 {
     bvx_component *const parts = malloc((size_t)count * sizeof *parts + 1);
     double start;
+
     if (parts == NULL) exit(1);
     memset(parts, 1, (size_t)count * sizeof *parts);
     start = bench_clock(1);
@@ -80,6 +86,7 @@ static double time_label(const bvx_grid *g, int32_t connectivity, int fresh)
     double const start = bench_clock(1);
     uint32_t *const labels = fresh ? malloc((size_t)voxels() * 4) : warm;
     double ms;
+
     if (labels == NULL) exit(1);
     bench_try(ctx, bvx_grid_label(ctx, g, connectivity, labels, voxels(), NULL), "labels");
     ms = bench_clock(1) - start;
@@ -102,7 +109,8 @@ static double less(double a, double b)
 
 static void table(int runs)
 {
-    printf("| grid | connectivity | parts | count ms | list ms | labels, warm ms | labels, fresh ms | topology ms |\n|---|--:|--:|--:|--:|--:|--:|--:|\n");
+    printf(
+        "| grid | connectivity | parts | count ms | list ms | labels, warm ms | labels, fresh ms | topology ms |\n|---|--:|--:|--:|--:|--:|--:|--:|\n");
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 3; k++) {
             int32_t const connectivity = k == 0 ? 6 : k == 1 ? 18 : 26;
@@ -115,7 +123,8 @@ static void table(int runs)
                 t[3] = less(t[3], time_label(&grids[i], connectivity, 1));
                 if (connectivity != 18) t[4] = less(t[4], time_topology(&grids[i], connectivity));
             }
-            printf("| %s | %d | %" PRIu64 " | %.1f | %.1f | %.1f | %.1f | %.1f |\n", names[i], (int)connectivity, count, t[0], t[1], t[2], t[3], t[4]);
+            printf("| %s | %d | %" PRIu64 " | %.1f | %.1f | %.1f | %.1f | %.1f |\n", names[i],
+                   (int)connectivity, count, t[0], t[1], t[2], t[3], t[4]);
         }
 }
 
@@ -124,10 +133,12 @@ static void write_grid(const char *out, int i)
     char path[4096];
     bvx_buffer file = {0};
     FILE *to;
+
     snprintf(path, sizeof path, "%s/components_%s.npy", out, names[i]);
     bench_try(ctx, bvx_write_grid(ctx, &grids[i], BVX_FORMAT_NPY, &file), path);
     to = fopen(path, "wb");
-    if (to == NULL || fwrite(file.bytes, 1, (size_t)file.size, to) != (size_t)file.size || fclose(to) != 0) exit(1);
+    if (to == NULL || fwrite(file.bytes, 1, (size_t)file.size, to) != (size_t)file.size || fclose(to) != 0)
+        exit(1);
     bvx_buffer_free(ctx, &file);
 }
 
@@ -135,6 +146,7 @@ static void take_turns(const char *out)
 {
     char name[16];
     int connectivity;
+
     write_grid(out, 0);
     write_grid(out, 1);
     puts("ready");
@@ -152,6 +164,7 @@ int main(int argc, char **argv)
 {
     static bench_memory memory;
     int const turns = argc == 4 && strcmp(argv[1], "turns") == 0;
+
     if (argc < 3) {
         fprintf(stderr, "usage: bench_components [turns] MESH_FOLDER OUT [RUNS]\n");
         return 2;

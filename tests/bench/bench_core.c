@@ -2,10 +2,10 @@
  *
  *   bench_core MESH FOLDER [RUNS]
  *
- * Loading is left out, memory is warm on both sides, and the contenders take turns in every run, so that a disturbance
- * meets them all. The least of many runs is compared; the median beside it tells how noisy the machine was.
- * Prints a table and writes FOLDER/core.json; for others to work on also the mesh's arrays, the bits of the solid and
- * solid.json, which says what they are. */
+ * Loading is left out, memory is warm on both sides, and the contenders take turns in every run, so that a
+ * disturbance meets them all. The least of many runs is compared; the median beside it tells how noisy the
+ * machine was. Prints a table and writes FOLDER/core.json; for others to work on also the mesh's arrays, the
+ * bits of the solid and solid.json, which says what they are. */
 #include "bench.h"
 #include "parity_loop.h"
 
@@ -33,7 +33,8 @@ static void open_sides(void)
     for (int i = 0; i < SIDES; i++) {
         sides[i].name = names[i];
         sides[i].threads = i < PORTABLE_2 ? 1 : 2;
-        sides[i].ctx = bench_context(sides[i].threads, i % 2 ? BVX_CPU_BEST : BVX_CPU_PORTABLE, &sides[i].memory);
+        sides[i].ctx = bench_context(sides[i].threads, i % 2 ? BVX_CPU_BEST : BVX_CPU_PORTABLE,
+                                     &sides[i].memory);
     }
 }
 
@@ -79,7 +80,8 @@ static void run_all(subject *s, bench_times *baseline, bench_times *fit)
         parity_loop(s->mesh.positions, s->mesh.triangles, s->mesh.triangle_count, &s->baseline);
         bench_add(baseline, bench_clock(1) - start);
         start = bench_clock(1);
-        bench_try(sides[BEST_1].ctx, bvx_lattice_fit(sides[BEST_1].ctx, &s->view, FINE, &s->lattice), "lattice");
+        bench_try(sides[BEST_1].ctx, bvx_lattice_fit(sides[BEST_1].ctx, &s->view, FINE, &s->lattice),
+                  "lattice");
         bench_add(fit, bench_clock(1) - start);
         for (int i = 0; i < SIDES; i++) {
             side *const a = &sides[i];
@@ -121,6 +123,7 @@ static int check_mesh(bvx_context *ctx, const bvx_mesh *mesh, const char *what)
 {
     bvx_mesh_view view;
     bvx_certificate c;
+
     bvx_mesh_view_of(mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &c), what);
     printf("  %s: %llu triangles, %s, %llu components, volume %.6g\n", what, (unsigned long long)c.triangles,
@@ -142,13 +145,17 @@ static void write_inputs(const subject *s, const bvx_grid *solid, const char *fo
 {
     char path[1024];
     const bvx_lattice *const l = &s->lattice;
+
     write_raw(folder, "solid.bits", solid->words, bvx_grid_bound(l, NULL) * 8);
     write_raw(folder, "mesh.positions", s->mesh.positions, s->mesh.vertex_count * 12);
     write_raw(folder, "mesh.triangles", s->mesh.triangles, s->mesh.triangle_count * 12);
     snprintf(path, sizeof path, "%s/solid.json", folder);
     FILE *const file = bench_open(path);
-    fprintf(file, "{\"dims\": [%d, %d, %d], \"words_per_row\": %d, \"spacing\": %.17g, \"origin\": [%.17g, %.17g, %.17g]}\n",
-            l->dims[0], l->dims[1], l->dims[2], solid->words_per_row, l->spacing[0], l->origin[0], l->origin[1], l->origin[2]);
+    fprintf(
+        file,
+        "{\"dims\": [%d, %d, %d], \"words_per_row\": %d, \"spacing\": %.17g, \"origin\": [%.17g, %.17g, %.17g]}\n",
+        l->dims[0], l->dims[1], l->dims[2], solid->words_per_row, l->spacing[0], l->origin[0], l->origin[1],
+        l->origin[2]);
     fclose(file);
 }
 
@@ -165,19 +172,23 @@ static int check_results(subject *s, const char *folder)
     bench_try(ctx, bvx_grid_count(ctx, &solid, &ours), "count");
     bench_try(ctx, bvx_grid_count(ctx, &s->baseline, &theirs), "count");
     uint64_t const differ = bits_that_differ(&solid, &s->baseline);
-    printf("results\n  solid %d x %d x %d: %llu voxels; the baseline has %llu, %llu differ (ties that its rounding decides)\n",
-           s->lattice.dims[0], s->lattice.dims[1], s->lattice.dims[2], (unsigned long long)ours, (unsigned long long)theirs,
-           (unsigned long long)differ);
+    printf(
+        "results\n  solid %d x %d x %d: %llu voxels; the baseline has %llu, %llu differ (ties that its rounding decides)\n",
+        s->lattice.dims[0], s->lattice.dims[1], s->lattice.dims[2], (unsigned long long)ours,
+        (unsigned long long)theirs, (unsigned long long)differ);
     good &= differ < 1000;
     for (int i = 1; i < SIDES; i++)
         good &= sides[i].solid_hash == sides[0].solid_hash && sides[i].surface_hash == sides[0].surface_hash;
-    printf("  %s bits and surfaces from portable and fast code, one and two threads\n", good ? "the same" : "DIFFERENT");
+    printf("  %s bits and surfaces from portable and fast code, one and two threads\n",
+           good ? "the same" : "DIFFERENT");
     write_inputs(s, &solid, folder);
     bench_try(ctx, bvx_extract_surface(ctx, &solid, NULL, &surface), "surface");
     good &= check_mesh(ctx, &surface, "surface");
-    fprintf(s->json, "\"voxels\": %llu, \"baseline_voxels\": %llu, \"baseline_differs\": %llu, \"surface_triangles\": %llu,\n",
-            (unsigned long long)ours, (unsigned long long)theirs, (unsigned long long)differ,
-            (unsigned long long)surface.triangle_count);
+    fprintf(
+        s->json,
+        "\"voxels\": %llu, \"baseline_voxels\": %llu, \"baseline_differs\": %llu, \"surface_triangles\": %llu,\n",
+        (unsigned long long)ours, (unsigned long long)theirs, (unsigned long long)differ,
+        (unsigned long long)surface.triangle_count);
     bvx_mesh_free(ctx, &surface);
     bvx_grid_free(ctx, &solid);
 
@@ -196,13 +207,14 @@ static int check_results(subject *s, const char *folder)
 
 /* ---- where the time goes ---- */
 
-/* What the fractions that the progress callback is given stand for, in order: solid.c and march.c name them. */
+/* What the fractions that the progress callback is given stand for, in order: solid.c and march.c name
+ * them. */
 static const struct phase {
     const char *name;
     int call; /* 0 solid, 1 surface */
     double from;
-} phases[] = {{"snapping", 0, 0.0},        {"clearing the bits", 0, 0.1}, {"crossings of rows", 0, 0.15},
-              {"toggles to runs", 0, 0.4}, {"unbalanced rows", 0, 0.5},   {"surface: counting", 1, 0.0},
+} phases[] = {{"snapping", 0, 0.0},         {"clearing the bits", 0, 0.1}, {"crossings of rows", 0, 0.15},
+              {"toggles to runs", 0, 0.4},  {"unbalanced rows", 0, 0.5},   {"surface: counting", 1, 0.0},
               {"surface: writing", 1, 0.35}};
 enum { PHASES = sizeof phases / sizeof *phases };
 
@@ -216,6 +228,7 @@ static int32_t on_progress(void *user, const char *stage, double fraction)
 {
     phase_clock *const c = user;
     double const t = bench_clock(1);
+
     (void)stage;
     if (c->now >= 0) c->ms[c->now] += t - c->since;
     for (int i = 0; i < PHASES; i++)
@@ -241,6 +254,7 @@ static void show_phases(subject *s)
     static bench_memory memory;
     bvx_context_options o;
     bvx_context *ctx;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     o.alloc = bench_alloc;
@@ -280,6 +294,7 @@ static void show_job(subject *s)
 {
     side *const a = &sides[BEST_1];
     bench_times fit = {{0}, 0}, solid_times = {{0}, 0}, level_times[LEVELS] = {{{0}, 0}};
+
     for (int run = 0; run < s->runs; run++) {
         bvx_lattice lattice;
         bvx_grid solid = {0};
@@ -301,8 +316,8 @@ static void show_job(subject *s)
         }
         bvx_grid_free(a->ctx, &solid);
     }
-    printf("parts of the main job, one thread\n  lattice %.2f ms, solid %d %.2f ms", bench_min(&fit), BENCH_MAIN,
-           bench_min(&solid_times));
+    printf("parts of the main job, one thread\n  lattice %.2f ms, solid %d %.2f ms", bench_min(&fit),
+           BENCH_MAIN, bench_min(&solid_times));
     fprintf(s->json, "\"parts\": {\"lattice\": %.4f, \"solid\": %.4f, \"levels\": [", bench_min(&fit),
             bench_min(&solid_times));
     for (int i = 0; i < LEVELS; i++) {
@@ -321,6 +336,7 @@ static void show_memory(subject *s)
     uint64_t const view = s->mesh.vertex_count * 12 + s->mesh.triangle_count * 12;
     uint64_t const bits = bvx_grid_bound(&s->lattice, NULL) * 8;
     uint64_t const per_element = 16 * (s->mesh.vertex_count + s->mesh.triangle_count);
+
     fprintf(s->json, "\"memory\": {");
     for (int i = BEST_1; i <= BEST_2; i += BEST_2 - BEST_1) {
         bvx_grid solid = {0};
@@ -335,11 +351,14 @@ static void show_memory(subject *s)
         uint64_t const bound = view + bits + per_element + output + 1048576;
         uint64_t const peak = view + sides[i].memory.peak - held;
         if (i == BEST_1)
-            printf("memory of voxelize and extract at %d: view %.2f, bits %.2f, 16 (V+T) %.2f, output %.2f MiB\n", FINE,
-                   (double)view / mib, (double)bits / mib, (double)per_element / mib, (double)output / mib);
-        printf("  %d thread%s: peak with view %.2f MiB, bound %.2f MiB: %s (library says %.2f MiB without the view)\n",
-               sides[i].threads, sides[i].threads > 1 ? "s" : "", (double)peak / mib, (double)bound / mib,
-               peak <= bound ? "kept" : "EXCEEDED", (double)bvx_memory_peak(ctx) / mib);
+            printf(
+                "memory of voxelize and extract at %d: view %.2f, bits %.2f, 16 (V+T) %.2f, output %.2f MiB\n",
+                FINE, (double)view / mib, (double)bits / mib, (double)per_element / mib,
+                (double)output / mib);
+        printf(
+            "  %d thread%s: peak with view %.2f MiB, bound %.2f MiB: %s (library says %.2f MiB without the view)\n",
+            sides[i].threads, sides[i].threads > 1 ? "s" : "", (double)peak / mib, (double)bound / mib,
+            peak <= bound ? "kept" : "EXCEEDED", (double)bvx_memory_peak(ctx) / mib);
         fprintf(s->json, "%s\"peak_%d\": %llu, \"bound_%d\": %llu", i == BEST_1 ? "" : ", ", sides[i].threads,
                 (unsigned long long)peak, sides[i].threads, (unsigned long long)bound);
         bvx_mesh_free(ctx, &surface);
@@ -355,9 +374,11 @@ static void write_times(FILE *json, const char *name, const bench_times *t, cons
     fprintf(json, "\"%s\": {\"min\": %.4f, \"median\": %.4f}%s", name, bench_min(t), bench_median(t), end);
 }
 
-static void show_stage(subject *s, const char *title, const char *name, size_t offset, const bench_times *baseline)
+static void show_stage(subject *s, const char *title, const char *name, size_t offset,
+                       const bench_times *baseline)
 {
     const bench_times *t[SIDES];
+
     printf("%-34s", title);
     fprintf(s->json, "\"%s\": {", name);
     for (int i = 0; i < SIDES; i++) {
@@ -369,8 +390,8 @@ static void show_stage(subject *s, const char *title, const char *name, size_t o
     if (baseline) {
         double const ms = bench_min(baseline);
         printf("\n%-34s  %8.2f %8.2f   = %.2f times ours portable, %.2f times ours best, one thread",
-               "  baseline parity loop, one thread", ms, bench_median(baseline), quotient(ms, bench_min(t[PORTABLE_1])),
-               quotient(ms, bench_min(t[BEST_1])));
+               "  baseline parity loop, one thread", ms, bench_median(baseline),
+               quotient(ms, bench_min(t[PORTABLE_1])), quotient(ms, bench_min(t[BEST_1])));
         write_times(s->json, "baseline", baseline, "");
     }
     printf("\n");
@@ -403,14 +424,14 @@ int main(int argc, char **argv)
     bench_try(ctx, bvx_grid_create(ctx, &s.lattice, NULL, &s.baseline), "grid");
     snprintf(path, sizeof path, "%s/core.json", argv[2]);
     s.json = bench_open(path);
-    fprintf(s.json, "{\"vertices\": %llu, \"triangles\": %llu, \"runs\": %d,\n", (unsigned long long)s.mesh.vertex_count,
-            (unsigned long long)s.mesh.triangle_count, s.runs);
+    fprintf(s.json, "{\"vertices\": %llu, \"triangles\": %llu, \"runs\": %d,\n",
+            (unsigned long long)s.mesh.vertex_count, (unsigned long long)s.mesh.triangle_count, s.runs);
 
     run_all(&s, &baseline, &fit);
-    printf("%s, %llu triangles, %d runs; least and median milliseconds (one thread: its processor time)\n", argv[1],
-           (unsigned long long)s.mesh.triangle_count, s.runs);
-    printf("%-34s  %-17s  %-17s  %-17s  %-17s  %s\n", "", "portable, 1 thread", "best, 1 thread", "portable, 2", "best, 2",
-           "best 1 : 2");
+    printf("%s, %llu triangles, %d runs; least and median milliseconds (one thread: its processor time)\n",
+           argv[1], (unsigned long long)s.mesh.triangle_count, s.runs);
+    printf("%-34s  %-17s  %-17s  %-17s  %-17s  %s\n", "", "portable, 1 thread", "best, 1 thread",
+           "portable, 2", "best, 2", "best 1 : 2");
     show_stage(&s, "solid 512", "solid", offsetof(side, solid), &baseline);
     show_stage(&s, "surface of it", "surface", offsetof(side, surface), NULL);
     show_stage(&s, "main job: solid 256, four levels", "job", offsetof(side, job), NULL);

@@ -1,11 +1,14 @@
 /* bench_field.c - distance fields and repair: the dragon's band, the bunny's scan.
  *
  *   bench_field MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/field.jsonl: targets
- *   bench_field turns MESH_FOLDER OUT    writes the arrays of dragon, scan and repaired scan to OUT, then does one job for each
- *                                        line "field|repair THREADS" of standard input and answers with milliseconds and counts
+ *   bench_field turns MESH_FOLDER OUT    writes the arrays of dragon, scan and repaired scan to OUT, then
+ *   does one job for each
+ *                                        line "field|repair THREADS" of standard input and answers with
+ *                                        milliseconds and counts
  *
- * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs is compared, the
- * median stands in brackets. The lattice of the field is the fitted one with room for the band on all sides. */
+ * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs
+ * is compared, the median stands in brackets. The lattice of the field is the fitted one with room for the
+ * band on all sides. */
 #include "bench_models.h"
 
 #include <inttypes.h>
@@ -33,10 +36,12 @@ typedef struct field_job {
     int32_t sign, no_vectors;
 } field_job;
 
-static double run_field(bvx_context *ctx, const bench_model *m, const bvx_lattice *lattice, const field_job *job, int threads, bvx_field *field)
+static double run_field(bvx_context *ctx, const bench_model *m, const bvx_lattice *lattice,
+                        const field_job *job, int threads, bvx_field *field)
 {
     bvx_field_options o;
     double const start = bench_clock(threads);
+
     bvx_field_options_init(&o, sizeof o);
     o.half_width = 3.0;
     o.sign = job->sign;
@@ -47,8 +52,10 @@ static double run_field(bvx_context *ctx, const bench_model *m, const bvx_lattic
 
 static int same_fields(const bvx_field *a, const bvx_field *b)
 {
-    return a->value_count == b->value_count && memcmp(a->distances, b->distances, (size_t)a->value_count * sizeof(float)) == 0 &&
-           ((a->vectors == NULL && b->vectors == NULL) || memcmp(a->vectors, b->vectors, (size_t)a->value_count * 3 * sizeof(float)) == 0);
+    return a->value_count == b->value_count &&
+           memcmp(a->distances, b->distances, (size_t)a->value_count * sizeof(float)) == 0 &&
+           ((a->vectors == NULL && b->vectors == NULL) ||
+            memcmp(a->vectors, b->vectors, (size_t)a->value_count * 3 * sizeof(float)) == 0);
 }
 
 /* One row of the table: one thread, two threads. Returns the least milliseconds of one thread. */
@@ -59,6 +66,7 @@ static double show_field(const bench_model *m, const field_job *job, double *ns)
     bvx_field fields[2] = {0};
     bvx_context *contexts[2];
     bvx_lattice lattice;
+
     for (int n = 0; n < 2; n++) { /* a context of its own for each, so that its peak is this job's */
         contexts[n] = bench_context(n + 1, BVX_CPU_BEST, &memory);
         lattice_with_room(contexts[n], m, &lattice);
@@ -71,8 +79,9 @@ static double show_field(const bench_model *m, const field_job *job, double *ns)
     }
     double const least = bench_min(&times[0]), centres = (double)fields[0].value_count;
     *ns = least * 1e6 / centres;
-    printf("| %s | %" PRIu64 " | %.1f (%.1f) | %.0f | %.1f (%.1f) | %.2f | %.1f | %.1f | %s |\n", job->title, fields[0].value_count, least,
-           bench_median(&times[0]), *ns, bench_min(&times[1]), bench_median(&times[1]), least / bench_min(&times[1]),
+    printf("| %s | %" PRIu64 " | %.1f (%.1f) | %.0f | %.1f (%.1f) | %.2f | %.1f | %.1f | %s |\n", job->title,
+           fields[0].value_count, least, bench_median(&times[0]), *ns, bench_min(&times[1]),
+           bench_median(&times[1]), least / bench_min(&times[1]),
            (double)bvx_memory_peak(contexts[0]) / 1048576.0, (double)bvx_memory_peak(contexts[1]) / 1048576.0,
            same_fields(&fields[0], &fields[1]) ? "same" : "DIFFERENT");
     fflush(stdout);
@@ -92,10 +101,13 @@ static void show_fields(const bench_model *m, FILE *targets)
                                      {"sign pseudonormal", BVX_SIGN_PSEUDONORMAL, 0},
                                      {"sign auto", BVX_SIGN_AUTO, 0}};
     double ns;
-    printf("Band of three voxels around the %s of %" PRIu64 " triangles at %d: distances and vectors in floats.\n\n"
-           "| | centres | one thread, ms | ns a centre | two threads, ms | ratio | peak MiB | of two | bytes of one and two |\n"
-           "|---|--:|--:|--:|--:|--:|--:|--:|---|\n",
-           m->name, m->triangle_count, RESOLUTION);
+
+    printf(
+        "Band of three voxels around the %s of %" PRIu64
+        " triangles at %d: distances and vectors in floats.\n\n"
+        "| | centres | one thread, ms | ns a centre | two threads, ms | ratio | peak MiB | of two | bytes of one and two |\n"
+        "|---|--:|--:|--:|--:|--:|--:|--:|---|\n",
+        m->name, m->triangle_count, RESOLUTION);
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         double const ms = show_field(m, &jobs[i], &ns);
         if (i != 0) continue;
@@ -106,10 +118,12 @@ static void show_fields(const bench_model *m, FILE *targets)
 
 /* ---- repair ---- */
 
-static double run_repair(bvx_context *ctx, const bench_model *m, int threads, bvx_repair_report *report, int measure, bvx_mesh *repaired)
+static double run_repair(bvx_context *ctx, const bench_model *m, int threads, bvx_repair_report *report,
+                         int measure, bvx_mesh *repaired)
 {
     bvx_repair_options o;
     double const start = bench_clock(threads);
+
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = RESOLUTION;
     o.measure = measure;
@@ -127,6 +141,7 @@ static void show_repair(const bench_model *m, FILE *targets)
     bvx_context *contexts[2];
     bvx_repair_report r;
     uint64_t peaks[2];
+
     for (int n = 0; n < 2; n++) {
         contexts[n] = bench_context(n + 1, BVX_CPU_BEST, &memory);
         times[n].count = 0;
@@ -140,24 +155,29 @@ static void show_repair(const bench_model *m, FILE *targets)
     const bvx_mesh *const a = &repaired[0], *const b = &repaired[1];
     int const same = a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
                      memcmp(a->positions, b->positions, (size_t)a->vertex_count * 3 * sizeof(float)) == 0 &&
-                     memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 3 * sizeof(uint32_t)) == 0;
+                     memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 3 * sizeof(uint32_t)) ==
+                         0;
     memset(&r, 0, sizeof r);
     run_repair(contexts[0], m, 1, &r, 1, &once);
     double const voxel = r.lattice.spacing[0];
-    printf("\nRepair of the %s of %" PRIu64 " triangles at %d, default options.\n\n"
-           "| one thread, ms | two threads, ms | ratio | peak MiB | of two | triangles | bytes of one and two |\n|--:|--:|--:|--:|--:|--:|---|\n",
-           m->name, m->triangle_count, RESOLUTION);
-    printf("| %.1f (%.1f) | %.1f (%.1f) | %.2f | %.1f | %.1f | %" PRIu64 " | %s |\n", bench_min(&times[0]), bench_median(&times[0]),
-           bench_min(&times[1]), bench_median(&times[1]), bench_min(&times[0]) / bench_min(&times[1]), (double)peaks[0] / 1048576.0,
+    printf(
+        "\nRepair of the %s of %" PRIu64 " triangles at %d, default options.\n\n"
+        "| one thread, ms | two threads, ms | ratio | peak MiB | of two | triangles | bytes of one and two |\n|--:|--:|--:|--:|--:|--:|---|\n",
+        m->name, m->triangle_count, RESOLUTION);
+    printf("| %.1f (%.1f) | %.1f (%.1f) | %.2f | %.1f | %.1f | %" PRIu64 " | %s |\n", bench_min(&times[0]),
+           bench_median(&times[0]), bench_min(&times[1]), bench_median(&times[1]),
+           bench_min(&times[0]) / bench_min(&times[1]), (double)peaks[0] / 1048576.0,
            (double)peaks[1] / 1048576.0, a->triangle_count, same ? "same" : "DIFFERENT");
-    printf("\nSign by %s; %" PRIu64 " holes, the longest %.3g voxels around; %" PRIu64 " cuts of sheets over holes. Result: %" PRIu64
-           " boundary, %" PRIu64 " non-manifold and %" PRIu64 " flipped edges.\n",
-           r.sign >= 0 && r.sign <= BVX_SIGN_NONE ? signs[r.sign] : "?", r.holes, r.longest_hole / voxel, r.sheet_edges,
-           r.after.boundary_edges, r.after.nonmanifold_edges, r.after.flipped_edges);
-    printf("Off the sheets the result lies %.4f voxels from the scan on average, %.3f at most.\n", r.mean_off_caps / voxel,
-           r.max_off_caps / voxel);
+    printf("\nSign by %s; %" PRIu64 " holes, the longest %.3g voxels around; %" PRIu64
+           " cuts of sheets over holes. Result: %" PRIu64 " boundary, %" PRIu64 " non-manifold and %" PRIu64
+           " flipped edges.\n",
+           r.sign >= 0 && r.sign <= BVX_SIGN_NONE ? signs[r.sign] : "?", r.holes, r.longest_hole / voxel,
+           r.sheet_edges, r.after.boundary_edges, r.after.nonmanifold_edges, r.after.flipped_edges);
+    printf("Off the sheets the result lies %.4f voxels from the scan on average, %.3f at most.\n",
+           r.mean_off_caps / voxel, r.max_off_caps / voxel);
     fflush(stdout);
-    bench_say_target(targets, "repaired bunny at 256 : scan, mean off the caps", r.mean_off_caps / voxel, "voxels", 0.1, 1);
+    bench_say_target(targets, "repaired bunny at 256 : scan, mean off the caps", r.mean_off_caps / voxel,
+                     "voxels", 0.1, 1);
     bvx_mesh_free(contexts[0], &once);
     for (int n = 0; n < 2; n++) {
         bvx_mesh_free(contexts[n], &repaired[n]);
@@ -168,7 +188,8 @@ static void show_repair(const bench_model *m, FILE *targets)
 
 /* ---- turns ---- */
 
-static void write_values(const char *folder, const char *name, const char *end, const void *bytes, size_t size)
+static void write_values(const char *folder, const char *name, const char *end, const void *bytes,
+                         size_t size)
 {
     char path[1024];
     snprintf(path, sizeof path, "%s/field_%s.%s", folder, name, end);
@@ -182,15 +203,18 @@ static void write_values(const char *folder, const char *name, const char *end, 
 static void write_model(const char *folder, const bench_model *m)
 {
     write_values(folder, m->name, "points", m->points, (size_t)m->point_count * 3 * sizeof *m->points);
-    write_values(folder, m->name, "triangles", m->triangles, (size_t)m->triangle_count * 3 * sizeof *m->triangles);
+    write_values(folder, m->name, "triangles", m->triangles,
+                 (size_t)m->triangle_count * 3 * sizeof *m->triangles);
 }
 
 /* Our field without vectors as a list: index of each centre (x y z), distance. */
-static void write_field(const char *folder, bvx_context *ctx, const bench_model *m, const bvx_lattice *lattice)
+static void write_field(const char *folder, bvx_context *ctx, const bench_model *m,
+                        const bvx_lattice *lattice)
 {
     static const field_job job = {"", BVX_SIGN_EXACT, 1};
     bvx_field field = {0};
     uint64_t n = 0;
+
     run_field(ctx, m, lattice, &job, 1, &field);
     int32_t *const places = malloc((size_t)field.value_count * 3 * sizeof *places);
     if (places == NULL) exit(1);
@@ -221,6 +245,7 @@ static int take_turns(const char *meshes, const char *out)
     bvx_mesh repaired = {0};
     char word[16];
     int threads;
+
     for (int n = 0; n < 2; n++) contexts[n] = bench_context(n + 1, BVX_CPU_BEST, &memory);
     if (!bench_model_open(contexts[0], meshes, dragon_file, "dragon", &dragon)) return 1;
     if (!bench_model_open(contexts[0], meshes, bunny_file, "bunny", &bunny)) return 1;
@@ -229,11 +254,13 @@ static int take_turns(const char *meshes, const char *out)
     write_model(out, &bunny);
     write_field(out, contexts[0], &dragon, &lattice);
     run_repair(contexts[0], &bunny, 1, NULL, 0, &repaired);
-    write_values(out, "repaired", "points", repaired.positions, (size_t)repaired.vertex_count * 3 * sizeof(float));
-    write_values(out, "repaired", "triangles", repaired.triangles, (size_t)repaired.triangle_count * 3 * sizeof(uint32_t));
+    write_values(out, "repaired", "points", repaired.positions,
+                 (size_t)repaired.vertex_count * 3 * sizeof(float));
+    write_values(out, "repaired", "triangles", repaired.triangles,
+                 (size_t)repaired.triangle_count * 3 * sizeof(uint32_t));
     bvx_mesh_free(contexts[0], &repaired);
-    printf("ready %.17g %.17g %.17g %.17g %d %d %d\n", lattice.spacing[0], lattice.origin[0], lattice.origin[1], lattice.origin[2],
-           lattice.dims[0], lattice.dims[1], lattice.dims[2]);
+    printf("ready %.17g %.17g %.17g %.17g %d %d %d\n", lattice.spacing[0], lattice.origin[0],
+           lattice.origin[1], lattice.origin[2], lattice.dims[0], lattice.dims[1], lattice.dims[2]);
     fflush(stdout);
     while (scanf("%15s %d", word, &threads) == 2) {
         bvx_context *const ctx = contexts[threads == 1 ? 0 : 1];
@@ -263,12 +290,14 @@ int main(int argc, char **argv)
 {
     char path[1024];
     bench_model m;
+
     if (argc == 4 && strcmp(argv[1], "turns") == 0) return take_turns(argv[2], argv[3]);
     if (argc < 3) {
         fprintf(stderr, "usage: bench_field MESH_FOLDER OUT [RUNS], bench_field turns MESH_FOLDER OUT\n");
         return 2;
     }
-    if (argc > 3 && atoi(argv[3]) > 0) runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
+    if (argc > 3 && atoi(argv[3]) > 0)
+        runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
     snprintf(path, sizeof path, "%s/field.jsonl", argv[2]);
     FILE *const targets = bench_open(path);
     bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, NULL);

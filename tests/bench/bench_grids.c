@@ -1,11 +1,13 @@
 /* bench_grids.c - what is done with grids: set algebra, blocks, booleans of meshes.
  *
  *   bench_grids MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/grids.jsonl: targets
- *   bench_grids turns MESH_FOLDER OUT    writes the arrays of the peers' inputs to OUT, then does one job for each line "JOB THREADS"
+ *   bench_grids turns MESH_FOLDER OUT    writes the arrays of the peers' inputs to OUT, then does one job for
+ *   each line "JOB THREADS"
  *                                        of standard input and answers with milliseconds and what it made
  *
- * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs is compared, the
- * median stands in brackets. Grids have 512 x 512 x 512 voxels: the dragon's solid and random ones, one in ten set. */
+ * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs
+ * is compared, the median stands in brackets. Grids have 512 x 512 x 512 voxels: the dragon's solid and
+ * random ones, one in ten set. */
 #include "bench_models.h"
 
 #include <inttypes.h>
@@ -39,6 +41,7 @@ static bvx_grid dragon_grid(bvx_context *ctx, const bench_model *m)
 static void scatter_tenth(bvx_grid *grid)
 {
     uint64_t x = UINT64_C(88172645463325252);
+
     for (size_t i = 0; i < GRID_WORDS; i++) {
         uint64_t w = 0;
         for (int k = 0; k < 64; k++) {
@@ -86,7 +89,9 @@ static void do_coverage(bvx_context *ctx, algebra_bench *j)
 {
     static const int32_t factor[3] = {4, 4, 4};
     uint64_t n;
-    bench_try(ctx, bvx_grid_coverage(ctx, j->a, factor, j->counts, GRID_SIDE * GRID_SIDE * (GRID_SIDE / 64), &n), "coverage");
+    bench_try(ctx,
+              bvx_grid_coverage(ctx, j->a, factor, j->counts, GRID_SIDE * GRID_SIDE * (GRID_SIDE / 64), &n),
+              "coverage");
 }
 
 static void reduce(bvx_context *ctx, algebra_bench *j, int32_t rule)
@@ -135,6 +140,7 @@ static void do_resample(bvx_context *ctx, algebra_bench *j)
 static double time_algebra(bvx_context *ctx, algebra_bench *j, algebra_job *job, int threads)
 {
     static bench_times times;
+
     times.count = 0;
     for (int run = -1; run < runs; run++) { /* the first warms memory and is not counted */
         double const start = bench_clock(threads);
@@ -149,18 +155,28 @@ static void show_algebra(const bench_model *dragon, FILE *targets)
     static const struct {
         const char *title;
         algebra_job *job;
-    } jobs[] = {{"memcpy", do_copy}, {"union", do_union}, {"union, in place", do_union_in_place}, {"complement", do_complement},
-                {"coverage by 4", do_coverage}, {"any by 2", do_any}, {"majority by 2", do_majority}, {"x and y changed", do_turn},
-                {"crop, 3 voxels off", do_crop}, {"resample to 0.9", do_resample}};
+    } jobs[] = {{"memcpy", do_copy},
+                {"union", do_union},
+                {"union, in place", do_union_in_place},
+                {"complement", do_complement},
+                {"coverage by 4", do_coverage},
+                {"any by 2", do_any},
+                {"majority by 2", do_majority},
+                {"x and y changed", do_turn},
+                {"crop, 3 voxels off", do_crop},
+                {"resample to 0.9", do_resample}};
     static bench_memory memory;
     bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, &memory);
-    bvx_grid solid = dragon_grid(ctx, dragon), random = cube_grid(ctx, &solid.lattice), result = cube_grid(ctx, &solid.lattice);
+    bvx_grid solid = dragon_grid(ctx, dragon);
+    bvx_grid random = cube_grid(ctx, &solid.lattice);
+    bvx_grid result = cube_grid(ctx, &solid.lattice);
     uint32_t *const counts = calloc((size_t)1 << 21, sizeof *counts);
     double copy[2] = {1, 1};
     if (counts == NULL) exit(1);
     scatter_tenth(&random);
-    printf("Grids of 512 x 512 x 512 voxels (16 MiB), one thread.\n\n| | the dragon's solid, ms | of memcpy | a random tenth, ms | of memcpy |\n"
-           "|---|--:|--:|--:|--:|\n");
+    printf(
+        "Grids of 512 x 512 x 512 voxels (16 MiB), one thread.\n\n| | the dragon's solid, ms | of memcpy | a random tenth, ms | of memcpy |\n"
+        "|---|--:|--:|--:|--:|\n");
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; i++) {
         double ms[2];
         for (int g = 0; g < 2; g++) {
@@ -168,8 +184,11 @@ static void show_algebra(const bench_model *dragon, FILE *targets)
             ms[g] = time_algebra(ctx, &j, jobs[i].job, 1);
             if (i == 0) copy[g] = ms[g];
         }
-        printf("| %s | %.2f | %.1f | %.2f | %.1f |\n", jobs[i].title, ms[0], ms[0] / copy[0], ms[1], ms[1] / copy[1]);
-        if (i == 1) bench_say_target(targets, "union of two 16 MiB grids : memcpy of one", ms[1] / copy[1], "times", 2, 1);
+        printf("| %s | %.2f | %.1f | %.2f | %.1f |\n", jobs[i].title, ms[0], ms[0] / copy[0], ms[1],
+               ms[1] / copy[1]);
+        if (i == 1)
+            bench_say_target(targets, "union of two 16 MiB grids : memcpy of one", ms[1] / copy[1], "times",
+                             2, 1);
     }
     fflush(stdout);
     free(counts);
@@ -194,6 +213,7 @@ typedef struct shifted_dragon {
 static void shift_dragon(const bench_model *m, shifted_dragon *s)
 {
     static const double by[3] = {0.0512, 0.0187, 0.0093};
+
     s->points = malloc((size_t)m->point_count * 3 * sizeof *s->points);
     if (s->points == NULL) exit(1);
     for (uint64_t i = 0; i < 3 * m->point_count; i++) s->points[i] = (float)(m->points[i] + by[i % 3]);
@@ -206,11 +226,12 @@ static void shift_dragon(const bench_model *m, shifted_dragon *s)
     s->view.triangle_count = m->triangle_count;
 }
 
-static double run_boolean(bvx_context *ctx, const bench_model *m, const shifted_dragon *s, int32_t operation, int32_t sharp, int threads,
-                          bvx_boolean_report *report, bvx_mesh *made)
+static double run_boolean(bvx_context *ctx, const bench_model *m, const shifted_dragon *s, int32_t operation,
+                          int32_t sharp, int threads, bvx_boolean_report *report, bvx_mesh *made)
 {
     bvx_boolean_options o;
     double const start = bench_clock(threads);
+
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = BOOLEAN_RESOLUTION;
     o.sharp = sharp;
@@ -223,6 +244,7 @@ static double volume_of(bvx_context *ctx, const bvx_mesh *mesh)
 {
     bvx_certificate c;
     bvx_mesh_view view;
+
     bvx_mesh_view_of(mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &c), "boolean");
     if (!c.closed || !c.edge_manifold || !c.vertex_manifold || !c.oriented) {
@@ -238,11 +260,14 @@ static void show_booleans(const bench_model *m)
     static bench_times times[2];
     bvx_context *contexts[2];
     shifted_dragon s;
+
     shift_dragon(m, &s);
     for (int n = 0; n < 2; n++) contexts[n] = bench_context(n + 1, BVX_CPU_BEST, &memory);
-    printf("\nTwo dragons of %" PRIu64 " triangles, one shifted, at %d voxels along both.\n\n"
-           "| | one thread, ms | two threads, ms | ratio | triangles | volume | sharp: one thread, ms | volume |\n"
-           "|---|--:|--:|--:|--:|--:|--:|--:|\n", m->triangle_count, BOOLEAN_RESOLUTION);
+    printf(
+        "\nTwo dragons of %" PRIu64 " triangles, one shifted, at %d voxels along both.\n\n"
+        "| | one thread, ms | two threads, ms | ratio | triangles | volume | sharp: one thread, ms | volume |\n"
+        "|---|--:|--:|--:|--:|--:|--:|--:|\n",
+        m->triangle_count, BOOLEAN_RESOLUTION);
     for (int32_t op = 0; op < 4; op++) {
         bvx_mesh made[2] = {{0}}, sharp = {0};
         for (int n = 0; n < 2; n++) {
@@ -254,9 +279,10 @@ static void show_booleans(const bench_model *m)
             }
         }
         double const ms = run_boolean(contexts[0], m, &s, op, 1, 1, NULL, &sharp);
-        printf("| %s | %.0f (%.0f) | %.0f (%.0f) | %.2f | %" PRIu64 " | %.9g | %.0f | %.9g |\n", boolean_names[op], bench_min(&times[0]),
-               bench_median(&times[0]), bench_min(&times[1]), bench_median(&times[1]), bench_min(&times[0]) / bench_min(&times[1]),
-               made[0].triangle_count, volume_of(contexts[0], &made[0]), ms, volume_of(contexts[0], &sharp));
+        printf("| %s | %.0f (%.0f) | %.0f (%.0f) | %.2f | %" PRIu64 " | %.9g | %.0f | %.9g |\n",
+               boolean_names[op], bench_min(&times[0]), bench_median(&times[0]), bench_min(&times[1]),
+               bench_median(&times[1]), bench_min(&times[0]) / bench_min(&times[1]), made[0].triangle_count,
+               volume_of(contexts[0], &made[0]), ms, volume_of(contexts[0], &sharp));
         fflush(stdout);
         bvx_mesh_free(contexts[0], &sharp);
         for (int n = 0; n < 2; n++) bvx_mesh_free(contexts[n], &made[n]);
@@ -280,9 +306,11 @@ static void write_array(const char *folder, const char *name, const void *bytes,
 }
 
 /* Inputs of the peers: both dragons, the random grid's words. */
-static void write_inputs(const char *folder, const bench_model *m, const shifted_dragon *s, const bvx_grid *random)
+static void write_inputs(const char *folder, const bench_model *m, const shifted_dragon *s,
+                         const bvx_grid *random)
 {
     float *const points = malloc((size_t)m->point_count * 3 * sizeof *points);
+
     if (points == NULL) exit(1);
     for (uint64_t i = 0; i < 3 * m->point_count; i++) points[i] = (float)m->points[i];
     write_array(folder, "a.points", points, (size_t)m->point_count * 3 * sizeof *points);
@@ -302,6 +330,7 @@ static int take_turns(const char *meshes, const char *out)
     bvx_mesh made = {0};
     char word[32];
     int threads;
+
     for (int n = 0; n < 2; n++) contexts[n] = bench_context(n + 1, BVX_CPU_BEST, &memory);
     if (!bench_model_open(contexts[0], meshes, dragon_file, "dragon", &dragon)) return 1;
     shift_dragon(&dragon, &s);
@@ -320,7 +349,8 @@ static int take_turns(const char *meshes, const char *out)
             algebra_bench j = {&random, &solid, {0}, counts};
             double const start = bench_clock(threads);
             do_coverage(ctx, &j);
-            printf("%.6f %016" PRIx64 "\n", bench_clock(threads) - start, bvx_hash(counts, ((size_t)1 << 21) * sizeof *counts, 0));
+            printf("%.6f %016" PRIx64 "\n", bench_clock(threads) - start,
+                   bvx_hash(counts, ((size_t)1 << 21) * sizeof *counts, 0));
         } else {
             int32_t op = 0;
             while (op < 3 && strcmp(word, boolean_names[op]) != 0) op++;
@@ -344,12 +374,14 @@ int main(int argc, char **argv)
 {
     char path[1024];
     bench_model m;
+
     if (argc == 4 && strcmp(argv[1], "turns") == 0) return take_turns(argv[2], argv[3]);
     if (argc < 3) {
         fprintf(stderr, "usage: bench_grids MESH_FOLDER OUT [RUNS], bench_grids turns MESH_FOLDER OUT\n");
         return 2;
     }
-    if (argc > 3 && atoi(argv[3]) > 0) runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
+    if (argc > 3 && atoi(argv[3]) > 0)
+        runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
     snprintf(path, sizeof path, "%s/grids.jsonl", argv[2]);
     FILE *const targets = bench_open(path);
     bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, NULL);

@@ -30,6 +30,7 @@ static void show_arrays(bench_model *m)
 int bench_model_open(bvx_context *ctx, const char *folder, const char *file, const char *name, bench_model *m)
 {
     char path[1024];
+
     memset(m, 0, sizeof *m);
     m->name = name;
     snprintf(path, sizeof path, "%s/%s", folder, file);
@@ -74,6 +75,7 @@ static int compare_sides(const void *a, const void *b)
 static side *sorted_sides(const uint32_t *triangles, uint64_t triangle_count)
 {
     side *const sides = room_for(triangle_count * 3, sizeof *sides);
+
     for (uint64_t n = 0; n < triangle_count * 3; n++) {
         uint32_t const a = triangles[n], b = triangles[n % 3 == 2 ? n - 2 : n + 1];
         sides[n].low = a < b ? a : b;
@@ -97,10 +99,13 @@ static void quarter(bench_model *m)
     side *const sides = sorted_sides(m->triangles, n);
     uint32_t *const middle = room_for(n * 3, sizeof *middle), *const finer = room_for(n * 12, sizeof *finer);
     double *const points = room_for((m->point_count + edges) * 3, sizeof *points);
+
     memcpy(points, m->points, (size_t)m->point_count * 3 * sizeof *points);
     for (uint64_t e = 0; e < edges; e++) { /* closed: sides come in pairs */
         double *const p = points + 3 * (m->point_count + e);
-        for (uint64_t i = 0; i < 3; i++) p[i] = m->points[3 * (uint64_t)sides[2 * e].low + i] + m->points[3 * (uint64_t)sides[2 * e].high + i];
+        for (uint64_t i = 0; i < 3; i++)
+            p[i] = m->points[3 * (uint64_t)sides[2 * e].low + i] +
+                   m->points[3 * (uint64_t)sides[2 * e].high + i];
         put_on_ball(p);
         middle[sides[2 * e].number] = middle[sides[2 * e + 1].number] = (uint32_t)(m->point_count + e);
     }
@@ -129,13 +134,17 @@ static double squared_distance(const double *a, const double *b)
 /* 1 when a, b, c run counter-clockwise as seen from outside. */
 static int faces_outwards(const double *a, const double *b, const double *c)
 {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]) > 0.0;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+               a[2] * (b[0] * c[1] - b[1] * c[0]) >
+           0.0;
 }
 
-/* Its twelve points are the turns of (0, +-1, +-g); its triangles are all threes of them at distance 2 from each other. */
+/* Its twelve points are the turns of (0, +-1, +-g); its triangles are all
+ * threes of them at distance 2 from each other. */
 static void icosahedron(bench_model *m)
 {
     double const g = (1.0 + sqrt(5.0)) / 2.0;
+
     m->points = room_for(36, sizeof *m->points);
     m->triangles = room_for(60, sizeof *m->triangles);
     for (int n = 0; n < 12; n++) {
@@ -148,8 +157,12 @@ static void icosahedron(bench_model *m)
     for (uint32_t a = 0; a < 12; a++)
         for (uint32_t b = a + 1; b < 12; b++)
             for (uint32_t c = b + 1; c < 12; c++) {
-                const double *const p = m->points + 3 * a, *const q = m->points + 3 * b, *const r = m->points + 3 * c;
-                if (squared_distance(p, q) > 4.1 || squared_distance(q, r) > 4.1 || squared_distance(r, p) > 4.1) continue;
+                const double *const p = m->points + 3 * a;
+                const double *const q = m->points + 3 * b;
+                const double *const r = m->points + 3 * c;
+                if (squared_distance(p, q) > 4.1 || squared_distance(q, r) > 4.1 ||
+                    squared_distance(r, p) > 4.1)
+                    continue;
                 uint32_t *const t = m->triangles + 3 * m->triangle_count++;
                 t[0] = a;
                 t[1] = faces_outwards(p, q, r) ? b : c;
@@ -173,12 +186,15 @@ int bench_model_close(bench_model *m)
 {
     side *const sides = sorted_sides(m->triangles, m->triangle_count);
     uint64_t const n = m->triangle_count * 3;
-    uint32_t *const next = room_for(m->point_count, sizeof *next); /* against the open side: as the cap's triangle goes */
+    /* against the open side: as the cap's triangle goes */
+    uint32_t *const next = room_for(m->point_count, sizeof *next);
     uint64_t open = 0;
     int loops = 0;
+
     memset(next, 0xff, (size_t)m->point_count * sizeof *next);
     for (uint64_t i = 0, k; i < n; i = k) {
-        for (k = i + 1; k < n && sides[k].low == sides[i].low && sides[k].high == sides[i].high; k++) continue;
+        for (k = i + 1; k < n && sides[k].low == sides[i].low && sides[k].high == sides[i].high; k++)
+            continue;
         if (k - i != 1) continue;
         uint64_t const s = sides[i].number;
         next[m->triangles[s % 3 == 2 ? s - 2 : s + 1]] = m->triangles[s];
@@ -217,7 +233,7 @@ int bench_model_close(bench_model *m)
 
 void bench_say_target(FILE *file, const char *title, double value, const char *unit, double target, int below)
 {
-    fprintf(file, "{\"title\": \"%s\", \"value\": %.6g, \"unit\": \"%s\", \"target\": %.6g, \"below\": %s}\n", title, value, unit, target,
-            below ? "true" : "false");
+    fprintf(file, "{\"title\": \"%s\", \"value\": %.6g, \"unit\": \"%s\", \"target\": %.6g, \"below\": %s}\n",
+            title, value, unit, target, below ? "true" : "false");
     fflush(file);
 }

@@ -1,9 +1,10 @@
 /* bench_morph.c - morphology and distances of a solid dragon and of a random tenth, both 512 voxels a side.
  *
- *   bench_morph MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/morph.jsonl: targets, and OUT/morph_dragon.npy and OUT/morph_random.npy: the grids
+ *   bench_morph MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/morph.jsonl: targets, and
+ *   OUT/morph_dragon.npy and OUT/morph_random.npy: the grids
  *
- * Warm memory, one thread by processor time and two by the clock; the least of the runs is told. The dragon's grid is padded to 512
- * along each axis. */
+ * Warm memory, one thread by processor time and two by the clock; the least of the runs is told. The dragon's
+ * grid is padded to 512 along each axis. */
 #include "bench_models.h"
 
 #include <inttypes.h>
@@ -27,6 +28,7 @@ static void make_dragon(stage *s, const char *folder)
     bench_model m;
     bvx_lattice l;
     bvx_context *const ctx = s->ctx[1];
+
     if (!bench_model_open(ctx, folder, "dragon_vrip_871414.ply.gz", "dragon", &m)) exit(1);
     bench_try(ctx, bvx_lattice_fit(ctx, &m.view, SIDE, &l), "dragon");
     int32_t const dims[3] = {SIDE, SIDE, SIDE};
@@ -40,6 +42,7 @@ static void make_dragon(stage *s, const char *folder)
 static void scatter_tenth(bvx_grid *g)
 {
     uint64_t r = UINT64_C(88172645463325252);
+
     for (int32_t z = 0; z < SIDE; z++)
         for (int32_t y = 0; y < SIDE; y++)
             for (int32_t x = 0; x < SIDE; x++) {
@@ -55,6 +58,7 @@ static void save_grid(const stage *s, int which, const char *out)
     char path[1024];
     bvx_buffer file = {0};
     FILE *to;
+
     snprintf(path, sizeof path, "%s/morph_%s.npy", out, grid_names[which]);
     bench_try(s->ctx[1], bvx_write_grid(s->ctx[1], &s->grid[which], BVX_FORMAT_NPY, &file), path);
     to = bench_open(path);
@@ -80,6 +84,7 @@ static void run_job(stage *s, const bvx_grid *g, const job *j, int threads)
     bvx_context *const ctx = s->ctx[threads];
     uint64_t const voxels = (uint64_t)SIDE * SIDE * SIDE;
     bvx_morph_options m;
+
     bvx_morph_options_init(&m, sizeof m);
     m.neighbourhood = j->neighbourhood;
     m.steps = j->steps;
@@ -90,7 +95,9 @@ static void run_job(stage *s, const bvx_grid *g, const job *j, int threads)
     case BALL: bench_try(ctx, bvx_grid_dilate(ctx, g, &m, &s->result), j->name); break;
     case CLOSE: bench_try(ctx, bvx_grid_close(ctx, g, &m, &s->result), j->name); break;
     case SQUARES: bench_try(ctx, bvx_grid_distance_squares(ctx, g, NULL, s->squares, voxels), j->name); break;
-    case LENGTHS: bench_try(ctx, bvx_grid_distance(ctx, g, NULL, BVX_F32, s->squares, voxels), j->name); break;
+    case LENGTHS:
+        bench_try(ctx, bvx_grid_distance(ctx, g, NULL, BVX_F32, s->squares, voxels), j->name);
+        break;
     }
 }
 
@@ -109,12 +116,17 @@ int main(int count, char **word)
 {
     static job jobs[2][9];
     static const job all[] = {
-        {"copy of the grid", COPY, 6, 1, 0, {{{0}, 0}}},        {"dilate, 6 neighbours", STEPS, 6, 1, 0, {{{0}, 0}}},
-        {"dilate, 26 neighbours", STEPS, 26, 1, 0, {{{0}, 0}}}, {"dilate, 6 neighbours, 10 steps", STEPS, 6, 10, 0, {{{0}, 0}}},
-        {"dilate, ball of 3", BALL, 0, 1, 3, {{{0}, 0}}},       {"dilate, ball of 10", BALL, 0, 1, 10, {{{0}, 0}}},
-        {"close, ball of 3", CLOSE, 0, 1, 3, {{{0}, 0}}},       {"distance, whole squares", SQUARES, 6, 1, 0, {{{0}, 0}}},
+        {"copy of the grid", COPY, 6, 1, 0, {{{0}, 0}}},
+        {"dilate, 6 neighbours", STEPS, 6, 1, 0, {{{0}, 0}}},
+        {"dilate, 26 neighbours", STEPS, 26, 1, 0, {{{0}, 0}}},
+        {"dilate, 6 neighbours, 10 steps", STEPS, 6, 10, 0, {{{0}, 0}}},
+        {"dilate, ball of 3", BALL, 0, 1, 3, {{{0}, 0}}},
+        {"dilate, ball of 10", BALL, 0, 1, 10, {{{0}, 0}}},
+        {"close, ball of 3", CLOSE, 0, 1, 3, {{{0}, 0}}},
+        {"distance, whole squares", SQUARES, 6, 1, 0, {{{0}, 0}}},
         {"distance, f32", LENGTHS, 6, 1, 0, {{{0}, 0}}},
     };
+
     enum { JOBS = sizeof all / sizeof all[0] };
     static stage s;
     char path[1024];

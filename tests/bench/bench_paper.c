@@ -1,12 +1,14 @@
-/* bench_paper.c - Tables 3-1 to 3-6 of "LOD by voxelization and downsampling" again, ours beside the paper's figures.
+/* bench_paper.c - Tables 3-1 to 3-6 of "LOD by voxelization and downsampling" again, ours beside the paper's
+ * figures.
  *
  *   bench_paper FOLDER_OF_MESHES [RUNS]
  *
- * Same resolutions of voxels and samples, stretched along each axis as there. The meshes are other copies of the same
- * models, so triangle counts of the input differ; Aphrodite is not to be had, Nefertiti stands for it and for the head.
- * The paper: one thread of an i7-4720HQ at 2.6 GHz. Ours: one thread of this machine, the least of several runs; the
- * lattice's fitting counts as voxelization. Both LOD methods are shown; totals and rates are of the edge ratio, which is
- * the paper's own. Writes the tables as Markdown to standard output. */
+ * Same resolutions of voxels and samples, stretched along each axis as there. The meshes are other copies of
+ * the same models, so triangle counts of the input differ; Aphrodite is not to be had, Nefertiti stands for
+ * it and for the head. The paper: one thread of an i7-4720HQ at 2.6 GHz. Ours: one thread of this machine,
+ * the least of several runs; the lattice's fitting counts as voxelization. Both LOD methods are shown; totals
+ * and rates are of the edge ratio, which is the paper's own. Writes the tables as Markdown to standard
+ * output. */
 #include "bench.h"
 
 #include <stdlib.h>
@@ -19,11 +21,11 @@ typedef struct paper_row {
     double voxelize_ms, rebuild_ms, rate;
 } paper_row;
 
-#define SPHERE "sphere", "unit_sphere.stl.gz"
-#define COW "cow", "cow.obj.gz"
-#define BUDDHA "buddha", "buddha_113k.obj.gz"
-#define DRAGON "dragon", "dragon_100k.obj.gz"
-#define HEAD "head (ours: Nefertiti)", "nefertiti_100k.obj.gz"
+#define SPHERE    "sphere", "unit_sphere.stl.gz"
+#define COW       "cow", "cow.obj.gz"
+#define BUDDHA    "buddha", "buddha_113k.obj.gz"
+#define DRAGON    "dragon", "dragon_100k.obj.gz"
+#define HEAD      "head (ours: Nefertiti)", "nefertiti_100k.obj.gz"
 #define APHRODITE "Aphrodite (ours: Nefertiti)", "nefertiti_100k.obj.gz"
 
 static const paper_row rows[] = {
@@ -73,6 +75,7 @@ static void voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t n, out
 {
     bvx_lattice lattice;
     bvx_lattice_options options;
+
     bvx_lattice_options_init(&options, sizeof options);
     for (int a = 0; a < 3; a++) options.axis_resolution[a] = n;
     double const start = bench_clock(1);
@@ -86,6 +89,7 @@ static void rebuild(bvx_context *ctx, const bvx_grid *solid, int32_t samples, in
     bvx_mesh level = {0};
     bvx_lod_options options;
     int32_t const resolution[3] = {samples, samples, samples};
+
     bvx_lod_options_init(&options, sizeof options);
     options.method = methods[m];
     options.axis_resolutions = resolution;
@@ -98,21 +102,27 @@ static void rebuild(bvx_context *ctx, const bvx_grid *solid, int32_t samples, in
 
 static void show(const paper_row *r, uint64_t input, const outcome *out)
 {
-    double const ours = bench_min(&out->voxelize), edge = bench_min(&out->rebuild[0]), cover = bench_min(&out->rebuild[1]);
+    double const ours = bench_min(&out->voxelize);
+    double const edge = bench_min(&out->rebuild[0]);
+    double const cover = bench_min(&out->rebuild[1]);
     double const theirs = r->voxelize_ms + r->rebuild_ms;
+
     printf("| %s | %d | %d | %.3g |", r->model, r->voxels, r->samples, (double)r->voxels / r->samples);
     printf(" %llu : %d |", (unsigned long long)input, r->input);
-    printf(" %llu, %llu : %d |", (unsigned long long)out->triangles[0], (unsigned long long)out->triangles[1], r->output);
+    printf(" %llu, %llu : %d |", (unsigned long long)out->triangles[0], (unsigned long long)out->triangles[1],
+           r->output);
     printf(" %.2f : %.1f | %.2f, %.2f : %.1f |", ours, r->voxelize_ms, edge, cover, r->rebuild_ms);
-    printf(" %.2f : %.1f | %.4f : %.4f |", ours + edge, theirs, (double)out->triangles[0] / (double)input, r->rate);
+    printf(" %.2f : %.1f | %.4f : %.4f |", ours + edge, theirs, (double)out->triangles[0] / (double)input,
+           r->rate);
     printf(" %.0f : %.0f %% |\n", 100.0 * ours / (ours + edge), 100.0 * r->voxelize_ms / theirs);
 }
 
 static void head(const char *table)
 {
     printf("\nTable %s (ours : the paper's; two figures of ours: edge ratio, coverage)\n\n", table);
-    printf("| model | voxels | samples | ratio | input triangles | output triangles | voxelize ms | rebuild ms |"
-           " total ms | rate | voxelize's share |\n");
+    printf(
+        "| model | voxels | samples | ratio | input triangles | output triangles | voxelize ms | rebuild ms |"
+        " total ms | rate | voxelize's share |\n");
     printf("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
 }
 
@@ -124,6 +134,7 @@ int main(int argc, char **argv)
     bvx_mesh_view view;
     const char *loaded = "", *table = "";
     char path[1024];
+
     if (argc < 2) {
         fprintf(stderr, "usage: bench_paper FOLDER_OF_MESHES [RUNS]\n");
         return 2;

@@ -1,18 +1,20 @@
 /* bench_progress.c - the share of the bar that each stage of a call has beside its share of the time.
  *
- *   bench_progress MESH_FOLDER [RESOLUTION [NAME]]   prints Markdown: rows that are off by more than three, then how many were measured;
+ *   bench_progress MESH_FOLDER [RESOLUTION [NAME]]   prints Markdown: rows that are off by more than three,
+ *   then how many were measured;
  *                                                    with a NAME all rows of the jobs that begin so
  *
- * Processor time of one thread. A stage is what a call reports under one name; what passes from one report to the next belongs
- * to the former. Shares below a twentieth count as one. A call is off too where a quarter of its bar takes more than three
- * quarters of its time: there it seems to stand. Calls shorter than FEWEST_MS are left out: nobody sees their bar. */
+ * Processor time of one thread. A stage is what a call reports under one name; what passes from one report to
+ * the next belongs to the former. Shares below a twentieth count as one. A call is off too where a quarter of
+ * its bar takes more than three quarters of its time: there it seems to stand. Calls shorter than FEWEST_MS
+ * are left out: nobody sees their bar. */
 #include "bench.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define FEWEST_MS 5.0
-#define OFF_BY 3.0
+#define FEWEST_MS   5.0
+#define OFF_BY      3.0
 #define SMALL_SHARE 0.05
 
 enum { MOST_STAGES = 48, QUARTERS = 4, VALUES_ROOM = 1 << 27 };
@@ -59,7 +61,8 @@ static int32_t note_report(void *user, const char *stage, double fraction)
 
         /* Within one report the bar stands where the time cannot be told: it is taken as even. */
         if (seen.fraction < at && fraction >= at)
-            seen.quarter_end[q] = seen.ms - seen.begin + (now - seen.ms) * ((at - seen.fraction) / (fraction - seen.fraction));
+            seen.quarter_end[q] = seen.ms - seen.begin +
+                                  (now - seen.ms) * ((at - seen.fraction) / (fraction - seen.fraction));
     }
     seen.last = stage_of(stage);
     seen.fraction = fraction;
@@ -109,21 +112,58 @@ static void free_outputs(void)
 }
 
 #define JOB(name) static bvx_status name(bvx_context *ctx)
-#define OPTIONS(kind)        \
+#define OPTIONS(kind)       \
     bvx_##kind##_options o; \
     bvx_##kind##_options_init(&o, sizeof o)
 
-JOB(job_check) { bvx_certificate c; return bvx_mesh_check(ctx, &view, 1, &c); }
-JOB(job_crossings) { uint64_t n; return bvx_mesh_crossings(ctx, &view, &n, NULL, 0); }
-JOB(job_normals) { return bvx_mesh_normals(ctx, &view, 1, (float *)values, NULL); }
-JOB(job_distance) { bvx_distance_report r; return bvx_mesh_distance(ctx, &view, &body_view, 20000, 1, &r); }
-JOB(job_closest) { return bvx_closest_create(ctx, &view, &closest_out); }
-JOB(job_read_mesh) { return bvx_read_mesh(ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, mesh_out); }
-JOB(job_write_ply) { return bvx_write_mesh(ctx, &input, BVX_FORMAT_PLY, &buffer_out); }
-JOB(job_write_obj) { return bvx_write_mesh(ctx, &input, BVX_FORMAT_OBJ, &buffer_out); }
-JOB(job_write_glb) { return bvx_write_mesh(ctx, &input, BVX_FORMAT_GLB, &buffer_out); }
-JOB(job_write_levels) { return bvx_write_levels(ctx, &input, 1, BVX_FORMAT_GLB, &buffer_out); }
-JOB(job_check_written) { bvx_write_report r; return bvx_check_written(ctx, &input, 1, BVX_FORMAT_STL, &r); }
+JOB(job_check)
+{
+    bvx_certificate c;
+    return bvx_mesh_check(ctx, &view, 1, &c);
+}
+JOB(job_crossings)
+{
+    uint64_t n;
+    return bvx_mesh_crossings(ctx, &view, &n, NULL, 0);
+}
+JOB(job_normals)
+{
+    return bvx_mesh_normals(ctx, &view, 1, (float *)values, NULL);
+}
+JOB(job_distance)
+{
+    bvx_distance_report r;
+    return bvx_mesh_distance(ctx, &view, &body_view, 20000, 1, &r);
+}
+JOB(job_closest)
+{
+    return bvx_closest_create(ctx, &view, &closest_out);
+}
+JOB(job_read_mesh)
+{
+    return bvx_read_mesh(ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, mesh_out);
+}
+JOB(job_write_ply)
+{
+    return bvx_write_mesh(ctx, &input, BVX_FORMAT_PLY, &buffer_out);
+}
+JOB(job_write_obj)
+{
+    return bvx_write_mesh(ctx, &input, BVX_FORMAT_OBJ, &buffer_out);
+}
+JOB(job_write_glb)
+{
+    return bvx_write_mesh(ctx, &input, BVX_FORMAT_GLB, &buffer_out);
+}
+JOB(job_write_levels)
+{
+    return bvx_write_levels(ctx, &input, 1, BVX_FORMAT_GLB, &buffer_out);
+}
+JOB(job_check_written)
+{
+    bvx_write_report r;
+    return bvx_check_written(ctx, &input, 1, BVX_FORMAT_STL, &r);
+}
 
 static bvx_status solid_by(bvx_context *ctx, int32_t fill, int32_t more)
 {
@@ -132,15 +172,43 @@ static bvx_status solid_by(bvx_context *ctx, int32_t fill, int32_t more)
     o.add_shell = o.check_edges = more;
     return bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid_out);
 }
-JOB(job_solid_auto) { return solid_by(ctx, BVX_FILL_AUTO, 0); }
-JOB(job_solid_all) { return solid_by(ctx, BVX_FILL_AUTO, 1); }
-JOB(job_solid_parity) { return solid_by(ctx, BVX_FILL_PARITY, 0); }
-JOB(job_solid_nonzero) { return solid_by(ctx, BVX_FILL_NONZERO, 0); }
-JOB(job_solid_vote) { return solid_by(ctx, BVX_FILL_VOTE, 0); }
-JOB(job_solid_flood) { return solid_by(ctx, BVX_FILL_FLOOD, 0); }
-JOB(job_solid_regions) { return solid_by(ctx, BVX_FILL_REGIONS, 0); }
-JOB(job_solid_winding) { return solid_by(ctx, BVX_FILL_WINDING, 0); }
-JOB(job_compare_fills) { bvx_fill_comparison c; return bvx_compare_fills(ctx, &view, &lattice, NULL, &c); }
+JOB(job_solid_auto)
+{
+    return solid_by(ctx, BVX_FILL_AUTO, 0);
+}
+JOB(job_solid_all)
+{
+    return solid_by(ctx, BVX_FILL_AUTO, 1);
+}
+JOB(job_solid_parity)
+{
+    return solid_by(ctx, BVX_FILL_PARITY, 0);
+}
+JOB(job_solid_nonzero)
+{
+    return solid_by(ctx, BVX_FILL_NONZERO, 0);
+}
+JOB(job_solid_vote)
+{
+    return solid_by(ctx, BVX_FILL_VOTE, 0);
+}
+JOB(job_solid_flood)
+{
+    return solid_by(ctx, BVX_FILL_FLOOD, 0);
+}
+JOB(job_solid_regions)
+{
+    return solid_by(ctx, BVX_FILL_REGIONS, 0);
+}
+JOB(job_solid_winding)
+{
+    return solid_by(ctx, BVX_FILL_WINDING, 0);
+}
+JOB(job_compare_fills)
+{
+    bvx_fill_comparison c;
+    return bvx_compare_fills(ctx, &view, &lattice, NULL, &c);
+}
 
 static bvx_status surface_by(bvx_context *ctx, int32_t mode)
 {
@@ -148,25 +216,60 @@ static bvx_status surface_by(bvx_context *ctx, int32_t mode)
     o.mode = mode;
     return bvx_voxelize_surface(ctx, &view, &lattice, &o, &grid_out);
 }
-JOB(job_conservative) { return surface_by(ctx, BVX_SURFACE_CONSERVATIVE); }
-JOB(job_thin) { return surface_by(ctx, BVX_SURFACE_THIN); }
-JOB(job_sampled) { return surface_by(ctx, BVX_SURFACE_SAMPLED); }
-JOB(job_points) { return bvx_voxelize_points(ctx, &points, &lattice, NULL, &grid_out); }
+JOB(job_conservative)
+{
+    return surface_by(ctx, BVX_SURFACE_CONSERVATIVE);
+}
+JOB(job_thin)
+{
+    return surface_by(ctx, BVX_SURFACE_THIN);
+}
+JOB(job_sampled)
+{
+    return surface_by(ctx, BVX_SURFACE_SAMPLED);
+}
+JOB(job_points)
+{
+    return bvx_voxelize_points(ctx, &points, &lattice, NULL, &grid_out);
+}
 
-JOB(job_find_seed) { bvx_seed s; return bvx_find_seed(ctx, &surface, NULL, 0, &s); }
-JOB(job_find_pockets) { uint64_t n; return bvx_find_pockets(ctx, &surface, NULL, NULL, 0, &n); }
+JOB(job_find_seed)
+{
+    bvx_seed s;
+    return bvx_find_seed(ctx, &surface, NULL, 0, &s);
+}
+JOB(job_find_pockets)
+{
+    uint64_t n;
+    return bvx_find_pockets(ctx, &surface, NULL, NULL, 0, &n);
+}
 JOB(job_grid_fill)
 {
     static const int32_t corner[3];
     return bvx_grid_fill(ctx, &surface, corner, 1, 6, &grid_out);
 }
-JOB(job_union) { return bvx_grid_union(ctx, &solid, &other, &grid_out); }
-JOB(job_resample) { return bvx_grid_resample(ctx, &other, &lattice, NULL, &grid_out); }
-JOB(job_permute) { static const int32_t axes[3] = {2, 1, 0}; return bvx_grid_permute(ctx, &solid, axes, NULL, &grid_out); }
-JOB(job_compare) { bvx_grid_difference d; return bvx_grid_compare(ctx, &solid, &other, &d); }
+JOB(job_union)
+{
+    return bvx_grid_union(ctx, &solid, &other, &grid_out);
+}
+JOB(job_resample)
+{
+    return bvx_grid_resample(ctx, &other, &lattice, NULL, &grid_out);
+}
+JOB(job_permute)
+{
+    static const int32_t axes[3] = {2, 1, 0};
+    return bvx_grid_permute(ctx, &solid, axes, NULL, &grid_out);
+}
+JOB(job_compare)
+{
+    bvx_grid_difference d;
+    return bvx_grid_compare(ctx, &solid, &other, &d);
+}
 
 static bvx_status morph_by(bvx_context *ctx, double radius, int32_t steps,
-                           bvx_status (*call)(bvx_context *, const bvx_grid *, const bvx_morph_options *, bvx_grid *))
+                           bvx_status (*call)(bvx_context *, const bvx_grid *, const bvx_morph_options *,
+                                              bvx_grid *))
 {
     OPTIONS(morph);
     if (steps == 0) {
@@ -177,17 +280,32 @@ static bvx_status morph_by(bvx_context *ctx, double radius, int32_t steps,
     }
     return call(ctx, &solid, &o, &grid_out);
 }
-JOB(job_dilate_6) { return morph_by(ctx, 0, 5, bvx_grid_dilate); }
-JOB(job_dilate_ball) { return morph_by(ctx, 5, 0, bvx_grid_dilate); }
-JOB(job_close_6) { return morph_by(ctx, 0, 5, bvx_grid_close); }
-JOB(job_close_ball) { return morph_by(ctx, 5, 0, bvx_grid_close); }
+JOB(job_dilate_6)
+{
+    return morph_by(ctx, 0, 5, bvx_grid_dilate);
+}
+JOB(job_dilate_ball)
+{
+    return morph_by(ctx, 5, 0, bvx_grid_dilate);
+}
+JOB(job_close_6)
+{
+    return morph_by(ctx, 0, 5, bvx_grid_close);
+}
+JOB(job_close_ball)
+{
+    return morph_by(ctx, 5, 0, bvx_grid_close);
+}
 JOB(job_hollow)
 {
     OPTIONS(hollow);
     o.thickness = 4 * lattice.spacing[0];
     return bvx_grid_hollow(ctx, &solid, &o, &grid_out);
 }
-JOB(job_grid_distance) { return bvx_grid_distance(ctx, &solid, NULL, BVX_F32, values, VALUES_ROOM); }
+JOB(job_grid_distance)
+{
+    return bvx_grid_distance(ctx, &solid, NULL, BVX_F32, values, VALUES_ROOM);
+}
 
 static bvx_status refine_to(bvx_context *ctx, int32_t levels, double tolerance)
 {
@@ -196,61 +314,133 @@ static bvx_status refine_to(bvx_context *ctx, int32_t levels, double tolerance)
     o.tolerance = tolerance;
     return bvx_refine(ctx, &view, &base, &o, &tree_out);
 }
-static int32_t halvings(void) { int32_t n = 0; while (16 << (n + 1) <= resolution) n++; return n; }
-JOB(job_refine) { return refine_to(ctx, halvings(), 0.0); }
-JOB(job_refine_adaptive) { return refine_to(ctx, halvings(), 0.2 * lattice.spacing[0]); }
-JOB(job_octree_expand) { return bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), 0, NULL, &grid_out); }
-JOB(job_extract_octree) { return bvx_extract_octree(ctx, tree, 0, NULL, mesh_out); }
-JOB(job_write_octree) { return bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &buffer_out); }
-JOB(job_write_vtu) { return bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &buffer_out); }
-JOB(job_read_octree) { return bvx_read_octree(ctx, tree_file.bytes, tree_file.size, &tree_out); }
+static int32_t halvings(void)
+{
+    int32_t n = 0;
+    while (16 << (n + 1) <= resolution) n++;
+    return n;
+}
+JOB(job_refine)
+{
+    return refine_to(ctx, halvings(), 0.0);
+}
+JOB(job_refine_adaptive)
+{
+    return refine_to(ctx, halvings(), 0.2 * lattice.spacing[0]);
+}
+JOB(job_octree_expand)
+{
+    return bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), 0, NULL, &grid_out);
+}
+JOB(job_extract_octree)
+{
+    return bvx_extract_octree(ctx, tree, 0, NULL, mesh_out);
+}
+JOB(job_write_octree)
+{
+    return bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &buffer_out);
+}
+JOB(job_write_vtu)
+{
+    return bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &buffer_out);
+}
+JOB(job_read_octree)
+{
+    return bvx_read_octree(ctx, tree_file.bytes, tree_file.size, &tree_out);
+}
 
-JOB(job_components) { uint64_t n; return bvx_grid_components(ctx, &solid, 6, NULL, 0, &n); }
-JOB(job_label) { uint64_t n; return bvx_grid_label(ctx, &solid, 26, values, VALUES_ROOM, &n); }
+JOB(job_components)
+{
+    uint64_t n;
+    return bvx_grid_components(ctx, &solid, 6, NULL, 0, &n);
+}
+JOB(job_label)
+{
+    uint64_t n;
+    return bvx_grid_label(ctx, &solid, 26, values, VALUES_ROOM, &n);
+}
 JOB(job_keep)
 {
     OPTIONS(keep);
     o.at_least = 2;
     return bvx_grid_keep(ctx, &solid, &o, &grid_out);
 }
-JOB(job_fill_cavities) { uint64_t n; return bvx_grid_fill_cavities(ctx, &solid, 6, 0, &grid_out, &n); }
-JOB(job_topology) { bvx_topology t; return bvx_grid_topology(ctx, &solid, 6, &t); }
+JOB(job_fill_cavities)
+{
+    uint64_t n;
+    return bvx_grid_fill_cavities(ctx, &solid, 6, 0, &grid_out, &n);
+}
+JOB(job_topology)
+{
+    bvx_topology t;
+    return bvx_grid_topology(ctx, &solid, 6, &t);
+}
 
-JOB(job_extract_surface) { return bvx_extract_surface(ctx, &solid, NULL, mesh_out); }
-JOB(job_extract_faces) { return bvx_extract_faces(ctx, &solid, NULL, mesh_out); }
+JOB(job_extract_surface)
+{
+    return bvx_extract_surface(ctx, &solid, NULL, mesh_out);
+}
+JOB(job_extract_faces)
+{
+    return bvx_extract_faces(ctx, &solid, NULL, mesh_out);
+}
 JOB(job_faces_merged)
 {
     OPTIONS(faces);
     o.merged = 1;
     return bvx_extract_faces(ctx, &solid, &o, mesh_out);
 }
-JOB(job_threshold) { return bvx_threshold(ctx, &volume, 0, 10, NULL, &grid_out); }
+JOB(job_threshold)
+{
+    return bvx_threshold(ctx, &volume, 0, 10, NULL, &grid_out);
+}
 JOB(job_scalar)
 {
     OPTIONS(scalar);
     o.level = 0.5 * lattice.spacing[0];
     return bvx_extract_scalar(ctx, &volume, &o, mesh_out);
 }
-JOB(job_read_volume) { return bvx_read_volume(ctx, volume_file.bytes, volume_file.size, BVX_FORMAT_NRRD, NULL, &volume_out); }
+JOB(job_read_volume)
+{
+    return bvx_read_volume(ctx, volume_file.bytes, volume_file.size, BVX_FORMAT_NRRD, NULL, &volume_out);
+}
 
-JOB(job_field) { return bvx_measure_field(ctx, &view, &lattice, NULL, &field_out); }
+JOB(job_field)
+{
+    return bvx_measure_field(ctx, &view, &lattice, NULL, &field_out);
+}
 static bvx_status field_by(bvx_context *ctx, int32_t sign)
 {
     OPTIONS(field);
     o.sign = sign;
     return bvx_measure_field(ctx, &view, &lattice, &o, &field_out);
 }
-JOB(job_field_none) { return field_by(ctx, BVX_SIGN_NONE); }
-JOB(job_field_pseudonormal) { return field_by(ctx, BVX_SIGN_PSEUDONORMAL); }
-JOB(job_field_dense) { return bvx_field_dense(ctx, &field, &view, BVX_FAR_CONSTANT, 0, (float *)values); }
-JOB(job_field_surface) { return bvx_extract_field_surface(ctx, &field, &view, NULL, mesh_out); }
+JOB(job_field_none)
+{
+    return field_by(ctx, BVX_SIGN_NONE);
+}
+JOB(job_field_pseudonormal)
+{
+    return field_by(ctx, BVX_SIGN_PSEUDONORMAL);
+}
+JOB(job_field_dense)
+{
+    return bvx_field_dense(ctx, &field, &view, BVX_FAR_CONSTANT, 0, (float *)values);
+}
+JOB(job_field_surface)
+{
+    return bvx_extract_field_surface(ctx, &field, &view, NULL, mesh_out);
+}
 JOB(job_field_surface_sharp)
 {
     OPTIONS(field_surface);
     o.sharp = 1;
     return bvx_extract_field_surface(ctx, &field, &view, &o, mesh_out);
 }
-JOB(job_write_field) { return bvx_write_field(ctx, &field, 0, BVX_FORMAT_NRRD, &buffer_out); }
+JOB(job_write_field)
+{
+    return bvx_write_field(ctx, &field, 0, BVX_FORMAT_NRRD, &buffer_out);
+}
 
 static bvx_status boolean_of(bvx_context *ctx, int32_t operation, int32_t sharp)
 {
@@ -259,9 +449,18 @@ static bvx_status boolean_of(bvx_context *ctx, int32_t operation, int32_t sharp)
     o.sharp = sharp;
     return bvx_boolean(ctx, &view, &moved_view, operation, &o, mesh_out);
 }
-JOB(job_boolean_union) { return boolean_of(ctx, BVX_BOOLEAN_UNION, 0); }
-JOB(job_boolean_difference) { return boolean_of(ctx, BVX_BOOLEAN_DIFFERENCE, 0); }
-JOB(job_boolean_sharp) { return boolean_of(ctx, BVX_BOOLEAN_UNION, 1); }
+JOB(job_boolean_union)
+{
+    return boolean_of(ctx, BVX_BOOLEAN_UNION, 0);
+}
+JOB(job_boolean_difference)
+{
+    return boolean_of(ctx, BVX_BOOLEAN_DIFFERENCE, 0);
+}
+JOB(job_boolean_sharp)
+{
+    return boolean_of(ctx, BVX_BOOLEAN_UNION, 1);
+}
 
 JOB(job_lods)
 {
@@ -277,19 +476,30 @@ JOB(job_slice)
     o.spacing = 4 * lattice.spacing[0];
     return bvx_slice_mesh(ctx, &view, &o, &sections_out);
 }
-JOB(job_sections) { return bvx_build_sections(ctx, &sections, NULL, mesh_out); }
+JOB(job_sections)
+{
+    return bvx_build_sections(ctx, &sections, NULL, mesh_out);
+}
 JOB(job_sections_mend)
 {
     OPTIONS(sections);
     o.mend = 1;
     return bvx_build_sections(ctx, &sections, &o, mesh_out);
 }
-JOB(job_write_sections) { return bvx_write_sections(ctx, &sections, BVX_FORMAT_CSL, &buffer_out); }
-JOB(job_read_sections) { return bvx_read_sections(ctx, section_file.bytes, section_file.size, BVX_FORMAT_CSL, NULL, &sections_out); }
+JOB(job_write_sections)
+{
+    return bvx_write_sections(ctx, &sections, BVX_FORMAT_CSL, &buffer_out);
+}
+JOB(job_read_sections)
+{
+    return bvx_read_sections(ctx, section_file.bytes, section_file.size, BVX_FORMAT_CSL, NULL, &sections_out);
+}
 
-static bvx_status repair_by(bvx_context *ctx, int32_t sharp, int32_t measure, uint64_t target, int32_t if_needed)
+static bvx_status repair_by(bvx_context *ctx, int32_t sharp, int32_t measure, uint64_t target,
+                            int32_t if_needed)
 {
     bvx_repair_report r;
+
     OPTIONS(repair);
     o.resolution = resolution;
     o.sharp = sharp;
@@ -299,11 +509,26 @@ static bvx_status repair_by(bvx_context *ctx, int32_t sharp, int32_t measure, ui
     o.report = &r;
     return bvx_repair(ctx, &view, &o, mesh_out);
 }
-JOB(job_repair) { return repair_by(ctx, -1, 0, 0, 0); }
-JOB(job_repair_sharp) { return repair_by(ctx, 1, 0, 0, 0); }
-JOB(job_repair_measured) { return repair_by(ctx, 0, 1, 0, 0); }
-JOB(job_repair_target) { return repair_by(ctx, 0, 0, 5000, 0); }
-JOB(job_repair_if_needed) { return repair_by(ctx, 0, 0, 0, 1); }
+JOB(job_repair)
+{
+    return repair_by(ctx, -1, 0, 0, 0);
+}
+JOB(job_repair_sharp)
+{
+    return repair_by(ctx, 1, 0, 0, 0);
+}
+JOB(job_repair_measured)
+{
+    return repair_by(ctx, 0, 1, 0, 0);
+}
+JOB(job_repair_target)
+{
+    return repair_by(ctx, 0, 0, 5000, 0);
+}
+JOB(job_repair_if_needed)
+{
+    return repair_by(ctx, 0, 0, 0, 1);
+}
 
 JOB(job_simplify)
 {
@@ -327,7 +552,10 @@ JOB(job_simplify_error)
     o.target_errors = error;
     return bvx_mesh_simplify(ctx, &body_view, &o, 1, mesh_out);
 }
-JOB(job_levels) { return bvx_build_levels(ctx, &view, NULL, 3, mesh_out); }
+JOB(job_levels)
+{
+    return bvx_build_levels(ctx, &view, NULL, 3, mesh_out);
+}
 JOB(job_levels_measured)
 {
     OPTIONS(levels);
@@ -342,31 +570,139 @@ JOB(job_levels_open)
     return bvx_build_levels(ctx, &view, &o, 3, mesh_out);
 }
 
-JOB(job_write_grid) { return bvx_write_grid(ctx, &solid, BVX_FORMAT_VTI, &buffer_out); }
-JOB(job_read_grid) { return bvx_read_grid(ctx, grid_file.bytes, grid_file.size, BVX_FORMAT_NRRD, NULL, &grid_out); }
-JOB(job_merge) { bvx_mesh const both[2] = {body, body_far}; return bvx_mesh_merge(ctx, both, 2, mesh_out); }
-JOB(job_render_mesh) { OPTIONS(render); o.width = o.height = 800; return bvx_render_mesh(ctx, &view, &o, &image_out); }
-JOB(job_render_grid) { OPTIONS(render); o.width = o.height = 800; return bvx_render_grid(ctx, &solid, &o, &image_out); }
-JOB(job_render_slices) { OPTIONS(render); o.width = o.height = 800; return bvx_render_slices(ctx, &solid, 2, 9, &o, &image_out); }
-JOB(job_write_png) { return bvx_write_png(ctx, &picture, &buffer_out); }
+JOB(job_write_grid)
+{
+    return bvx_write_grid(ctx, &solid, BVX_FORMAT_VTI, &buffer_out);
+}
+JOB(job_read_grid)
+{
+    return bvx_read_grid(ctx, grid_file.bytes, grid_file.size, BVX_FORMAT_NRRD, NULL, &grid_out);
+}
+JOB(job_merge)
+{
+    bvx_mesh const both[2] = {body, body_far};
+    return bvx_mesh_merge(ctx, both, 2, mesh_out);
+}
+JOB(job_render_mesh)
+{
+    OPTIONS(render);
+    o.width = o.height = 800;
+    return bvx_render_mesh(ctx, &view, &o, &image_out);
+}
+JOB(job_render_grid)
+{
+    OPTIONS(render);
+    o.width = o.height = 800;
+    return bvx_render_grid(ctx, &solid, &o, &image_out);
+}
+JOB(job_render_slices)
+{
+    OPTIONS(render);
+    o.width = o.height = 800;
+    return bvx_render_slices(ctx, &solid, 2, 9, &o, &image_out);
+}
+JOB(job_write_png)
+{
+    return bvx_write_png(ctx, &picture, &buffer_out);
+}
 
-#define ROW(name) {#name, job_##name}
+#define ROW(name)         \
+    {                     \
+#name, job_##name \
+    }
 static const struct {
     const char *name;
     bvx_status (*run)(bvx_context *ctx);
 } jobs[] = {
-    ROW(check), ROW(crossings), ROW(normals), ROW(distance), ROW(closest), ROW(read_mesh), ROW(write_ply), ROW(write_obj), ROW(write_glb),
-    ROW(write_levels), ROW(check_written), ROW(solid_auto), ROW(solid_all), ROW(solid_parity), ROW(solid_nonzero), ROW(solid_vote),
-    ROW(solid_flood), ROW(solid_regions), ROW(solid_winding), ROW(compare_fills), ROW(conservative), ROW(thin), ROW(sampled), ROW(points),
-    ROW(find_seed), ROW(find_pockets), ROW(grid_fill), ROW(union), ROW(resample), ROW(permute), ROW(compare), ROW(dilate_6),
-    ROW(dilate_ball), ROW(close_6), ROW(close_ball), ROW(hollow), ROW(grid_distance), ROW(refine), ROW(refine_adaptive), ROW(octree_expand),
-    ROW(extract_octree), ROW(write_octree), ROW(write_vtu), ROW(read_octree), ROW(components), ROW(label), ROW(keep), ROW(fill_cavities),
-    ROW(topology), ROW(extract_surface), ROW(extract_faces), ROW(faces_merged), ROW(threshold), ROW(scalar), ROW(read_volume), ROW(field),
-    ROW(field_none), ROW(field_pseudonormal), ROW(field_dense), ROW(field_surface), ROW(field_surface_sharp), ROW(write_field),
-    ROW(boolean_union), ROW(boolean_difference), ROW(boolean_sharp), ROW(lods), ROW(slice), ROW(sections), ROW(sections_mend),
-    ROW(write_sections), ROW(read_sections), ROW(repair), ROW(repair_sharp), ROW(repair_measured), ROW(repair_target),
-    ROW(repair_if_needed), ROW(simplify), ROW(simplify_chain), ROW(simplify_error), ROW(levels), ROW(levels_measured), ROW(levels_open),
-    ROW(write_grid), ROW(read_grid), ROW(merge), ROW(render_mesh), ROW(render_grid), ROW(render_slices), ROW(write_png),
+    ROW(check),
+    ROW(crossings),
+    ROW(normals),
+    ROW(distance),
+    ROW(closest),
+    ROW(read_mesh),
+    ROW(write_ply),
+    ROW(write_obj),
+    ROW(write_glb),
+    ROW(write_levels),
+    ROW(check_written),
+    ROW(solid_auto),
+    ROW(solid_all),
+    ROW(solid_parity),
+    ROW(solid_nonzero),
+    ROW(solid_vote),
+    ROW(solid_flood),
+    ROW(solid_regions),
+    ROW(solid_winding),
+    ROW(compare_fills),
+    ROW(conservative),
+    ROW(thin),
+    ROW(sampled),
+    ROW(points),
+    ROW(find_seed),
+    ROW(find_pockets),
+    ROW(grid_fill),
+    ROW(union),
+    ROW(resample),
+    ROW(permute),
+    ROW(compare),
+    ROW(dilate_6),
+    ROW(dilate_ball),
+    ROW(close_6),
+    ROW(close_ball),
+    ROW(hollow),
+    ROW(grid_distance),
+    ROW(refine),
+    ROW(refine_adaptive),
+    ROW(octree_expand),
+    ROW(extract_octree),
+    ROW(write_octree),
+    ROW(write_vtu),
+    ROW(read_octree),
+    ROW(components),
+    ROW(label),
+    ROW(keep),
+    ROW(fill_cavities),
+    ROW(topology),
+    ROW(extract_surface),
+    ROW(extract_faces),
+    ROW(faces_merged),
+    ROW(threshold),
+    ROW(scalar),
+    ROW(read_volume),
+    ROW(field),
+    ROW(field_none),
+    ROW(field_pseudonormal),
+    ROW(field_dense),
+    ROW(field_surface),
+    ROW(field_surface_sharp),
+    ROW(write_field),
+    ROW(boolean_union),
+    ROW(boolean_difference),
+    ROW(boolean_sharp),
+    ROW(lods),
+    ROW(slice),
+    ROW(sections),
+    ROW(sections_mend),
+    ROW(write_sections),
+    ROW(read_sections),
+    ROW(repair),
+    ROW(repair_sharp),
+    ROW(repair_measured),
+    ROW(repair_target),
+    ROW(repair_if_needed),
+    ROW(simplify),
+    ROW(simplify_chain),
+    ROW(simplify_error),
+    ROW(levels),
+    ROW(levels_measured),
+    ROW(levels_open),
+    ROW(write_grid),
+    ROW(read_grid),
+    ROW(merge),
+    ROW(render_mesh),
+    ROW(render_grid),
+    ROW(render_slices),
+    ROW(write_png),
 };
 enum { JOBS = sizeof jobs / sizeof jobs[0] };
 
@@ -430,7 +766,9 @@ static void make_stage(void)
     MADE(bvx_extract_surface(quiet, &solid, &e, &body));
     MADE(bvx_extract_surface(quiet, &solid, &e, &body_far));
     bvx_mesh_view_of(&body, &body_view);
-    if (bvx_slice_mesh(quiet, &view, &l, &sections) != BVX_OK) MADE(bvx_slice_mesh(quiet, &body_view, &l, &sections)); /* holes */
+    /* holes */
+    if (bvx_slice_mesh(quiet, &view, &l, &sections) != BVX_OK)
+        MADE(bvx_slice_mesh(quiet, &body_view, &l, &sections));
     MADE(bvx_write_sections(quiet, &sections, BVX_FORMAT_CSL, &section_file));
 }
 
@@ -478,7 +816,8 @@ static void judge(const char *file, const char *job, int all)
     for (int q = 0; q < QUARTERS; q++) {
         double const share = (seen.quarter_end[q] - from) / whole;
 
-        snprintf(quarters + strlen(quarters), sizeof quarters - strlen(quarters), "%s%.2f", q ? " " : "", share);
+        snprintf(quarters + strlen(quarters), sizeof quarters - strlen(quarters), "%s%.2f", q ? " " : "",
+                 share);
         is_off |= share > OFF_BY / QUARTERS;
         from = seen.quarter_end[q];
     }
@@ -495,7 +834,8 @@ static void judge(const char *file, const char *job, int all)
         double const share = seen.stage[i].ms / whole;
 
         if (share < 0.01 && seen.stage[i].bar < 0.01) continue;
-        printf(" %s %.2f/%.2f%s", seen.stage[i].name, seen.stage[i].bar, share, ratio(seen.stage[i].bar, share) > OFF_BY ? "!" : "");
+        printf(" %s %.2f/%.2f%s", seen.stage[i].name, seen.stage[i].bar, share,
+               ratio(seen.stage[i].bar, share) > OFF_BY ? "!" : "");
     }
     printf(" |%s\n", is_off ? " off" : "");
     fflush(stdout);
@@ -515,7 +855,8 @@ static void measure_file(const char *folder, const char *file, const char *only)
         begin_call();
         status = jobs[j].run(watched);
         if (status == BVX_OK) judge(file, jobs[j].name, only != NULL);
-        else if (status == BVX_ERR_CAPACITY) fprintf(stderr, "bench: %s: %s\n", jobs[j].name, bvx_last_message(watched));
+        else if (status == BVX_ERR_CAPACITY)
+            fprintf(stderr, "bench: %s: %s\n", jobs[j].name, bvx_last_message(watched));
         free_outputs();
     }
     free_stage();
@@ -523,9 +864,20 @@ static void measure_file(const char *folder, const char *file, const char *only)
 
 int main(int argc, char **argv)
 {
-    static const char *const files[] = {"dragon_100k.obj.gz", "bunny_scan_69451.ply.gz", "fandisk.obj.gz", "cow.obj.gz", "chair_model.obj.gz",
-                                        "dungeon.obj.gz", "elephant-with-holes.off.gz", "stratocaster.ply.gz", "gears.stl.gz", "rocker-arm.obj.gz",
-                                        "unit_sphere.stl.gz", "blobby-shuffled.off.gz", "thingi_72214.stl.gz", "terrain_turbineSiting.stl.gz"};
+    static const char *const files[] = {"dragon_100k.obj.gz",
+                                        "bunny_scan_69451.ply.gz",
+                                        "fandisk.obj.gz",
+                                        "cow.obj.gz",
+                                        "chair_model.obj.gz",
+                                        "dungeon.obj.gz",
+                                        "elephant-with-holes.off.gz",
+                                        "stratocaster.ply.gz",
+                                        "gears.stl.gz",
+                                        "rocker-arm.obj.gz",
+                                        "unit_sphere.stl.gz",
+                                        "blobby-shuffled.off.gz",
+                                        "thingi_72214.stl.gz",
+                                        "terrain_turbineSiting.stl.gz"};
     bvx_context_options o;
 
     if (argc < 2) return 2;
@@ -537,7 +889,8 @@ int main(int argc, char **argv)
     values = malloc(sizeof *values * VALUES_ROOM);
     if (values == NULL) return 1;
 
-    puts("| mesh | resolution | call | ms | time of each quarter of the bar | worst stage | stages: bar/time |\n|---|--:|---|--:|---|--:|---|");
+    puts(
+        "| mesh | resolution | call | ms | time of each quarter of the bar | worst stage | stages: bar/time |\n|---|--:|---|--:|---|--:|---|");
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         for (resolution = 48; resolution <= 192; resolution *= 2) {
             if (argc > 2 && atoi(argv[2]) != 0 && atoi(argv[2]) != resolution) continue;

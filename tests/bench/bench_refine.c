@@ -2,11 +2,12 @@
  *
  *   bench_refine MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/refine.jsonl: targets
  *
- * One thread, processor time, warm memory, from the mesh's arrays to the tree or grid. The contenders of a row take turns in
- * every run, the least of the runs is compared and the median stands in brackets.
- * Balls are generated; the bunny's holes are closed by fans, because a flood from outside would empty it. What bvx_refine
- * makes equals surface and flood of the uniform grid bit for bit; so that pair is the uniform route: the conservative surface
- * on a lattice with one more voxel on each side, and the flood from its corner. */
+ * One thread, processor time, warm memory, from the mesh's arrays to the tree or grid. The contenders of a
+ * row take turns in every run, the least of the runs is compared and the median stands in brackets.
+ * Balls are generated; the bunny's holes are closed by fans, because a flood from outside would empty it.
+ * What bvx_refine makes equals surface and flood of the uniform grid bit for bit; so that pair is the uniform
+ * route: the conservative surface on a lattice with one more voxel on each side, and the flood from its
+ * corner. */
 #include "bench_models.h"
 #include "paper_refine.h"
 
@@ -29,7 +30,8 @@ typedef struct job {
     uint64_t surface, inside; /* leaves; uniform ones: their sum in surface */
     uint64_t outside;
     uint64_t base_surface, base_inside, base_outside; /* REFINE: voxels of level 0: split ones, leaves */
-    uint64_t solid;                                   /* REFINE: surface and inside in voxels of the last level */
+    /* REFINE: surface and inside in voxels of the last level */
+    uint64_t solid;
 } job;
 
 typedef struct stage {
@@ -44,6 +46,7 @@ static void count_tree(const stage *s, const bvx_octree *tree, job *j)
 {
     bvx_octree_level counts[26];
     int32_t const last = bvx_octree_levels(tree);
+
     bench_try(s->ctx, bvx_octree_count(s->ctx, tree, counts, 26), "counts");
     j->surface = j->inside = j->outside = j->solid = 0;
     for (int32_t l = 0; l <= last; l++) {
@@ -64,6 +67,7 @@ static double run_refine(stage *s, job *j)
     bvx_lattice base;
     bvx_octree *tree = NULL;
     double const start = bench_clock(1);
+
     bvx_refine_options_init(&o, sizeof o);
     o.levels = j->levels;
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, j->resolution, &base), m->name);
@@ -79,10 +83,11 @@ static double run_paper(stage *s, job *j)
     const bench_model *const m = s->model;
     bvx_lattice base;
     paper_counts counts;
+
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, j->resolution, &base), m->name);
     double const start = bench_clock(1);
-    paper_tree *const tree =
-        paper_refine(&s->memory, m->points, m->point_count, m->triangles, m->triangle_count, &base, j->levels, 1);
+    paper_tree *const tree = paper_refine(&s->memory, m->points, m->point_count, m->triangles,
+                                          m->triangle_count, &base, j->levels, 1);
     double const ms = bench_clock(1) - start;
     paper_tree_count(tree, &counts);
     j->surface = counts.surface;
@@ -102,6 +107,7 @@ static double run_surface_and_flood(stage *s, job *j)
     bvx_grid surface = {0}, outside = {0};
     uint64_t count = 0;
     double const start = bench_clock(1);
+
     bvx_lattice_options_init(&o, sizeof o);
     o.resolution = j->resolution;
     o.padding = 1;
@@ -123,10 +129,12 @@ static double run_grid(stage *s, job *j)
     bvx_lattice lattice;
     bvx_grid grid = {0};
     double const start = bench_clock(1);
+
     bvx_voxelize_options_init(&o, sizeof o);
     if (j->kind == FLOOD_AND_VOTES) o.fill = BVX_FILL_FLOOD;
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, j->resolution, &lattice), m->name);
-    if (j->kind == SURFACE) bench_try(s->ctx, bvx_voxelize_surface(s->ctx, &m->view, &lattice, NULL, &grid), m->name);
+    if (j->kind == SURFACE)
+        bench_try(s->ctx, bvx_voxelize_surface(s->ctx, &m->view, &lattice, NULL, &grid), m->name);
     else bench_try(s->ctx, bvx_voxelize_solid(s->ctx, &m->view, &lattice, &o, &grid), m->name);
     double const ms = bench_clock(1) - start;
     bench_try(s->ctx, bvx_grid_count(s->ctx, &grid, &j->surface), m->name);
@@ -138,6 +146,7 @@ static void run_job(stage *s, job *j)
 {
     uint64_t const before = bvx_memory_used(s->ctx);
     double ms = 0.0;
+
     bvx_memory_reset_peak(s->ctx);
     switch (j->kind) {
     case REFINE: ms = run_refine(s, j); break;
@@ -155,6 +164,7 @@ static void run_job(stage *s, job *j)
 static void run_jobs(const bench_model *m, job *jobs, int count, int rounds)
 {
     static stage s;
+
     memset(&s, 0, sizeof s);
     s.model = m;
     s.ctx = bench_context(1, BVX_CPU_BEST, &s.memory);
@@ -199,6 +209,7 @@ static void show_main(const bench_model *m, FILE *targets)
 {
     static job j[6];
     char title[160];
+
     set_job(&j[0], REFINE, 8, 6, 0);
     set_job(&j[1], PAPER, 8, 6, 3);
     set_job(&j[2], SOLID, FINEST, 0, 0);
@@ -212,7 +223,8 @@ static void show_main(const bench_model *m, FILE *targets)
     printf(" %.0f |", mib(j[0].peak));
     print_ms(&j[1]);
     printf(" %.0f | %.1f | %" PRIu64 " |", mib(j[1].peak), bench_min(&j[1].times) / ours,
-           apart(j[0].surface, j[1].surface) + apart(j[0].inside, j[1].inside) + apart(j[0].outside, j[1].outside));
+           apart(j[0].surface, j[1].surface) + apart(j[0].inside, j[1].inside) +
+               apart(j[0].outside, j[1].outside));
     for (int i = 2; i < 6; i++) {
         print_ms(&j[i]);
         printf(" %.2f |", ours / bench_min(&j[i].times));
@@ -230,6 +242,7 @@ static void show_main(const bench_model *m, FILE *targets)
 static void show_crossing(const bench_model *m, FILE *targets)
 {
     char title[160];
+
     for (int32_t n = 64, levels = 3; n <= 4096; n *= 2, levels++) {
         static job j[3];
         int const uniform = n <= 2048; /* beyond it grids take more memory than most machines have */
@@ -273,8 +286,11 @@ static void show_pairs(const bench_model *m, job *ours)
         ours[levels] = j[0];
         printf("| %s | %" PRId32 " | %" PRId32 " |", m->name, FINEST >> levels, levels);
         print_ms(&j[0]);
-        printf(" %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |", j[0].surface + j[0].inside, j[0].inside, j[0].outside);
-        if (theirs) printf(" %.0f | %" PRIu64 " |", bench_min(&j[1].times), apart(j[0].surface + j[0].inside, j[1].surface + j[1].inside));
+        printf(" %" PRIu64 " | %" PRIu64 " | %" PRIu64 " |", j[0].surface + j[0].inside, j[0].inside,
+               j[0].outside);
+        if (theirs)
+            printf(" %.0f | %" PRIu64 " |", bench_min(&j[1].times),
+                   apart(j[0].surface + j[0].inside, j[1].surface + j[1].inside));
         else printf(" | |");
         printf("\n");
         fflush(stdout);
@@ -287,12 +303,14 @@ static double saved(double with, double without)
     return without > 0.0 ? 100.0 * (1.0 - with / without) : 0.0;
 }
 
-/* One split: each voxel of the base that triangles touch becomes N x N x N. kept: those outside are deleted, as in the tree
- * (what the base's voxels hold of the solid is the solid less its whole inside voxels); all: none is. */
+/* One split: each voxel of the base that triangles touch becomes N x N x N.
+ * kept: those outside are deleted, as in the tree (what the base's voxels
+ * hold of the solid is the solid less its whole inside voxels); all: none is. */
 static void show_one_split(const bench_model *const *models, int count, FILE *targets)
 {
     double sum_kept = 0.0, sum_all = 0.0;
     int summed = 0, same = 0;
+
     for (int i = 0; i < count; i++) {
         for (int levels = 1; levels <= 7; levels++) {
             const job *const j = &pairs[i][levels];
@@ -302,8 +320,9 @@ static void show_one_split(const bench_model *const *models, int count, FILE *ta
             double const one_all = (double)j->base_surface * cubes + inside;
             double const tree_kept = (double)(j->surface + j->inside);
             double const tree_all = tree_kept + (double)(j->outside - j->base_outside);
-            printf("| %s | %d to %d, N = %d | %.0f | %.0f | %.1f | %.0f | %.0f | %.1f |\n", models[i]->name, FINEST >> levels, FINEST,
-                   1 << levels, tree_kept, one_kept, saved(tree_kept, one_kept), tree_all, one_all, saved(tree_all, one_all));
+            printf("| %s | %d to %d, N = %d | %.0f | %.0f | %.1f | %.0f | %.0f | %.1f |\n", models[i]->name,
+                   FINEST >> levels, FINEST, 1 << levels, tree_kept, one_kept, saved(tree_kept, one_kept),
+                   tree_all, one_all, saved(tree_all, one_all));
             if (levels < 2) { /* the same split: nothing is saved */
                 same++;
                 continue;
@@ -315,8 +334,11 @@ static void show_one_split(const bench_model *const *models, int count, FILE *ta
     }
     if (summed == 0) return;
     printf("| mean of N = 4 to 128 | | | | %.2f | | | %.2f |\n", sum_kept / summed, sum_all / summed);
-    printf("| mean of N = 2 to 128 | | | | %.2f | | | %.2f |\n", sum_kept / (summed + same), sum_all / (summed + same));
-    bench_say_target(targets, "voxels saved against one split, mean of N = 4 to 128, those outside not counted", sum_kept / summed, "%", 71.5, 0);
+    printf("| mean of N = 2 to 128 | | | | %.2f | | | %.2f |\n", sum_kept / (summed + same),
+           sum_all / (summed + same));
+    bench_say_target(targets,
+                     "voxels saved against one split, mean of N = 4 to 128, those outside not counted",
+                     sum_kept / summed, "%", 71.5, 0);
 }
 
 /* ---- large lattices ---- */
@@ -324,13 +346,15 @@ static void show_one_split(const bench_model *const *models, int count, FILE *ta
 static void show_large(const bench_model *m, FILE *targets)
 {
     static job j[1];
+
     set_job(&j[0], REFINE, 8, 9, 0);
     run_jobs(m, j, 1, 3);
     printf("| %s | 4096 from 8 by 9 levels |", m->name);
     print_ms(&j[0]);
     printf(" %.0f | %" PRIu64 " surface, %" PRIu64 " inside |\n", mib(j[0].peak), j[0].surface, j[0].inside);
     fflush(stdout);
-    bench_say_target(targets, "refine to 4096, dragon of 100,000 triangles", bench_min(&j[0].times) * 1e-3, "s", 10.0, 1);
+    bench_say_target(targets, "refine to 4096, dragon of 100,000 triangles", bench_min(&j[0].times) * 1e-3,
+                     "s", 10.0, 1);
     bench_say_target(targets, "its peak", mib(j[0].peak) / 1024.0, "GiB", 2.0, 1);
 }
 
@@ -343,11 +367,13 @@ static double window_ms(stage *s, uint64_t vertex, uint64_t *peak, uint64_t *sur
     bvx_octree *tree = NULL;
     bvx_grid grid = {0};
     uint64_t const before = bvx_memory_used(s->ctx);
+
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, 16, &base), m->name);
     bvx_refine_options_init(&o, sizeof o);
     o.levels = 12;
     for (int i = 0; i < 3; i++) {
-        double const voxel = (m->points[3 * vertex + (uint64_t)i] - base.origin[i]) / base.spacing[i] * 4096.0;
+        double const voxel = (m->points[3 * vertex + (uint64_t)i] - base.origin[i]) / base.spacing[i] *
+                             4096.0;
         int32_t const most = (base.dims[i] << 12) - 512;
         o.window.low[i] = voxel > 256.0 ? (int32_t)voxel - 256 : 0;
         if (o.window.low[i] > most) o.window.low[i] = most;
@@ -380,7 +406,8 @@ static void show_windows(const bench_model *m, FILE *targets)
         times.count = 0;
         window_ms(&s, vertex, &peak, &surface);
         for (int run = 0; run < runs; run++) bench_add(&times, window_ms(&s, vertex, &peak, &surface));
-        printf("| %s | window of 512 x 512 x 512 in 65536, around vertex %" PRIu64 " | %.1f (%.1f) | %.0f | %" PRIu64 " surface in it |\n",
+        printf("| %s | window of 512 x 512 x 512 in 65536, around vertex %" PRIu64
+               " | %.1f (%.1f) | %.0f | %" PRIu64 " surface in it |\n",
                m->name, vertex, bench_min(&times), bench_median(&times), mib(peak), surface);
         if (bench_min(&times) > worst) worst = bench_min(&times);
     }
@@ -399,7 +426,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: bench_refine MESH_FOLDER OUT [RUNS]\n");
         return 2;
     }
-    if (argc > 3 && atoi(argv[3]) > 0) runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
+    if (argc > 3 && atoi(argv[3]) > 0)
+        runs = atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : BENCH_MOST_RUNS;
     snprintf(path, sizeof path, "%s/refine.jsonl", argv[2]);
     FILE *const targets = bench_open(path);
     bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, NULL);
@@ -407,31 +435,38 @@ int main(int argc, char **argv)
     models[count++] = &ball;
     if (bench_model_open(ctx, argv[1], "bunny_scan_69451.ply.gz", "bunny", &bunny)) {
         int const holes = bench_model_close(&bunny);
-        printf("The bunny's %d holes are closed by fans: %" PRIu64 " triangles.\n\n", holes, bunny.triangle_count);
+        printf("The bunny's %d holes are closed by fans: %" PRIu64 " triangles.\n\n", holes,
+               bunny.triangle_count);
         models[count++] = &bunny;
     }
-    if (bench_model_open(ctx, argv[1], "dragon_vrip_871414.ply.gz", "dragon", &dragon)) models[count++] = &dragon;
+    if (bench_model_open(ctx, argv[1], "dragon_vrip_871414.ply.gz", "dragon", &dragon))
+        models[count++] = &dragon;
 
-    printf("8 x 8 x 8 by six levels, to 512: least ms (median); MiB beside the input; leaves by which the paper's route (doubles) differs;\n"
-           "uniform grids at 512 with ours : theirs, and by how many voxels surface and flood (lattice moved by one voxel) differs.\n\n"
-           "| mesh | triangles | refine | MiB | the paper's route | MiB | times ours | differs | solid | ours : it | surface | ours : it "
-           "| surface and flood | ours : it | rule flood | ours : it | differs |\n"
-           "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    printf(
+        "8 x 8 x 8 by six levels, to 512: least ms (median); MiB beside the input; leaves by which the paper's route (doubles) differs;\n"
+        "uniform grids at 512 with ours : theirs, and by how many voxels surface and flood (lattice moved by one voxel) differs.\n\n"
+        "| mesh | triangles | refine | MiB | the paper's route | MiB | times ours | differs | solid | ours : it | surface | ours : it "
+        "| surface and flood | ours : it | rule flood | ours : it | differs |\n"
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (int i = 0; i < count; i++) show_main(models[i], targets);
-    printf("\nFrom 8 x 8 x 8 to n, and uniform grids: least ms (median), MiB, uniform : refined.\n\n"
-           "| mesh | n | refine | MiB | surface and flood | MiB | ratio | solid alone | MiB | ratio |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    printf(
+        "\nFrom 8 x 8 x 8 to n, and uniform grids: least ms (median), MiB, uniform : refined.\n\n"
+        "| mesh | n | refine | MiB | surface and flood | MiB | ratio | solid alone | MiB | ratio |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (int i = 0; i < count; i++) show_crossing(models[i], targets);
-    printf("\nTable 2: all pairs that end at 512. Voxels: leaves of surface and inside. The paper's route: ms, one run, and by how many\n"
-           "voxels it differs.\n\n"
-           "| mesh | base | levels | ms (median) | voxels | of them inside | outside | the paper's route | differs |\n"
-           "|---|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    printf(
+        "\nTable 2: all pairs that end at 512. Voxels: leaves of surface and inside. The paper's route: ms, one run, and by how many\n"
+        "voxels it differs.\n\n"
+        "| mesh | base | levels | ms (median) | voxels | of them inside | outside | the paper's route | differs |\n"
+        "|---|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (int i = 0; i < count; i++) show_pairs(models[i], pairs[i]);
-    printf("\nTable 3: voxels of the tree beside those of one split of each touched voxel of the base into N x N x N, and percent\n"
-           "fewer; first without voxels that lie outside, then with those that the splits make.\n\n"
-           "| mesh | pair | tree | one split | fewer %% | tree, all | one split, all | fewer %% |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
+    printf(
+        "\nTable 3: voxels of the tree beside those of one split of each touched voxel of the base into N x N x N, and percent\n"
+        "fewer; first without voxels that lie outside, then with those that the splits make.\n\n"
+        "| mesh | pair | tree | one split | fewer %% | tree, all | one split, all | fewer %% |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
     show_one_split(models, count, targets);
     if (bench_model_open(ctx, argv[1], "dragon_100k.obj.gz", "dragon 100k", &small)) {
-        printf("\nLarge lattices: least ms (median), MiB beside the input.\n\n| mesh | | ms | MiB | voxels |\n|---|---|--:|--:|--:|\n");
+        printf(
+            "\nLarge lattices: least ms (median), MiB beside the input.\n\n| mesh | | ms | MiB | voxels |\n|---|---|--:|--:|--:|\n");
         show_large(&small, targets);
         show_windows(&small, targets);
     }

@@ -1,12 +1,14 @@
-/* bench_sections.c - bodies from section contours: Table 1 of "3D surface modelling in section data fields" and more.
+/* bench_sections.c - bodies from section contours: Table 1 of "3D surface modelling in section data fields"
+ * and more.
  *
  *   bench_sections FOLDER [RUNS]
  *
- * The paper gives times for an ore body on grids of 20 x 20 and 40 x 40 cells (0.823 s and 1.452 s, its machine and number of sections are
- * not told) and describes no data, so an ore-like body stands for it: 100 sections of a dipping lens that branches, with a barren core and
- * satellites, 2 to 5 loops of 60 to 220 points each. The least of several runs: processor time of one thread, time of day of two. Distances from the contours (their points and
- * three places on every segment) to the mesh tell what each way of crossing keeps. Writes FOLDER/ore.csv for other programs and the table
- * as Markdown to standard output. */
+ * The paper gives times for an ore body on grids of 20 x 20 and 40 x 40 cells (0.823 s and 1.452 s, its
+ * machine and number of sections are not told) and describes no data, so an ore-like body stands for it: 100
+ * sections of a dipping lens that branches, with a barren core and satellites, 2 to 5 loops of 60 to 220
+ * points each. The least of several runs: processor time of one thread, time of day of two. Distances from
+ * the contours (their points and three places on every segment) to the mesh tell what each way of crossing
+ * keeps. Writes FOLDER/ore.csv for other programs and the table as Markdown to standard output. */
 #include "bench.h"
 
 #include <math.h>
@@ -19,9 +21,11 @@ static double ore_point[3 * ORE_POINTS], ore_position[ORE_SECTIONS];
 static bvx_section_loop ore_loop[ORE_LOOPS];
 
 /* A loop of a wavy ellipse; waves run on from section to section. */
-static void add_ore_loop(bvx_sections *s, uint32_t section, const double centre[2], const double half[2], double phase, int count, double waves)
+static void add_ore_loop(bvx_sections *s, uint32_t section, const double centre[2], const double half[2],
+                         double phase, int count, double waves)
 {
     bvx_section_loop *const l = &s->loops[s->loop_count++];
+
     memset(l, 0, sizeof *l);
     l->first_point = s->point_count;
     l->point_count = (uint32_t)count;
@@ -29,7 +33,8 @@ static void add_ore_loop(bvx_sections *s, uint32_t section, const double centre[
     l->label = 1;
     for (int i = 0; i < count; i++) {
         double const a = 2.0 * 3.14159265358979323846 * i / count;
-        double const r = 1.0 + waves * (0.5 * sin(3.0 * a + phase) + 0.3 * sin(7.0 * a - 2.0 * phase) + 0.15 * sin(17.0 * a + 3.0 * phase));
+        double const r = 1.0 + waves * (0.5 * sin(3.0 * a + phase) + 0.3 * sin(7.0 * a - 2.0 * phase) +
+                                        0.15 * sin(17.0 * a + 3.0 * phase));
         double *const p = s->points + 3 * s->point_count++;
         p[0] = centre[0] + half[0] * r * cos(a);
         p[1] = centre[1] + half[1] * r * sin(a);
@@ -46,13 +51,16 @@ static void make_ore(bvx_sections *s)
     s->normal[2] = 1.0;
     s->section_count = ORE_SECTIONS;
     for (uint32_t k = 0; k < ORE_SECTIONS; k++) {
-        double const t = (double)k / (ORE_SECTIONS - 1), bulge = sqrt(t * (1.0 - t) * 4.0 + 0.02), phase = 6.0 * t;
+        double const t = (double)k / (ORE_SECTIONS - 1);
+        double const bulge = sqrt(t * (1.0 - t) * 4.0 + 0.02);
+        double const phase = 6.0 * t;
         double const shift = 60.0 * t; /* the dip */
         double centre[2] = {500.0 + shift, 300.0 + 0.3 * shift}, half[2] = {220.0 * bulge, 90.0 * bulge};
         ore_position[k] = 5.0 * k;
         if (t > 0.62) { /* two branches */
             double const apart = 150.0 * (t - 0.62) / 0.38 + 95.0 * bulge;
-            double const a[2] = {centre[0] - apart, centre[1] - 20.0}, b[2] = {centre[0] + apart, centre[1] + 25.0};
+            double const a[2] = {centre[0] - apart, centre[1] - 20.0};
+            double const b[2] = {centre[0] + apart, centre[1] + 25.0};
             half[0] = 90.0 * bulge;
             half[1] = 70.0 * bulge;
             add_ore_loop(s, k, a, half, phase, 160, 0.22);
@@ -76,6 +84,7 @@ static void write_ore(bvx_context *ctx, const char *folder, const bvx_sections *
     char path[1024];
     bvx_buffer file = {0};
     FILE *out;
+
     snprintf(path, sizeof path, "%s/ore.csv", folder);
     bench_try(ctx, bvx_write_sections(ctx, s, BVX_FORMAT_CSV, &file), "CSV");
     out = bench_open(path);
@@ -84,19 +93,23 @@ static void write_ore(bvx_context *ctx, const char *folder, const bvx_sections *
 }
 
 /* The mean and the greatest distance from the contours to the mesh. */
-static void measure_contours(bvx_context *ctx, const bvx_sections *s, const bvx_mesh *mesh, double *mean, double *most)
+static void measure_contours(bvx_context *ctx, const bvx_sections *s, const bvx_mesh *mesh, double *mean,
+                             double *most)
 {
     static double place[3 * ORE_POINTS * ORE_PLACES];
     static bvx_closest_point found[ORE_POINTS * ORE_PLACES];
     bvx_closest *closest;
     bvx_mesh_view view;
     uint64_t n = 0;
+
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
         for (uint32_t j = 0; j < l->point_count; j++) {
-            const double *const a = s->points + 3 * (l->first_point + j), *const b = s->points + 3 * (l->first_point + (j + 1) % l->point_count);
+            const double *const a = s->points + 3 * (l->first_point + j);
+            const double *const b = s->points + 3 * (l->first_point + (j + 1) % l->point_count);
             for (int k = 0; k < ORE_PLACES; k++, n++)
-                for (int c = 0; c < 3; c++) place[3 * n + (uint64_t)c] = a[c] + (b[c] - a[c]) * k / ORE_PLACES;
+                for (int c = 0; c < 3; c++)
+                    place[3 * n + (uint64_t)c] = a[c] + (b[c] - a[c]) * k / ORE_PLACES;
         }
     }
     bvx_mesh_view_of(mesh, &view);
@@ -116,6 +129,7 @@ static double time_two(const bvx_sections *s, const bvx_sections_options *o, int
     static bench_memory memory;
     static bench_times times;
     bvx_context *const ctx = bench_context(2, BVX_CPU_BEST, &memory);
+
     memset(&times, 0, sizeof times);
     for (int i = 0; i < runs; i++) {
         bvx_mesh mesh = {0};
@@ -139,6 +153,7 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bvx_mesh_view view;
     static bench_times times;
     double mean, most;
+
     memset(&times, 0, sizeof times);
     memset(&report, 0, sizeof report);
     bvx_sections_options_init(&o, sizeof o);
@@ -155,11 +170,19 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bvx_mesh_view_of(&mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &certificate), "certificate");
     measure_contours(ctx, s, &mesh, &mean, &most);
-    printf("| %d x %d | %s | %.2f | %.2f | %s | %llu | %s | %.2f %% | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n", (int)grid, (int)grid, name[crossings],
-           bench_min(&times), time_two(s, &o, runs), grid == 20 ? "823" : grid == 40 ? "1452" : "-", (unsigned long long)mesh.triangle_count,
-           certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented ? "yes" : "NO",
-           100.0 * (double)report.skipped / (double)report.samples, (unsigned long long)(report.unkept_edges + report.unkept_loops),
-           (unsigned long long)report.unkept_points, mean, most, certificate.volume, report.prismoid_volume);
+    printf(
+        "| %d x %d | %s | %.2f | %.2f | %s | %llu | %s | %.2f %% | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n",
+        (int)grid, (int)grid, name[crossings], bench_min(&times), time_two(s, &o, runs),
+        grid == 20   ? "823"
+        : grid == 40 ? "1452"
+                     : "-",
+        (unsigned long long)mesh.triangle_count,
+        certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented
+            ? "yes"
+            : "NO",
+        100.0 * (double)report.skipped / (double)report.samples,
+        (unsigned long long)(report.unkept_edges + report.unkept_loops),
+        (unsigned long long)report.unkept_points, mean, most, certificate.volume, report.prismoid_volume);
     fflush(stdout);
     bvx_mesh_free(ctx, &mesh);
 }
@@ -170,6 +193,7 @@ int main(int argc, char **argv)
     static bench_memory memory;
     bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, &memory);
     bvx_sections ore;
+
     if (argc < 2) {
         fprintf(stderr, "usage: bench_sections FOLDER [RUNS]\n");
         return 2;
@@ -177,10 +201,11 @@ int main(int argc, char **argv)
     int const runs = argc > 2 ? atoi(argv[2]) : 9;
     make_ore(&ore);
     write_ore(ctx, argv[1], &ore);
-    printf("An ore-like body: %d sections, %llu loops, %llu points\n\n", ORE_SECTIONS, (unsigned long long)ore.loop_count,
-           (unsigned long long)ore.point_count);
-    printf("| grid | crossings | ms | two threads: ms | the paper's ms | triangles | closed, manifold | distances skipped | edges and loops, points not kept | contour to "
-           "mesh: mean, most | volume : prismoids |\n|--:|---|--:|--:|--:|--:|---|--:|--:|--:|--:|\n");
+    printf("An ore-like body: %d sections, %llu loops, %llu points\n\n", ORE_SECTIONS,
+           (unsigned long long)ore.loop_count, (unsigned long long)ore.point_count);
+    printf(
+        "| grid | crossings | ms | two threads: ms | the paper's ms | triangles | closed, manifold | distances skipped | edges and loops, points not kept | contour to "
+        "mesh: mean, most | volume : prismoids |\n|--:|---|--:|--:|--:|--:|---|--:|--:|--:|--:|\n");
     for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
         for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
             show_row(ctx, &ore, grids[i], crossings, runs);

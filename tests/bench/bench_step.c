@@ -1,12 +1,14 @@
-/* bench_step.c - the experiment of "Model repair by a vector distance field": cuts by distances against cuts by vectors.
+/* bench_step.c - the experiment of "Model repair by a vector distance field": cuts by distances against cuts
+ * by vectors.
  *
- *   bench_step FOLDER [PICTURES]   the step, then meshes of FOLDER (.gz by gzip); surfaces of the step go to PICTURES/step_*.ply
+ *   bench_step FOLDER [PICTURES]   the step, then meshes of FOLDER (.gz by gzip); surfaces of the step go to
+ *   PICTURES/step_*.ply
  *
- * The paper shows a step function with the feature points A, C, D, F (the corners of its profile) and the samples B, E between
- * them (on its flanks), without coordinates. So the step stands here at 16 x 16 places on the lattice, along it and turned.
- * The error is the paper's, in voxels: sqrt(1/3 sum over vertices of dist(v, R)^2 times the area of the triangles at v / area),
- * over the step's part of the surface. A feature point survives where the surface comes within a tenth of a voxel of it, along
- * all of its line.
+ * The paper shows a step function with the feature points A, C, D, F (the corners of its profile) and the
+ * samples B, E between them (on its flanks), without coordinates. So the step stands here at 16 x 16 places
+ * on the lattice, along it and turned. The error is the paper's, in voxels: sqrt(1/3 sum over vertices of
+ * dist(v, R)^2 times the area of the triangles at v / area), over the step's part of the surface. A feature
+ * point survives where the surface comes within a tenth of a voxel of it, along all of its line.
  * Prints Markdown. */
 #include "bench.h"
 
@@ -51,11 +53,12 @@ static void add_triangle(step *s, uint32_t a, uint32_t b, uint32_t c)
 static void make_step(step *s, double dx, double dz, double sine)
 {
     double const x1 = left + dx, x2 = x1 + width, cosine = sqrt(1.0 - sine * sine);
-    double const profile[CORNERS][2] = {{0, dz - deep},     {slab, dz - deep},   {slab, dz}, {x2, dz},
+    double const profile[CORNERS][2] = {{0, dz - deep},    {slab, dz - deep}, {slab, dz}, {x2, dz},
                                         {x2, dz + height}, {x1, dz + height}, {x1, dz},   {0, dz}};
     double const points[POINTS][2] = {{x1, dz},          {x1, dz + height / 2}, {x1, dz + height},
                                       {x2, dz + height}, {x2, dz + height / 2}, {x2, dz}};
     static const uint32_t cap[6][3] = {{0, 1, 6}, {0, 6, 7}, {1, 3, 6}, {1, 2, 3}, {3, 4, 5}, {3, 5, 6}};
+
     memset(s, 0, sizeof *s);
     for (uint32_t i = 0; i < CORNERS; i++)
         for (uint32_t end = 0; end < 2; end++) {
@@ -92,6 +95,7 @@ static void make_step(step *s, double dx, double dz, double sine)
 static bvx_mesh_view step_view(const step *s)
 {
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     v.positions = s->p;
     v.indices = s->t;
@@ -108,21 +112,26 @@ typedef int32_t counts_fn(const void *user, const double p[3]);
 
 static double triangle_area(const double *a, const double *b, const double *c)
 {
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     double const x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
     return 0.5 * sqrt(x * x + y * y + z * z);
 }
 
 /* Over the triangles all of whose vertices count (counts NULL: all); positions are doubles. */
-static double paper_error(bvx_context *ctx, const bvx_closest *reference, const bvx_mesh *m, counts_fn *counts, const void *user)
+static double paper_error(bvx_context *ctx, const bvx_closest *reference, const bvx_mesh *m,
+                          counts_fn *counts, const void *user)
 {
     const double *const p = m->positions;
     bvx_closest_point *const found = malloc((size_t)m->vertex_count * sizeof *found + 1);
     double sum = 0.0, area = 0.0;
+
     bench_try(ctx, bvx_closest_find(ctx, reference, p, m->vertex_count, found), "distances to the original");
     for (uint64_t i = 0; i < m->triangle_count; i++) {
         const uint32_t *const t = m->triangles + 3 * i;
-        const double *const a = p + 3 * (size_t)t[0], *const b = p + 3 * (size_t)t[1], *const c = p + 3 * (size_t)t[2];
+        const double *const a = p + 3 * (size_t)t[0];
+        const double *const b = p + 3 * (size_t)t[1];
+        const double *const c = p + 3 * (size_t)t[2];
         double one;
         if (counts != NULL && !(counts(user, a) && counts(user, b) && counts(user, c))) continue;
         one = triangle_area(a, b, c);
@@ -158,6 +167,7 @@ static int survives(bvx_context *ctx, const bvx_closest *surface, double const l
 {
     double p[ALONG][3];
     bvx_closest_point found[ALONG];
+
     for (int i = 0; i < ALONG; i++)
         for (int a = 0; a < 3; a++) p[i][a] = line[0][a] + (line[1][a] - line[0][a]) * i / (ALONG - 1);
     bench_try(ctx, bvx_closest_find(ctx, surface, p[0], ALONG, found), "a feature point");
@@ -175,7 +185,8 @@ static void measure_field(bvx_context *ctx, const bvx_mesh_view *v, const bvx_la
     bench_try(ctx, bvx_measure_field(ctx, v, l, &o, field), "the field");
 }
 
-static void run_step(bvx_context *ctx, double dx, double dz, double sine, const char *pictures, step_result *r)
+static void run_step(bvx_context *ctx, double dx, double dz, double sine, const char *pictures,
+                     step_result *r)
 {
     double const origin[3] = {-6, -4, -16}, spacing[3] = {1, 1, 1};
     int32_t const dims[3] = {36, 20, 36};
@@ -185,6 +196,7 @@ static void run_step(bvx_context *ctx, double dx, double dz, double sine, const 
     bvx_closest *reference = NULL;
     step s;
     bvx_mesh_view v;
+
     make_step(&s, dx, dz, sine);
     v = step_view(&s);
     memset(&field, 0, sizeof field);
@@ -204,7 +216,8 @@ static void run_step(bvx_context *ctx, double dx, double dz, double sine, const 
         bvx_mesh_view_of(&m, &w);
         bench_try(ctx, bvx_closest_create(ctx, &w, &surface), mode_names[i]);
         r->error[i] = paper_error(ctx, reference, &m, is_on_step, &part);
-        for (int k = 0; k < POINTS; k++) r->kept[i][k] = survives(ctx, surface, (const double(*)[3])s.point[k]);
+        for (int k = 0; k < POINTS; k++)
+            r->kept[i][k] = survives(ctx, surface, (const double(*)[3])s.point[k]);
         if (pictures != NULL) {
             char path[1024];
             snprintf(path, sizeof path, "%s/step_%d.ply", pictures, i);
@@ -228,12 +241,14 @@ static void print_kept(const int kept[POINTS])
     if (none) printf("none");
 }
 
-/* All places of the step: mean errors, at how many the gain is what the paper tells, and at how many each point survives. */
+/* All places of the step: mean errors, at how many the gain is what the
+ * paper tells, and at how many each point survives. */
 static void run_places(bvx_context *ctx, const char *name, double sine)
 {
     double error[MODES] = {0};
     int better[MODES] = {0}, gained[MODES] = {0};
     int kept[MODES][POINTS] = {{0}};
+
     for (int n = 0; n < PHASES * PHASES; n++) {
         step_result r;
         run_step(ctx, (n % PHASES + 0.5) / PHASES, (n / PHASES + 0.5) / PHASES, sine, NULL, &r);
@@ -245,8 +260,8 @@ static void run_places(bvx_context *ctx, const char *name, double sine)
         }
     }
     for (int i = 0; i < MODES; i++) {
-        printf("| %s | %s | %.4f | %.1f %% | %d | %d |", name, mode_names[i], error[i], 100 * (1 - error[i] / error[0]), better[i],
-               gained[i]);
+        printf("| %s | %s | %.4f | %.1f %% | %d | %d |", name, mode_names[i], error[i],
+               100 * (1 - error[i] / error[0]), better[i], gained[i]);
         for (int k = 0; k < POINTS; k++) printf(" %d |", kept[i][k]);
         printf("\n");
     }
@@ -265,6 +280,7 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
     bvx_closest *reference = NULL;
     double error[MODES + 1];
     bvx_field_surface_report report[MODES + 1];
+
     memset(&in, 0, sizeof in);
     memset(&field, 0, sizeof field);
     snprintf(path, sizeof path, "%s/%s", folder, file);
@@ -292,8 +308,10 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
         error[i] = paper_error(ctx, reference, &m, NULL, NULL) / l.spacing[0];
         bvx_mesh_free(ctx, &m);
     }
-    printf("| %s | %d | %.5f | %.5f | %.1f %% | %.5f | %.5f | %.1f %% | %.5f | %llu of %llu |\n", file, (int)resolution, error[0], error[1],
-           100 * (1 - error[1] / error[0]), error[2], error[3], 100 * (1 - error[3] / error[0]), error[4], (unsigned long long)report[1].scalar, (unsigned long long)report[1].edges);
+    printf("| %s | %d | %.5f | %.5f | %.1f %% | %.5f | %.5f | %.1f %% | %.5f | %llu of %llu |\n", file,
+           (int)resolution, error[0], error[1], 100 * (1 - error[1] / error[0]), error[2], error[3],
+           100 * (1 - error[3] / error[0]), error[4], (unsigned long long)report[1].scalar,
+           (unsigned long long)report[1].edges);
     bvx_closest_free(ctx, reference);
     bvx_field_free(ctx, &field);
     bvx_mesh_free(ctx, &in);
@@ -301,15 +319,17 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
 
 int main(int argc, char **argv)
 {
-    static const char *const files[] = {"fandisk.obj.gz", "rocker-arm.obj.gz", "unit_sphere.stl.gz", "blobby-shuffled.off.gz",
-                                        "dragon_100k.obj.gz"};
+    static const char *const files[] = {"fandisk.obj.gz", "rocker-arm.obj.gz", "unit_sphere.stl.gz",
+                                        "blobby-shuffled.off.gz", "dragon_100k.obj.gz"};
     bvx_context *const ctx = bench_context(0, BVX_CPU_BEST, NULL);
     step_result r;
+
     if (argc < 2) {
         fprintf(stderr, "usage: bench_step FOLDER [PICTURES]\n");
         return 2;
     }
-    printf("The step at one place (voxels; the paper: scalar 0.433, vector 0.360, 16.8 %% less; A kept of A, C, D, F, then A, D, F):\n\n");
+    printf(
+        "The step at one place (voxels; the paper: scalar 0.433, vector 0.360, 16.8 %% less; A kept of A, C, D, F, then A, D, F):\n\n");
     run_step(ctx, 0.43, 0.43, 0.0, argc > 2 ? argv[2] : NULL, &r);
     printf("| cuts | error | less | kept |\n|---|---|---|---|\n");
     for (int i = 0; i < MODES; i++) {
@@ -317,16 +337,21 @@ int main(int argc, char **argv)
         print_kept(r.kept[i]);
         printf(" |\n");
     }
-    printf("\nThe step at %d places on the lattice: mean error, how much less than by distances; places with a smaller error and with one\n"
-           "smaller by 16.8 %% or more; places at which each point survives.\n\n", PHASES * PHASES);
-    printf("| step | cuts | error | less | smaller | by 16.8 %% | A | B | C | D | E | F |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    printf(
+        "\nThe step at %d places on the lattice: mean error, how much less than by distances; places with a smaller error and with one\n"
+        "smaller by 16.8 %% or more; places at which each point survives.\n\n",
+        PHASES * PHASES);
+    printf(
+        "| step | cuts | error | less | smaller | by 16.8 %% | A | B | C | D | E | F |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     run_places(ctx, "along the lattice", 0.0);
     run_places(ctx, "turned by 10 degrees", 0.17364817766693033);
     run_places(ctx, "turned by 30 degrees", 0.5);
-    printf("\nOther shapes (the same error, in voxels; scalar fallbacks of vector):\n\n"
-           "| shape | resolution | scalar | vector | less | paper's clamps | tangent | less | vector, sharp | by distances |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    printf(
+        "\nOther shapes (the same error, in voxels; scalar fallbacks of vector):\n\n"
+        "| shape | resolution | scalar | vector | less | paper's clamps | tangent | less | vector, sharp | by distances |\n|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t i = 0; i < sizeof files / sizeof *files; i++)
-        for (int32_t resolution = 32; resolution <= 128; resolution *= 2) run_mesh(ctx, argv[1], files[i], resolution);
+        for (int32_t resolution = 32; resolution <= 128; resolution *= 2)
+            run_mesh(ctx, argv[1], files[i], resolution);
     bvx_context_destroy(ctx);
     return 0;
 }

@@ -2,9 +2,9 @@
  *
  *   bench_turns FOLDER
  *
- * Works on mesh.positions and mesh.triangles in FOLDER. Reads lines "JOB THREADS" (JOB: solid, surface, job, level) from
- * standard input, does the job once on warm memory and answers with its milliseconds. The jobs are those of bench_core;
- * level is the main job's finest level alone, from mesh to arrays. */
+ * Works on mesh.positions and mesh.triangles in FOLDER. Reads lines "JOB THREADS" (JOB: solid, surface, job,
+ * level) from standard input, does the job once on warm memory and answers with its milliseconds. The jobs
+ * are those of bench_core; level is the main job's finest level alone, from mesh to arrays. */
 #include "bench.h"
 
 #include <stdlib.h>
@@ -63,6 +63,7 @@ static double turn(const turns *t, const char *job, int threads)
 static const void *load(const char *folder, const char *name, size_t *size)
 {
     char path[1024];
+
     snprintf(path, sizeof path, "%s/%s", folder, name);
     const void *const bytes = bench_read_file(path, size);
     if (bytes == NULL) {
@@ -79,6 +80,7 @@ int main(int argc, char **argv)
     char job[16];
     int threads;
     size_t size;
+
     if (argc != 2) {
         fprintf(stderr, "usage: bench_turns FOLDER\n");
         return 2;

@@ -1,6 +1,8 @@
-/* bench_volumes.c - scalar volumes: thresholds and surfaces of a level in 512 x 512 x 512 samples of the dragon's distance field.
+/* bench_volumes.c - scalar volumes: thresholds and surfaces of a level in 512 x 512 x 512 samples of the
+ * dragon's distance field.
  *
- *   bench_volumes MESHES OUT [RUNS]   prints Markdown; OUT/volume_dragon.f32 holds the samples for others, OUT/volumes.ms our time
+ *   bench_volumes MESHES OUT [RUNS]   prints Markdown; OUT/volume_dragon.f32 holds the samples for others,
+ *   OUT/volumes.ms our time
  *
  * Processor time of one thread, memory warm, the least and the median of the runs. */
 #include "bench.h"
@@ -19,9 +21,11 @@ static void make_samples(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_buffer
     bvx_lattice fitted, cube;
     bvx_field field;
     double origin[3];
+
     memset(&field, 0, sizeof field);
     bench_try(ctx, bvx_lattice_fit(ctx, mesh, VOLUME_SIDE - 16, &fitted), "bvx_lattice_fit");
-    for (int a = 0; a < 3; a++) origin[a] = fitted.origin[a] - 0.5 * (VOLUME_SIDE - fitted.dims[a]) * fitted.spacing[a];
+    for (int a = 0; a < 3; a++)
+        origin[a] = fitted.origin[a] - 0.5 * (VOLUME_SIDE - fitted.dims[a]) * fitted.spacing[a];
     bench_try(ctx, bvx_lattice_make(ctx, origin, fitted.spacing, dims, &cube), "bvx_lattice_make");
     bvx_field_options_init(&o, sizeof o);
     o.half_width = 6;
@@ -29,7 +33,8 @@ static void make_samples(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_buffer
     bench_try(ctx, bvx_measure_field(ctx, mesh, &cube, &o, &field), "bvx_measure_field");
     bench_try(ctx, bvx_write_field(ctx, &field, 0, BVX_FORMAT_NPY, file), "bvx_write_field");
     bvx_field_free(ctx, &field);
-    bench_try(ctx, bvx_read_volume(ctx, file->bytes, file->size, BVX_FORMAT_NPY, NULL, volume), "bvx_read_volume");
+    bench_try(ctx, bvx_read_volume(ctx, file->bytes, file->size, BVX_FORMAT_NPY, NULL, volume),
+              "bvx_read_volume");
     volume->view.lattice = cube;
 }
 
@@ -96,6 +101,7 @@ static void surface_of(volume_bench *b, const bvx_volume_view *v)
     bvx_volume_report r;
     bvx_scalar_options o;
     bvx_mesh mesh = {0};
+
     bvx_scalar_options_init(&o, sizeof o);
     o.below = 1;
     o.report = &r;
@@ -122,6 +128,7 @@ static void surface_turned(volume_bench *b)
 static double show_job(volume_bench *b, const char *name, volume_job_fn *job, int runs)
 {
     bench_times times = {{0}, 0};
+
     job(b);
     for (int i = 0; i < runs; i++) {
         double const start = bench_clock(1);
@@ -147,7 +154,8 @@ static int16_t *make_shorts(const bvx_volume *v)
 int main(int argc, char **argv)
 {
     static bench_memory memory;
-    int const runs = argc > 3 && atoi(argv[3]) > 0 && atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3]) : VOLUME_RUNS;
+    int const runs = argc > 3 && atoi(argv[3]) > 0 && atoi(argv[3]) < BENCH_MOST_RUNS ? atoi(argv[3])
+                                                                                      : VOLUME_RUNS;
     bvx_buffer file = {0};
     bvx_volume volume = {0};
     bvx_mesh_view view;
@@ -157,6 +165,7 @@ int main(int argc, char **argv)
     int16_t *shorts;
     double ours;
     FILE *out;
+
     if (argc < 3) {
         fprintf(stderr, "usage: bench_volumes MESHES OUT [RUNS]\n");
         return 2;
@@ -177,14 +186,17 @@ int main(int argc, char **argv)
     memset(b.shorts.strides, 0, sizeof b.shorts.strides);
     b.turned.strides[0] = volume.view.strides[2]; /* the same samples, x and z exchanged */
     b.turned.strides[2] = volume.view.strides[0];
-    printf("### Volumes: %d^3 samples of the dragon's distance field, one thread\n\n| job | least ms | median ms |\n|---|--:|--:|\n", VOLUME_SIDE);
+    printf(
+        "### Volumes: %d^3 samples of the dragon's distance field, one thread\n\n| job | least ms | median ms |\n|---|--:|--:|\n",
+        VOLUME_SIDE);
     show_job(&b, "reading f32 alone", read_all, runs);
     show_job(&b, "threshold, f32", threshold_floats, runs);
     show_job(&b, "threshold with counts and extremes, f32", threshold_counted, runs);
     show_job(&b, "threshold with counts and extremes, i16", threshold_shorts, runs);
     show_job(&b, "threshold with counts and extremes, f32 with z fastest", threshold_turned, runs);
     ours = show_job(&b, "surface of the level, f32", surface_floats, runs);
-    printf("\n%llu triangles\n\n| job | least ms | median ms |\n|---|--:|--:|\n", (unsigned long long)b.triangles);
+    printf("\n%llu triangles\n\n| job | least ms | median ms |\n|---|--:|--:|\n",
+           (unsigned long long)b.triangles);
     show_job(&b, "surface of the level, i16", surface_shorts, runs);
     show_job(&b, "surface of the level, f32 with z fastest", surface_turned, runs);
     printf("\n");

@@ -1,8 +1,9 @@
-/* box_triangle_loop.c - the baseline for conservative surfaces: a separating axis test for every voxel of a triangle's box.
+/* box_triangle_loop.c - the baseline for conservative surfaces: a separating axis test for every voxel of a
+ * triangle's box.
  *
- * Source: Akenine-Moller. Fast 3D Triangle-Box Overlap Testing. 2001: the box's three axes, the triangle's plane, the nine
- * products of their edges. What a triangle has in common for all boxes is computed once; the cheap axes come first. In
- * doubles, so rounding decides where box and triangle only just touch. */
+ * Source: Akenine-Moller. Fast 3D Triangle-Box Overlap Testing. 2001: the box's three axes, the triangle's
+ * plane, the nine products of their edges. What a triangle has in common for all boxes is computed once; the
+ * cheap axes come first. In doubles, so rounding decides where box and triangle only just touch. */
 #include "box_triangle_loop.h"
 
 #include <math.h>
@@ -26,8 +27,10 @@ void box_triangle_prepare(box_triangle *t, const double *a, const double *b, con
     }
 }
 
-/* The axis across an edge and box axis i: both ends of the edge fall on one place there, p; the third corner on q. */
-static inline int axis_parts_them(double ej, double ek, const double *p, const double *q, int j, int k, double half)
+/* The axis across an edge and box axis i: both ends of the edge fall on one
+ * place there, p; the third corner on q. */
+static inline int axis_parts_them(double ej, double ek, const double *p, const double *q, int j, int k,
+                                  double half)
 {
     double const s = ej * p[k] - ek * p[j], u = ej * q[k] - ek * q[j];
     double const reach = half * (fabs(ej) + fabs(ek));
@@ -37,6 +40,7 @@ static inline int axis_parts_them(double ej, double ek, const double *p, const d
 int box_triangle_meets(const box_triangle *t, const double centre[3], double half)
 {
     double v[3][3], along = 0.0, reach = 0.0;
+
     for (int i = 0; i < 3; i++)
         if (t->low[i] - centre[i] > half || t->high[i] - centre[i] < -half) return 0;
     for (int k = 0; k < 3; k++)
@@ -67,6 +71,7 @@ static void take_box(bvx_grid *grid, const box_triangle *t)
 {
     int32_t first[3], last[3];
     double centre[3];
+
     for (int i = 0; i < 3; i++) box_range(t->low[i], t->high[i], grid->size[i], &first[i], &last[i]);
     for (int32_t z = first[2]; z <= last[2]; z++) {
         centre[2] = z + 0.5;
@@ -80,18 +85,21 @@ static void take_box(bvx_grid *grid, const box_triangle *t)
     }
 }
 
-void box_triangle_loop(const double *points, const uint32_t *triangles, uint64_t triangle_count, bvx_grid *grid)
+void box_triangle_loop(const double *points, const uint32_t *triangles, uint64_t triangle_count,
+                       bvx_grid *grid)
 {
     const bvx_lattice *const l = &grid->lattice;
     double const scale[3] = {1.0 / l->spacing[0], 1.0 / l->spacing[1], 1.0 / l->spacing[2]};
     size_t const rows = (size_t)grid->size[1] * (size_t)grid->size[2];
+
     memset(grid->words, 0, rows * (size_t)grid->words_per_row * sizeof *grid->words);
     for (uint64_t n = 0; n < triangle_count; n++) {
         box_triangle t;
         double c[3][3];
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 3; i++)
-                c[k][i] = (points[(size_t)3 * triangles[3 * n + (uint64_t)k] + (size_t)i] - l->origin[i]) * scale[i];
+                c[k][i] = (points[(size_t)3 * triangles[3 * n + (uint64_t)k] + (size_t)i] - l->origin[i]) *
+                          scale[i];
         box_triangle_prepare(&t, c[0], c[1], c[2]);
         take_box(grid, &t);
     }

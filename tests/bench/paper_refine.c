@@ -1,14 +1,16 @@
 /* paper_refine.c - refinement as the paper of boundary states describes it: the baseline for bvx_refine.
  *
- * Source: "Refinement of surface voxels by boundary states" 1.2 to 2.3: voxels of the base with lists of the triangles that
- * touch them, found by separating axes; a flood from outside; each voxel with triangles becomes the root of an octree and is
- * split in eight, children are tested against their parent's triangles and inherit the faces of its boundary state that are
- * theirs; a child without triangles is deleted when its state is not 0, and passes its faces on to its neighbours, which are
- * found by index and depth: up to the root, over to the next tree, down again.
+ * Source: "Refinement of surface voxels by boundary states" 1.2 to 2.3: voxels of the base with lists of the
+ * triangles that touch them, found by separating axes; a flood from outside; each voxel with triangles
+ * becomes the root of an octree and is split in eight, children are tested against their parent's triangles
+ * and inherit the faces of its boundary state that are theirs; a child without triangles is deleted when its
+ * state is not 0, and passes its faces on to its neighbours, which are found by index and depth: up to the
+ * root, over to the next tree, down again.
  *
- * Written to be quick within that plan: nodes and lists come from blocks that are handed out front to back, eight children
- * stand together, a triangle is made ready once for all eight. Where one traversal would depend on its order, faces are passed
- * on from a worklist, to large voxels and into split ones too: that is what it takes to be right. Doubles throughout. */
+ * Written to be quick within that plan: nodes and lists come from blocks that are handed out front to back,
+ * eight children stand together, a triangle is made ready once for all eight. Where one traversal would
+ * depend on its order, faces are passed on from a worklist, to large voxels and into split ones too: that is
+ * what it takes to be right. Doubles throughout. */
 #include "paper_refine.h"
 #include "box_triangle_loop.h"
 
@@ -52,7 +54,7 @@ struct paper_tree {
     int blocks;
     size_t block_used;
     uint64_t tests, bytes;
-    place_list fresh;  /* touched voxels of the newest level */
+    place_list fresh;   /* touched voxels of the newest level */
     place_list passing; /* deleted voxels whose faces are still to be passed on */
 };
 
@@ -107,8 +109,8 @@ static void add_place(place_list *list, node *n, const int32_t ijk[3], int32_t d
 
 /* ---- boundary states ---- */
 
-/* A voxel learns that its face towards direction d (0 to 5: -x, -y, -z, x, y, z) lies outside; a split one's children on that
- * side do. Without triangles it is deleted. */
+/* A voxel learns that its face towards direction d (0 to 5: -x, -y, -z, x, y, z) lies outside; a split one's
+ * children on that side do. Without triangles it is deleted. */
 static void receive_face(paper_tree *t, node *n, const int32_t ijk[3], int32_t depth, int d)
 {
     if (n->children != NULL) {
@@ -130,13 +132,15 @@ static void pass_face(paper_tree *t, const place *from, int d)
 {
     int32_t ijk[3], root[3], depth = 0;
     node *n;
+
     memcpy(ijk, from->ijk, sizeof ijk);
     ijk[d % 3] += d < 3 ? -1 : 1;
     for (int i = 0; i < 3; i++) {
         root[i] = ijk[i] >= 0 ? ijk[i] >> from->depth : -1;
         if (root[i] < 0 || root[i] >= t->dims[i]) return;
     }
-    n = &t->base[((size_t)root[2] * (size_t)t->dims[1] + (size_t)root[1]) * (size_t)t->dims[0] + (size_t)root[0]];
+    n = &t->base[((size_t)root[2] * (size_t)t->dims[1] + (size_t)root[1]) * (size_t)t->dims[0] +
+                 (size_t)root[0]];
     while (depth < from->depth && n->children != NULL) {
         int const s = from->depth - ++depth;
         n = &n->children[(ijk[0] >> s & 1) | (ijk[1] >> s & 1) << 1 | (ijk[2] >> s & 1) << 2];
@@ -158,7 +162,8 @@ static void pass_all(paper_tree *t)
 static void prepare_triangle(const paper_tree *t, uint32_t number, box_triangle *b)
 {
     const uint32_t *const c = t->triangles + (size_t)3 * number;
-    box_triangle_prepare(b, t->points + (size_t)3 * c[0], t->points + (size_t)3 * c[1], t->points + (size_t)3 * c[2]);
+    box_triangle_prepare(b, t->points + (size_t)3 * c[0], t->points + (size_t)3 * c[1],
+                         t->points + (size_t)3 * c[2]);
 }
 
 typedef struct pair {
@@ -179,6 +184,7 @@ static void attach_triangles(paper_tree *t, uint64_t triangle_count)
 {
     pair *pairs = NULL;
     uint64_t count = 0, room = 0;
+
     for (uint64_t n = 0; n < triangle_count; n++) {
         box_triangle b;
         int32_t first[3], last[3];
@@ -195,7 +201,9 @@ static void attach_triangles(paper_tree *t, uint64_t triangle_count)
                         pairs = realloc(pairs, (size_t)room * sizeof *pairs);
                         if (pairs == NULL) exit(1);
                     }
-                    pairs[count].voxel = (uint32_t)(((size_t)z * (size_t)t->dims[1] + (size_t)y) * (size_t)t->dims[0] + (size_t)x);
+                    pairs[count].voxel = (uint32_t)(((size_t)z * (size_t)t->dims[1] + (size_t)y) *
+                                                        (size_t)t->dims[0] +
+                                                    (size_t)x);
                     pairs[count++].triangle = (uint32_t)n;
                 }
     }
@@ -218,6 +226,7 @@ static void attach_triangles(paper_tree *t, uint64_t triangle_count)
 static void start_from_base(paper_tree *t, int states)
 {
     node *n = t->base;
+
     for (int32_t z = 0; z < t->dims[2]; z++)
         for (int32_t y = 0; y < t->dims[1]; y++)
             for (int32_t x = 0; x < t->dims[0]; x++, n++) {
@@ -231,11 +240,13 @@ static void start_from_base(paper_tree *t, int states)
 
 /* ---- further levels ---- */
 
-static uint8_t *touched_children(paper_tree *t, const place *p, uint8_t *masks, uint64_t *room, uint32_t counts[8])
+static uint8_t *touched_children(paper_tree *t, const place *p, uint8_t *masks, uint64_t *room,
+                                 uint32_t counts[8])
 {
     double const side = ldexp(1.0, -(p->depth + 1));
     double centre[8][3];
     const node *const n = p->node;
+
     memset(counts, 0, 8 * sizeof *counts);
     if (*room < n->triangle_count) {
         *room = (uint64_t)n->triangle_count * 2;
@@ -259,13 +270,16 @@ static uint8_t *touched_children(paper_tree *t, const place *p, uint8_t *masks, 
     return masks;
 }
 
-static void split_voxel(paper_tree *t, const place *p, const uint8_t *masks, const uint32_t counts[8], place_list *next)
+static void split_voxel(paper_tree *t, const place *p, const uint8_t *masks, const uint32_t counts[8],
+                        place_list *next)
 {
     node *const n = p->node;
     node *const children = from_block(t, 8 * sizeof *children);
+
     memset(children, 0, 8 * sizeof *children);
     for (int c = 0; c < 8; c++) {
-        int32_t const ijk[3] = {2 * p->ijk[0] + (c & 1), 2 * p->ijk[1] + (c >> 1 & 1), 2 * p->ijk[2] + (c >> 2)};
+        int32_t const ijk[3] = {2 * p->ijk[0] + (c & 1), 2 * p->ijk[1] + (c >> 1 & 1),
+                                2 * p->ijk[2] + (c >> 2)};
         children[c].state = (uint8_t)(n->state & (c << 3 | (~c & 7)));
         if (counts[c] == 0) continue;
         children[c].kind = TOUCHED;
@@ -284,7 +298,8 @@ static void delete_exposed(paper_tree *t)
         const place *const p = &t->fresh.at[i];
         for (int c = 0; c < 8; c++) {
             node *const child = &p->node->children[c];
-            int32_t const ijk[3] = {2 * p->ijk[0] + (c & 1), 2 * p->ijk[1] + (c >> 1 & 1), 2 * p->ijk[2] + (c >> 2)};
+            int32_t const ijk[3] = {2 * p->ijk[0] + (c & 1), 2 * p->ijk[1] + (c >> 1 & 1),
+                                    2 * p->ijk[2] + (c >> 2)};
             if (child->kind != FREE || child->state == 0) continue;
             child->kind = OUTSIDE;
             add_place(&t->passing, child, ijk, p->depth + 1);
@@ -293,12 +308,14 @@ static void delete_exposed(paper_tree *t)
     pass_all(t);
 }
 
-paper_tree *paper_refine(bench_memory *memory, const double *points, uint64_t point_count, const uint32_t *triangles,
-                         uint64_t triangle_count, const bvx_lattice *base, int32_t levels, int states)
+paper_tree *paper_refine(bench_memory *memory, const double *points, uint64_t point_count,
+                         const uint32_t *triangles, uint64_t triangle_count, const bvx_lattice *base,
+                         int32_t levels, int states)
 {
     paper_tree *const t = calloc(1, sizeof *t);
     uint8_t *masks = NULL;
     uint64_t room = 0;
+
     if (t == NULL) exit(1);
     t->memory = memory;
     t->triangles = triangles;

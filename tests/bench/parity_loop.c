@@ -1,10 +1,11 @@
-/* parity_loop.c - the baseline that the library is measured against: a solid by double-precision scanline parity.
+/* parity_loop.c - the baseline that the library is measured against: a solid by double-precision scanline
+ * parity.
  *
- * What a good programmer writes in an afternoon: for each triangle the rows of its bounds in y and z; on each row of z
- * the stretch of y between the two edges that cross it, half-open, so that triangles which share an edge share no row;
- * where the plane is met along x one bit is toggled; at the end each bit becomes the parity of those up to it.
- * Edges are followed from their lower end in z, so that both triangles of an edge compute the same number.
- * No snapping, so no proof: rounding decides ties. */
+ * What a good programmer writes in an afternoon: for each triangle the rows of its bounds in y and z; on each
+ * row of z the stretch of y between the two edges that cross it, half-open, so that triangles which share an
+ * edge share no row; where the plane is met along x one bit is toggled; at the end each bit becomes the
+ * parity of those up to it. Edges are followed from their lower end in z, so that both triangles of an edge
+ * compute the same number. No snapping, so no proof: rounding decides ties. */
 #include "parity_loop.h"
 
 #include <string.h>
@@ -49,7 +50,8 @@ static int32_t row_from(double p, int32_t size)
 
 static void toggle(bvx_grid *grid, double x, int32_t j, int32_t k)
 {
-    uint64_t *const row = grid->words + ((size_t)k * (size_t)grid->size[1] + (size_t)j) * (size_t)grid->words_per_row;
+    uint64_t *const row = grid->words +
+                          ((size_t)k * (size_t)grid->size[1] + (size_t)j) * (size_t)grid->words_per_row;
     int32_t const i = row_from(x, grid->size[0]);
     if (i < grid->size[0]) row[i >> 6] ^= UINT64_C(1) << (i & 63);
 }
@@ -91,6 +93,7 @@ static void toggles_to_runs(bvx_grid *grid)
 {
     size_t const rows = (size_t)grid->size[1] * (size_t)grid->size[2], n = (size_t)grid->words_per_row;
     uint64_t const tail = ~UINT64_C(0) >> (n * 64 - (size_t)grid->size[0]);
+
     for (size_t r = 0; r < rows; r++) {
         uint64_t *const row = grid->words + r * n;
         uint64_t carry = 0;
@@ -114,6 +117,7 @@ void parity_loop(const float *positions, const uint32_t *triangles, uint64_t tri
     const bvx_lattice *const l = &grid->lattice;
     double const scale[3] = {1.0 / l->spacing[0], 1.0 / l->spacing[1], 1.0 / l->spacing[2]};
     size_t const rows = (size_t)grid->size[1] * (size_t)grid->size[2];
+
     memset(grid->words, 0, rows * (size_t)grid->words_per_row * sizeof *grid->words);
     for (uint64_t t = 0; t < triangle_count; t++) {
         corner c[3];

@@ -4,7 +4,8 @@
 
 #include "bitvox.h"
 
-/* Fill the grid (its words are there) with what lies inside a packed f32, u32 mesh. One thread, no memory of its own. */
+/* Fill the grid (its words are there) with what lies inside a packed f32,
+ * u32 mesh. One thread, no memory of its own. */
 void parity_loop(const float *positions, const uint32_t *triangles, uint64_t triangle_count, bvx_grid *grid);
 
 #endif

@@ -1,9 +1,11 @@
-/* game_lods.c - for an asset pipeline: three levels of detail of a mesh in memory, inside one block of fixed size.
+/* game_lods.c - for an asset pipeline: three levels of detail of a mesh in memory, inside one block of fixed
+ * size.
  *
  *     game_lods [MESH.ply]
  *
- * The library allocates nothing but from the block: the levels grow from its low end, what is needed meanwhile from its
- * high end. So a tool can bake assets in parallel with a known number of bytes each, and give everything back at once. */
+ * The library allocates nothing but from the block: the levels grow from its low end, what is needed
+ * meanwhile from its high end. So a tool can bake assets in parallel with a known number of bytes each, and
+ * give everything back at once. */
 #include <bitvox.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,9 +24,11 @@ static void *load(const char *path, size_t *size)
     FILE *const f = fopen(path, "rb");
     char *bytes = NULL;
     long end;
+
     *size = 0;
     if (f == NULL) return NULL;
-    if (fseek(f, 0, SEEK_END) == 0 && (end = ftell(f)) > 0 && fseek(f, 0, SEEK_SET) == 0 && (bytes = malloc((size_t)end)) != NULL)
+    if (fseek(f, 0, SEEK_END) == 0 && (end = ftell(f)) > 0 && fseek(f, 0, SEEK_SET) == 0 &&
+        (bytes = malloc((size_t)end)) != NULL)
         *size = fread(bytes, 1, (size_t)end, f);
     fclose(f);
     return bytes;
@@ -53,11 +57,14 @@ static int bake(bvx_context *ctx, const void *file, size_t size)
         bvx_certificate c;
         bvx_mesh_view_of(&level[i], &view);
         if (bvx_mesh_check(ctx, &view, 0, &c) != BVX_OK) return fail(ctx, "check");
-        printf("level %d: %u triangles, %.1f voxels a sample, %s\n", i, (unsigned)level[i].triangle_count, report[i].ratio[0],
-               c.closed && c.edge_manifold && c.vertex_manifold && c.oriented ? "closed and manifold" : "NOT CLOSED");
+        printf("level %d: %u triangles, %.1f voxels a sample, %s\n", i, (unsigned)level[i].triangle_count,
+               report[i].ratio[0],
+               c.closed && c.edge_manifold && c.vertex_manifold && c.oriented ? "closed and manifold"
+                                                                              : "NOT CLOSED");
         if (!c.closed) return 1;
     }
-    printf("%.1f of %.1f MiB used at most\n", (double)bvx_memory_peak(ctx) / 1048576.0, BLOCK_BYTES / 1048576.0);
+    printf("%.1f of %.1f MiB used at most\n", (double)bvx_memory_peak(ctx) / 1048576.0,
+           BLOCK_BYTES / 1048576.0);
     return 0;
 }
 
@@ -69,11 +76,13 @@ int main(int count, char **word)
     bvx_context_options options;
     bvx_context *ctx;
     int status = 1;
+
     bvx_context_options_init(&options, sizeof options);
     options.arena = block;
     options.arena_size = BLOCK_BYTES;
     options.threads = 1; /* the tool bakes one asset a thread */
-    if (file != NULL && block != NULL && bvx_context_create(&options, &ctx) == BVX_OK) status = bake(ctx, file, size);
+    if (file != NULL && block != NULL && bvx_context_create(&options, &ctx) == BVX_OK)
+        status = bake(ctx, file, size);
     else fprintf(stderr, "game_lods: the file cannot be read, or there is no memory\n");
     free(block); /* context, mesh, solid and levels end with it */
     free(file);

@@ -1,9 +1,10 @@
-/* print_check.c - for 3D printing: is this part sound, how much material does it take, and a closed copy of it.
+/* print_check.c - for 3D printing: is this part sound, how much material does it take, and a closed copy of
+ * it.
  *
  *     print_check [PART.ply [OUT.stl]]
  *
- * Lengths are taken as millimetres. The solid is what a printer would fill: voxels whose centres lie inside; the copy is
- * the surface of that solid, closed and manifold whatever the part was. */
+ * Lengths are taken as millimetres. The solid is what a printer would fill: voxels whose centres lie inside;
+ * the copy is the surface of that solid, closed and manifold whatever the part was. */
 #include <bitvox.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,9 +14,11 @@ static void *load(const char *path, size_t *size)
     FILE *const f = fopen(path, "rb");
     char *bytes = NULL;
     long end;
+
     *size = 0;
     if (f == NULL) return NULL;
-    if (fseek(f, 0, SEEK_END) == 0 && (end = ftell(f)) > 0 && fseek(f, 0, SEEK_SET) == 0 && (bytes = malloc((size_t)end)) != NULL)
+    if (fseek(f, 0, SEEK_END) == 0 && (end = ftell(f)) > 0 && fseek(f, 0, SEEK_SET) == 0 &&
+        (bytes = malloc((size_t)end)) != NULL)
         *size = fread(bytes, 1, (size_t)end, f);
     fclose(f);
     return bytes;
@@ -32,10 +35,10 @@ static int save(const char *path, const bvx_buffer *file)
 
 static void tell(const bvx_certificate *c)
 {
-    printf("part: %u triangles, %.4g x %.4g x %.4g mm\n", (unsigned)c->triangles, c->high[0] - c->low[0], c->high[1] - c->low[1],
-           c->high[2] - c->low[2]);
-    printf("  %u boundary edges, %u flipped edges, %u edges of three and more triangles\n", (unsigned)c->boundary_edges,
-           (unsigned)c->flipped_edges, (unsigned)c->nonmanifold_edges);
+    printf("part: %u triangles, %.4g x %.4g x %.4g mm\n", (unsigned)c->triangles, c->high[0] - c->low[0],
+           c->high[1] - c->low[1], c->high[2] - c->low[2]);
+    printf("  %u boundary edges, %u flipped edges, %u edges of three and more triangles\n",
+           (unsigned)c->boundary_edges, (unsigned)c->flipped_edges, (unsigned)c->nonmanifold_edges);
     if (c->closed && c->oriented) printf("  sound; volume %.6g mm^3\n", c->volume);
     else printf("  NOT SOUND: a slicer may leave gaps\n");
 }
@@ -65,7 +68,8 @@ static bvx_status check(bvx_context *ctx, const void *bytes, size_t size, int32_
     if (s == BVX_OK) s = bvx_grid_count(ctx, &solid, &set);
     if (s == BVX_OK)
         printf("solid: %.6g mm^3 of material, %u rows with a hole in their wall\n",
-               (double)set * lattice.spacing[0] * lattice.spacing[1] * lattice.spacing[2], (unsigned)report.unbalanced_rows);
+               (double)set * lattice.spacing[0] * lattice.spacing[1] * lattice.spacing[2],
+               (unsigned)report.unbalanced_rows);
     if (s == BVX_OK) s = bvx_extract_surface(ctx, &solid, NULL, &copy);
     if (s == BVX_OK && out != NULL) {
         s = bvx_write_mesh(ctx, &copy, BVX_FORMAT_STL, &file);
@@ -86,6 +90,7 @@ int main(int count, char **word)
     void *const bytes = load(path, &size);
     bvx_context *ctx;
     bvx_status status;
+
     if (bytes == NULL) {
         fprintf(stderr, "print_check: %s cannot be read\n", path);
         return 1;

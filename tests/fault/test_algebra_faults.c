@@ -1,5 +1,5 @@
-/* test_algebra_faults.c - set algebra, blocks, windows and booleans of meshes with every allocation failing once, cancelled at
- * every progress call, under every memory limit and in arenas of every size. */
+/* test_algebra_faults.c - set algebra, blocks, windows and booleans of meshes with every allocation failing
+ * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -13,9 +13,12 @@ static bvx_context *maker; /* what made them */
 
 static int make_inputs(void **state)
 {
-    static const double centre[2][3] = {{17, 16, 15}, {24, 18, 16}}, radius[3] = {14, 13, 12}, lens[3] = {22, 20, 0.2};
+    static const double centre[2][3] = {{17, 16, 15}, {24, 18, 16}};
+    static const double radius[3] = {14, 13, 12};
+    static const double lens[3] = {22, 20, 0.2};
     uint64_t seed = 81;
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -51,7 +54,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
@@ -113,6 +116,7 @@ static bvx_status cover(void *user, bvx_context *ctx)
     static uint32_t counts[20000];
     uint64_t n;
     bvx_status status;
+
     (void)user;
     memset(counts, 0, sizeof counts);
     status = bvx_grid_coverage(ctx, &a, factor, counts, sizeof counts / sizeof *counts, &n);
@@ -125,6 +129,7 @@ static bvx_status find_content(void *user, bvx_context *ctx)
     static const bvx_window empty = {{0, 0, 0}, {0, 0, 0}};
     bvx_window w;
     bvx_status status;
+
     (void)user;
     memset(&w, 0x55, sizeof w);
     status = bvx_grid_content(ctx, &a, &w);
@@ -169,6 +174,7 @@ static bvx_status boolean_with(bvx_context *ctx, int other, int32_t operation, i
     bvx_boolean_options o;
     bvx_mesh mesh = {0};
     bvx_status status;
+
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = 20;
     o.sharp = sharp;
@@ -204,9 +210,20 @@ typedef struct algebra_case {
 } algebra_case;
 
 static algebra_case cases[] = {
-    {"union", unite, 0}, {"intersection", intersect, 0}, {"difference", take_away, 0}, {"xor", differ, 0}, {"complement", invert, 0},
-    {"downsample", reduce, 0}, {"coverage", cover, 0}, {"content", find_content, 0}, {"crop", crop, 0}, {"pad", pad, 0}, {"permute", permute, 0}, {"resample", resample, 0},
-    {"boolean union", join_meshes, 0}, {"boolean difference, sharp", cut_meshes, 0},
+    {"union", unite, 0},
+    {"intersection", intersect, 0},
+    {"difference", take_away, 0},
+    {"xor", differ, 0},
+    {"complement", invert, 0},
+    {"downsample", reduce, 0},
+    {"coverage", cover, 0},
+    {"content", find_content, 0},
+    {"crop", crop, 0},
+    {"pad", pad, 0},
+    {"permute", permute, 0},
+    {"resample", resample, 0},
+    {"boolean union", join_meshes, 0},
+    {"boolean difference, sharp", cut_meshes, 0},
     {"boolean union, thin", join_lens, 0},
 };
 enum { CASES = sizeof cases / sizeof cases[0] };
@@ -303,6 +320,7 @@ static void test_cancelled_in_place_keeps_the_words(void **state)
     bvx_context *ctx;
     size_t const words = (size_t)a.words_per_row * (size_t)a.size[1] * (size_t)a.size[2];
     uint64_t *const copy = malloc(words * 8);
+
     (void)state;
     assert_non_null(copy);
     memcpy(copy, a.words, words * 8);

@@ -1,5 +1,5 @@
-/* test_component_faults.c - parts of grids and clouds of points with every allocation failing once, cancelled at every progress call,
- * and under every memory limit. */
+/* test_component_faults.c - parts of grids and clouds of points with every allocation failing once, cancelled
+ * at every progress call, and under every memory limit. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -19,6 +19,7 @@ static int make_inputs(void **state)
     static const int32_t dims[3] = {70, 14, 12};
     uint64_t seed = 31;
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -29,7 +30,8 @@ static int make_inputs(void **state)
             for (int32_t x = 0; x < 70; x++) bvx_grid_set(&noise, x, y, z, maker_below(&seed, 3) != 0);
     for (int i = 0; i < CLOUD; i++) {
         for (int a = 0; a < 3; a++) cloud[i][a] = maker_below(&seed, dims[a]);
-        text_size += (size_t)snprintf(text + text_size, TEXT - text_size, "%d %d %d\n", (int)cloud[i][0], (int)cloud[i][1], (int)cloud[i][2]);
+        text_size += (size_t)snprintf(text + text_size, TEXT - text_size, "%d %d %d\n", (int)cloud[i][0],
+                                      (int)cloud[i][1], (int)cloud[i][2]);
     }
     cloud_view.positions = cloud;
     cloud_view.position_type = BVX_F64;
@@ -46,7 +48,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
@@ -54,6 +56,7 @@ static int left_behind; /* a failed call left something in a result */
 static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 {
     static const bvx_grid empty = {0};
+
     if (status != BVX_OK) {
         left_behind |= memcmp(g, &empty, sizeof *g) != 0;
         return status;
@@ -88,6 +91,7 @@ static bvx_status keep(void *user, bvx_context *ctx)
     static const int32_t seeds[6] = {1, 2, 3, 60, 12, 11};
     bvx_keep_options o;
     bvx_grid g = {0};
+
     (void)user;
     bvx_keep_options_init(&o, sizeof o);
     o.largest = 3;
@@ -120,6 +124,7 @@ static bvx_status points(void *user, bvx_context *ctx)
     bvx_lattice_options fit;
     bvx_lattice l;
     bvx_grid g = {0};
+
     (void)user;
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 30;
@@ -137,6 +142,7 @@ static bvx_status read(void *user, bvx_context *ctx)
     static const bvx_mesh empty = {0};
     bvx_mesh m = {0};
     bvx_status const status = bvx_read_points(ctx, text, text_size, BVX_FORMAT_XYZ, &m);
+
     (void)user;
     if (status != BVX_OK) {
         left_behind |= memcmp(&m, &empty, sizeof m) != 0;
@@ -154,8 +160,10 @@ typedef struct part_call {
     uint64_t want;  /* the mark of a good run */
 } part_call;
 
-static part_call calls[] = {{"components", list, 3, 0}, {"label", label, 3, 0},      {"keep", keep, 6, 0}, {"cavities", cavities, 6, 0},
-                            {"topology", topology, 6, 0}, {"points", points, 6, 0}, {"read", read, 1, 0}};
+static part_call calls[] = {{"components", list, 3, 0},   {"label", label, 3, 0},
+                            {"keep", keep, 6, 0},         {"cavities", cavities, 6, 0},
+                            {"topology", topology, 6, 0}, {"points", points, 6, 0},
+                            {"read", read, 1, 0}};
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
 /* A good run always makes the same. */
@@ -187,6 +195,7 @@ static void assert_well(const part_call *c, const char *wrong)
 static void test_every_allocation_of_parts_fails_once(void **state)
 {
     bvx_context_options const o = default_options();
+
     (void)state;
     for (int i = 0; i < CALLS; i++) {
         part_call *const c = take_call(i);
@@ -199,6 +208,7 @@ static void test_every_allocation_of_parts_fails_once(void **state)
 static void test_parts_cancel_at_every_progress_call(void **state)
 {
     bvx_context_options const o = default_options();
+
     (void)state;
     for (int i = 0; i < CALLS; i++) {
         part_call *const c = take_call(i);
@@ -223,6 +233,7 @@ static void test_parts_under_every_memory_limit(void **state)
 static void test_a_failed_call_in_place_changes_nothing(void **state)
 {
     uint64_t before = 0, after = 0;
+
     (void)state;
     assert_int_equal(bvx_grid_hash(maker, &noise, &before), BVX_OK);
     for (uint64_t fail_at = 1; fail_at <= 5; fail_at++)

@@ -27,7 +27,8 @@ static void test_status_text_of_every_number(void **state)
 
 static void test_status_text_of_other_numbers(void **state)
 {
-    static const bvx_status others[] = {-1, BVX_STATUS_COUNT, BVX_STATUS_COUNT + 1, 1000, INT32_MAX, INT32_MIN};
+    static const bvx_status others[] = {-1,   BVX_STATUS_COUNT, BVX_STATUS_COUNT + 1,
+                                        1000, INT32_MAX,        INT32_MIN};
     (void)state;
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         assert_string_equal(bvx_status_text(others[i]), "unknown status");
@@ -41,6 +42,7 @@ static void test_create_with_every_allocation_failing(void **state)
     bvx_context_options const o = fault_options(NULL, &heap);
     bvx_context *ctx = NULL;
     uint64_t n = 0;
+
     (void)state;
     for (;;) {
         bvx_status status;
@@ -65,12 +67,14 @@ static void test_create_with_every_allocation_failing(void **state)
 static void test_create_refuses_another_interface(void **state)
 {
     bvx_context *ctx = NULL;
+
     (void)state;
     assert_int_equal(bvx_version(), BVX_VERSION);
     for (int32_t major = 0; major < 3; major++)
         for (int32_t minor = 0; minor < 100; minor++) {
             int const same = major == BVX_VERSION_MAJOR && (major != 0 || minor == BVX_VERSION_MINOR);
-            bvx_status const status = bvx_context_create_version(major * 10000 + minor * 100 + 99, NULL, &ctx);
+            bvx_status const status = bvx_context_create_version(major * 10000 + minor * 100 + 99, NULL,
+                                                                 &ctx);
             assert_int_equal(status, same ? BVX_OK : BVX_ERR_VERSION);
             assert_int_equal(ctx != NULL, same);
             bvx_context_destroy(ctx);
@@ -81,6 +85,7 @@ static void test_create_refuses_other_rounding(void **state)
 {
     static const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
     bvx_context *ctx = NULL;
+
     (void)state;
     assert_null(bvx_arithmetic_fault());
     for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
@@ -113,15 +118,16 @@ static void test_create_refuses_bad_options(void **state)
     fault_heap heap = {0};
     bvx_context_options bad[8];
     bvx_context *ctx = NULL;
+
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) bad[i] = default_options();
-    bad[0].alloc = fault_alloc;            /* alloc without free */
-    bad[1].free = fault_free;              /* free without alloc */
-    bad[2] = fault_options(NULL, &heap);   /* an allocator and an arena */
+    bad[0].alloc = fault_alloc;          /* alloc without free */
+    bad[1].free = fault_free;            /* free without alloc */
+    bad[2] = fault_options(NULL, &heap); /* an allocator and an arena */
     bad[2].arena = memory;
     bad[2].arena_size = sizeof memory;
-    bad[3].arena = memory;                 /* an arena without size */
-    bad[4].arena_size = sizeof memory;     /* a size without arena */
+    bad[3].arena = memory;             /* an arena without size */
+    bad[4].arena_size = sizeof memory; /* a size without arena */
     bad[5].threads = -1;
     bad[6].threads = 1025;
     bad[7].cpu = BVX_CPU_AVX2 + 1;
@@ -152,6 +158,7 @@ static void test_create_keeps_to_the_portable_path(void **state)
 {
     bvx_context_options o = default_options();
     bvx_context *ctx = context_with(NULL);
+
     (void)state;
     assert_in_range(bvx_context_cpu(ctx), BVX_CPU_PORTABLE, BVX_CPU_AVX2);
     assert_string_equal(bvx_last_message(ctx), "");
@@ -167,6 +174,7 @@ static void test_create_keeps_to_the_portable_path(void **state)
 static void test_options_init_keeps_to_the_callers_size(void **state)
 {
     unsigned char room[sizeof(bvx_context_options) + 64];
+
     (void)state;
     for (size_t size = 0; size <= sizeof room; size++) {
         size_t stored = 0;
@@ -184,6 +192,7 @@ static void test_create_takes_options_of_an_older_caller(void **state)
 {
     bvx_context_options o = default_options();
     bvx_context *ctx;
+
     (void)state;
     o.struct_size = offsetof(bvx_context_options, memory_limit);
     o.memory_limit = 1; /* beyond the stated size: not the caller's */
@@ -202,6 +211,7 @@ static void test_create_takes_options_of_a_newer_caller_with_a_zero_tail(void **
 {
     newer_options o = {{0}, {0}};
     bvx_context *ctx = NULL;
+
     (void)state;
     o.known = default_options();
     o.known.struct_size = sizeof o;
@@ -223,6 +233,7 @@ static void test_create_refuses_a_size_that_is_none(void **state)
     static const size_t sizes[] = {0, 1, sizeof(size_t) - 1, 65537, SIZE_MAX};
     bvx_context_options o = default_options();
     bvx_context *ctx = NULL;
+
     (void)state;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         o.struct_size = sizes[i];
@@ -278,6 +289,7 @@ static bvx_status grow_and_shrink(void *user, bvx_context *ctx)
     bvx_status status = bvxi_alloc_zero(ctx, BVXI_RESULT, 100, "a block", &block);
     uint64_t size = 100;
     static const uint64_t sizes[] = {300, 300, 50, 1000};
+
     (void)user;
     if (status != BVX_OK) return status;
     for (size_t i = 0; i < 100; i++) {
@@ -287,7 +299,8 @@ static bvx_status grow_and_shrink(void *user, bvx_context *ctx)
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0] && status == BVX_OK; k++) {
         status = bvxi_resize(ctx, BVXI_RESULT, &block, size, sizes[k], "a block");
         if (status == BVX_OK) size = sizes[k];
-        for (size_t i = 0; i < 50; i++) assert_int_equal(block[i], i); /* kept, also by a resize that failed */
+        /* kept, also by a resize that failed */
+        for (size_t i = 0; i < 50; i++) assert_int_equal(block[i], i);
     }
     bvxi_free(ctx, block, size);
     return status;
@@ -306,13 +319,15 @@ static void test_resize_with_every_allocation_failing(void **state)
 static void test_fail_formats(void **state)
 {
     bvx_context *const ctx = context_with(NULL);
+
     (void)state;
-    assert_int_equal(bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %d, %d, %d; %u; 100%%", "vertex", (int64_t)-5, INT64_MIN,
-                               INT64_MAX, UINT64_MAX),
+    assert_int_equal(bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %d, %d, %d; %u; 100%%", "vertex", (int64_t)-5,
+                               INT64_MIN, INT64_MAX, UINT64_MAX),
                      BVX_ERR_RANGE);
     assert_string_equal(bvx_last_message(ctx), "vertex: -5, -9223372036854775808, 9223372036854775807; "
                                                "18446744073709551615; 100%");
-    assert_int_equal(bvxi_fail(ctx, BVX_ERR_FORMAT, "%u is %g, not %g", (uint64_t)0, 0.5, -0.25), BVX_ERR_FORMAT);
+    assert_int_equal(bvxi_fail(ctx, BVX_ERR_FORMAT, "%u is %g, not %g", (uint64_t)0, 0.5, -0.25),
+                     BVX_ERR_FORMAT);
     assert_string_equal(bvx_last_message(ctx), "0 is 0.5, not -0.25");
     assert_int_equal(bvxi_fail_null(ctx, "bvx_some", "mesh"), BVX_ERR_ARGUMENT);
     assert_string_equal(bvx_last_message(ctx), "bvx_some: mesh is NULL");
@@ -323,6 +338,7 @@ static void test_fail_keeps_to_one_line_and_to_its_room(void **state)
 {
     bvx_context *const ctx = context_with(NULL);
     char text[2 * BVXI_MESSAGE_SIZE];
+
     (void)state;
     bvxi_fail(ctx, BVX_ERR_FORMAT, "%s|", "two\nlines\t\x7f");
     assert_string_equal(bvx_last_message(ctx), "two?lines??|");

@@ -1,5 +1,5 @@
-/* test_field_faults.c - distance fields by every sign rule, dense and as files, with every allocation failing once, cancelled at
- * every progress call, under every memory limit and in arenas of every size. */
+/* test_field_faults.c - distance fields by every sign rule, dense and as files, with every allocation failing
+ * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -18,12 +18,14 @@ static int make_inputs(void **state)
     bvx_context_options o = default_options();
     bvx_lattice_options fit;
     bvx_field_options f;
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
     maker_star(&closed, &seed, centre, radius, 0.2, 6, 9, 65536);
     maker_star(&holes, &seed, centre, radius, 0.2, 6, 9, 65536);
-    for (int i = 0; i < 9; i++) maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles / 3));
+    for (int i = 0; i < 9; i++)
+        maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles / 3));
     closed_view = maker_view(&closed);
     holes_view = maker_view(&holes);
     bvx_lattice_options_init(&fit, sizeof fit);
@@ -48,17 +50,19 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
 
-static bvx_status measure(bvx_context *ctx, const bvx_mesh_view *view, int32_t sign, double half_width, int window, int features)
+static bvx_status measure(bvx_context *ctx, const bvx_mesh_view *view, int32_t sign, double half_width,
+                          int window, int features)
 {
     static const bvx_field empty = {0};
     bvx_field f = {0};
     bvx_field_options o;
     bvx_status status;
+
     bvx_field_options_init(&o, sizeof o);
     o.sign = sign;
     o.half_width = half_width;
@@ -73,9 +77,11 @@ static bvx_status measure(bvx_context *ctx, const bvx_mesh_view *view, int32_t s
         return status;
     }
     mark = bvx_hash(f.distances, (size_t)f.value_count * 4, 0);
-    for (int32_t x = 0; x < f.band.size[0]; x++) mark += bvx_field_value(&f, x, f.band.size[1] / 2, f.band.size[2] / 2);
+    for (int32_t x = 0; x < f.band.size[0]; x++)
+        mark += bvx_field_value(&f, x, f.band.size[1] / 2, f.band.size[2] / 2);
     mark = bvx_hash(f.vectors, (size_t)f.value_count * 12, mark);
-    if (f.inside.words != NULL) mark = bvx_hash(f.inside.words, (size_t)f.inside.size[1] * (size_t)f.inside.size[2] * 8, mark);
+    if (f.inside.words != NULL)
+        mark = bvx_hash(f.inside.words, (size_t)f.inside.size[1] * (size_t)f.inside.size[2] * 8, mark);
     bvx_field_free(ctx, &f);
     return BVX_OK;
 }
@@ -84,6 +90,7 @@ static bvx_status write(bvx_context *ctx, int32_t format, int32_t vectors)
 {
     bvx_buffer b = {0};
     bvx_status const status = bvx_write_field(ctx, &field, vectors, format, &b);
+
     if (status != BVX_OK) {
         left_behind |= b.bytes != NULL || b.size != 0;
         return status;
@@ -95,7 +102,8 @@ static bvx_status write(bvx_context *ctx, int32_t format, int32_t vectors)
 
 static bvx_status dense(bvx_context *ctx, int32_t vectors)
 {
-    size_t const count = (size_t)lattice.dims[0] * (size_t)lattice.dims[1] * (size_t)lattice.dims[2] * (vectors ? 3 : 1);
+    size_t const count = (size_t)lattice.dims[0] * (size_t)lattice.dims[1] * (size_t)lattice.dims[2] *
+                         (vectors ? 3 : 1);
     float *const values = maker_grow(NULL, count * 4);
     bvx_status const status = bvx_field_dense(ctx, &field, &closed_view, BVX_FAR_PROPAGATED, vectors, values);
     if (status == BVX_OK) mark = bvx_hash(values, count * 4, 0);
@@ -104,11 +112,40 @@ static bvx_status dense(bvx_context *ctx, int32_t vectors)
 }
 
 enum {
-    EXACT, NORMAL, PSEUDO, PSEUDO_WINDOW, PSEUDO_HOLES, PSEUDO_THIN, ALL, WINDING, VOTE, AUTO, NONE, NPY, NRRD, VTI, DISTANCES, VECTORS, KINDS
+    EXACT,
+    NORMAL,
+    PSEUDO,
+    PSEUDO_WINDOW,
+    PSEUDO_HOLES,
+    PSEUDO_THIN,
+    ALL,
+    WINDING,
+    VOTE,
+    AUTO,
+    NONE,
+    NPY,
+    NRRD,
+    VTI,
+    DISTANCES,
+    VECTORS,
+    KINDS
 };
-static const char *const names[KINDS] = {"exact", "normal", "pseudonormal", "a window's pseudonormal", "pseudonormal with holes",
-                                         "a thin band", "all centres", "winding", "vote", "auto", "none", "npy", "nrrd", "vti",
-                                         "propagated distances", "propagated vectors"};
+static const char *const names[KINDS] = {"exact",
+                                         "normal",
+                                         "pseudonormal",
+                                         "a window's pseudonormal",
+                                         "pseudonormal with holes",
+                                         "a thin band",
+                                         "all centres",
+                                         "winding",
+                                         "vote",
+                                         "auto",
+                                         "none",
+                                         "npy",
+                                         "nrrd",
+                                         "vti",
+                                         "propagated distances",
+                                         "propagated vectors"};
 
 static bvx_status operate(void *user, bvx_context *ctx)
 {
@@ -194,6 +231,7 @@ static void test_under_every_memory_limit(void **state)
 static void test_in_arenas_of_every_size(void **state)
 {
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     for (int kind = 0; kind < KINDS; kind++) {

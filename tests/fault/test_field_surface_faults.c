@@ -1,5 +1,6 @@
-/* test_field_surface_faults.c - surfaces of fields, plain and sharp: every allocation failing once, cancelled at every progress
- * call, under every memory limit. After each failure there is no mesh, nothing is held, and the same context does the work. */
+/* test_field_surface_faults.c - surfaces of fields, plain and sharp: every allocation
+ * failing once, cancelled at every progress call, under every memory limit. After
+ * each failure there is no mesh, nothing is held, and the same context does the work. */
 #include "fault/context.h"
 #include "tools/field_maker.h"
 
@@ -7,8 +8,8 @@ static maker_mesh box;
 static bvx_mesh_view view;
 static bvx_field field;
 static bvx_context *maker;
-static uint64_t mark;    /* a hash of what the last good run made */
-static int left_behind;  /* a failed call left something in its result */
+static uint64_t mark;   /* a hash of what the last good run made */
+static int left_behind; /* a failed call left something in its result */
 
 static int make_inputs(void **state)
 {
@@ -16,6 +17,7 @@ static int make_inputs(void **state)
     int32_t const dims[3] = {18, 18, 14};
     bvx_context_options o = default_options();
     bvx_lattice lattice;
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -47,12 +49,14 @@ static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_v
     bvx_field_surface_options o;
     bvx_mesh m;
     bvx_status status;
+
     memset(&m, 0, sizeof m);
     bvx_field_surface_options_init(&o, sizeof o);
     o.sharp = sharp;
     status = bvx_extract_field_surface(ctx, &field, mesh, &o, &m);
     if (status != BVX_OK) {
-        left_behind |= m.positions != NULL || m.triangles != NULL || m.vertex_count != 0 || m.triangle_count != 0;
+        left_behind |= m.positions != NULL || m.triangles != NULL || m.vertex_count != 0 ||
+                       m.triangle_count != 0;
         return status;
     }
     assert_int_equal(bvx_mesh_hash(ctx, &m, &mark), BVX_OK);

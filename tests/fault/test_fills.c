@@ -1,11 +1,12 @@
-/* test_fills.c - votes, floods, regions, terrains, comparisons, seeds and fills with every allocation failing once, cancelled at
- * every progress call, under every memory limit and in arenas of every size. */
+/* test_fills.c - votes, floods, regions, terrains, comparisons, seeds and fills with every allocation failing
+ * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
 /* ---- Inputs, made once ---- */
 
-static maker_mesh closed, hollow, holes, overlapping, shell; /* hollow: a cavity; holes: triangles missing and turned; shell: half a voxel */
+/* hollow: a cavity; holes: triangles missing and turned; shell: half a voxel */
+static maker_mesh closed, hollow, holes, overlapping, shell;
 static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view, shell_view;
 static bvx_lattice lattice;
 static bvx_grid surface;
@@ -16,6 +17,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7}, inner[3] = {5, 4.5, 4};
     uint64_t seed = 4713;
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -62,7 +64,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Fills: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Fills: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
@@ -70,6 +72,7 @@ static int left_behind; /* a failed call left something in a result */
 static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 {
     static const bvx_grid empty = {0};
+
     if (status != BVX_OK) {
         left_behind |= memcmp(g, &empty, sizeof *g) != 0;
         return status;
@@ -117,6 +120,7 @@ static bvx_status losses(void *user, bvx_context *ctx)
 {
     bvx_voxelize_options o;
     bvx_solid_report report;
+
     (void)user;
     bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
@@ -147,6 +151,7 @@ static bvx_status flood(void *user, bvx_context *ctx)
 static bvx_status below(void *user, bvx_context *ctx)
 {
     bvx_voxelize_options o;
+
     (void)user;
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
@@ -163,13 +168,15 @@ static bvx_status compare(void *user, bvx_context *ctx)
     bvx_fill_comparison c = untouched;
     bvx_grid differ = {0}, lost = {0};
     bvx_status status;
+
     (void)user;
     bvx_compare_fills_options_init(&o, sizeof o);
     o.disagreeing = &differ;
     o.lost = &lost;
     o.close_gaps = 1;
     status = bvx_compare_fills(ctx, &holes_view, &lattice, &o, &c);
-    left_behind |= status != BVX_OK && (memcmp(&c, &untouched, sizeof c) != 0 || differ.words != NULL || lost.words != NULL);
+    left_behind |= status != BVX_OK &&
+                   (memcmp(&c, &untouched, sizeof c) != 0 || differ.words != NULL || lost.words != NULL);
     if (status == BVX_OK) mark = bvx_hash(&c, sizeof c, 0);
     bvx_grid_free(ctx, &differ);
     bvx_grid_free(ctx, &lost);
@@ -192,6 +199,7 @@ static bvx_status pockets(void *user, bvx_context *ctx)
     int32_t seeds[3 * 64];
     uint64_t count = 0;
     bvx_status status;
+
     (void)user;
     memset(seeds, 0, sizeof seeds);
     status = bvx_find_pockets(ctx, &surface, &closed_view, seeds, 64, &count);
@@ -205,6 +213,7 @@ static bvx_status grid_fill(void *user, bvx_context *ctx)
     uint64_t count = 0;
     bvx_grid g = {0};
     bvx_status status = bvx_find_pockets(ctx, &surface, NULL, seeds, 64, &count);
+
     (void)user;
     if (status != BVX_OK) return status;
     status = bvx_grid_fill(ctx, &surface, seeds, count, 18, &g);
@@ -220,7 +229,7 @@ typedef struct fill_kind {
 static fill_kind fills[] = {
     {"vote", vote, 0},       {"regions", regions, 0}, {"flood", flood, 0},     {"below", below, 0},
     {"compare", compare, 0}, {"seed", seed, 0},       {"pockets", pockets, 0}, {"fill", grid_fill, 0},
-    {"overlap", overlap, 0}, {"auto", automatic, 0}, {"losses", losses, 0},
+    {"overlap", overlap, 0}, {"auto", automatic, 0},  {"losses", losses, 0},
 };
 enum { KINDS = sizeof fills / sizeof fills[0] };
 

@@ -1,6 +1,6 @@
-/* test_grid_files.c - every reader and writer of grid files with every allocation failing once, cancelled at every progress
- * call, under every memory limit, and in an arena. After each failure results are empty, nothing is held, and the same
- * context does the work. */
+/* test_grid_files.c - every reader and writer of grid files with every allocation failing once, cancelled at
+ * every progress call, under every memory limit, and in an arena. After each failure results are empty,
+ * nothing is held, and the same context does the work. */
 #include "fault/context.h"
 
 /* Wide enough for several columns of words, deep enough for several pieces; each is one file of a format. */
@@ -18,14 +18,14 @@ typedef struct action {
 } action;
 
 static const action actions[] = {
-    {"read NPY", READ, BVX_FORMAT_NPY, 1, 2},         {"write NPY", WRITE, BVX_FORMAT_NPY, 1, 2},
-    {"read BINVOX", READ, BVX_FORMAT_BINVOX, 2, 4},   {"write BINVOX", WRITE, BVX_FORMAT_BINVOX, 3, 8},
-    {"read VOX", READ, BVX_FORMAT_VOX, 1, 1},         {"write VOX", WRITE, BVX_FORMAT_VOX, 1, 1},
-    {"read NRRD", READ, BVX_FORMAT_NRRD, 1, 2},       {"write NRRD", WRITE, BVX_FORMAT_NRRD, 1, 2},
-    {"read VTI", READ, BVX_FORMAT_VTI, 1, 2},         {"write VTI", WRITE, BVX_FORMAT_VTI, 1, 2},
-    {"read BVX", READ, BVX_FORMAT_BVX, 2, 4},         {"write BVX", WRITE, BVX_FORMAT_BVX, 2, 4},
-    {"write a BVX head", WRITE_HEAD, 0, 1, 0},        {"write BVX slices", WRITE_SLICES, 0, 2, 4},
-    {"read a lattice", READ_LATTICE, 0, 0, 0},        {"write a lattice", WRITE_LATTICE, 0, 1, 0},
+    {"read NPY", READ, BVX_FORMAT_NPY, 1, 2},       {"write NPY", WRITE, BVX_FORMAT_NPY, 1, 2},
+    {"read BINVOX", READ, BVX_FORMAT_BINVOX, 2, 4}, {"write BINVOX", WRITE, BVX_FORMAT_BINVOX, 3, 8},
+    {"read VOX", READ, BVX_FORMAT_VOX, 1, 1},       {"write VOX", WRITE, BVX_FORMAT_VOX, 1, 1},
+    {"read NRRD", READ, BVX_FORMAT_NRRD, 1, 2},     {"write NRRD", WRITE, BVX_FORMAT_NRRD, 1, 2},
+    {"read VTI", READ, BVX_FORMAT_VTI, 1, 2},       {"write VTI", WRITE, BVX_FORMAT_VTI, 1, 2},
+    {"read BVX", READ, BVX_FORMAT_BVX, 2, 4},       {"write BVX", WRITE, BVX_FORMAT_BVX, 2, 4},
+    {"write a BVX head", WRITE_HEAD, 0, 1, 0},      {"write BVX slices", WRITE_SLICES, 0, 2, 4},
+    {"read a lattice", READ_LATTICE, 0, 0, 0},      {"write a lattice", WRITE_LATTICE, 0, 1, 0},
 };
 enum { ACTIONS = sizeof actions / sizeof actions[0] };
 
@@ -46,6 +46,7 @@ static bvx_status write_by(bvx_context *ctx, const action *a, bvx_buffer *file)
 static int make_files(void **state)
 {
     uint64_t noise = 88172645463325252u;
+
     (void)state;
     maker = context_with(NULL);
     assert_int_equal(bvx_grid_create(maker, &lattice, NULL, &solid), BVX_OK);
@@ -59,7 +60,8 @@ static int make_files(void **state)
                 bvx_grid_set(&solid, x, y, z, d < 800 && (z != 20 || (noise >> 40 & 1) != 0));
             }
     for (int i = 0; i < ACTIONS; i++)
-        if (actions[i].does == WRITE) assert_int_equal(write_by(maker, &actions[i], &files[actions[i].format]), BVX_OK);
+        if (actions[i].does == WRITE)
+            assert_int_equal(write_by(maker, &actions[i], &files[actions[i].format]), BVX_OK);
     assert_int_equal(bvx_write_lattice(maker, &solid, &lattice_file), BVX_OK);
     return 0;
 }
@@ -94,9 +96,11 @@ static bvx_status run_reading(working *w, bvx_context *ctx)
     bvx_grid g = {0};
     uint64_t hash = 0;
     bvx_status const status = bvx_read_grid(ctx, file->bytes, file->size, w->of->format, NULL, &g);
+
     if (status == BVX_OK) {
         assert_int_equal(bvx_grid_hash(ctx, &g, &hash), BVX_OK);
-        assert_memory_equal(g.words, solid.words, 8 * (size_t)g.size[1] * (size_t)g.size[2] * (size_t)g.words_per_row);
+        assert_memory_equal(g.words, solid.words,
+                            8 * (size_t)g.size[1] * (size_t)g.size[2] * (size_t)g.words_per_row);
         note_hash(w, hash);
         bvx_grid_free(ctx, &g);
     } else w->left_behind |= memcmp(&g, &empty, sizeof g) != 0;
@@ -108,6 +112,7 @@ static bvx_status run_action(void *user, bvx_context *ctx)
     working *const w = user;
     bvx_buffer file = {0};
     bvx_status status;
+
     if (w->of->does == READ) return run_reading(w, ctx);
     if (w->of->does == READ_LATTICE) {
         bvx_grid g = solid;
@@ -151,7 +156,8 @@ static void test_every_allocation_of_grid_files_fails_once(void **state)
             o.threads = threads;
             working w = start(i, &o);
             assert_working(&w, fault_every_allocation(run_action, &w, &o, &allocations));
-            if (allocations < actions[i].allocations) fail_msg("%s: %lu allocations", actions[i].name, (unsigned long)allocations);
+            if (allocations < actions[i].allocations)
+                fail_msg("%s: %lu allocations", actions[i].name, (unsigned long)allocations);
         }
 }
 
@@ -164,7 +170,8 @@ static void test_cancel_grid_files_at_every_progress_call(void **state)
         o.threads = 1;
         working w = start(i, &o);
         assert_working(&w, fault_every_cancel(run_action, &w, &o, &calls));
-        if (calls < actions[i].calls) fail_msg("%s: %lu progress calls", actions[i].name, (unsigned long)calls);
+        if (calls < actions[i].calls)
+            fail_msg("%s: %lu progress calls", actions[i].name, (unsigned long)calls);
     }
 }
 

@@ -1,15 +1,17 @@
-/* test_level_faults.c - levels of detail with every allocation failing once, cancelled at every progress call, under memory limits and in
- * arenas: of the mesh as it is by count and by error, of its measured surface, and of sheets that are cut. The plan takes no memory and cannot be cancelled. */
+/* test_level_faults.c - levels of detail with every allocation failing once, cancelled at every progress
+ * call, under memory limits and in arenas: of the mesh as it is by count and by error, of its measured
+ * surface, and of sheets that are cut. The plan takes no memory and cannot be cancelled. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
 enum { LEVELS = 2 };
 
 static maker_mesh sound, spoilt, large; /* the second with holes, flipped and doubled triangles, a sheet */
-static uint8_t tint[4 * 2000]; /* of vertices of the first two */
+static uint8_t tint[4 * 2000];          /* of vertices of the first two */
 static bvx_mesh_view sound_view, spoilt_view, large_view;
 
-/* One way to make levels; by_error 2: by count, of sheets; 3: by count, with a weight of colours; measured 3: of sheets. want is the hash of a good run's. */
+/* One way to make levels; by_error 2: by count, of sheets; 3: by count, with a weight of colours; measured 3:
+ * of sheets. want is the hash of a good run's. */
 typedef struct job {
     const char *name;
     int32_t measured, by_error; /* measured -1: a mesh whose cells collapse on their own */
@@ -37,6 +39,7 @@ static const double errors[LEVELS] = {0.2, 0.6};
 static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_level_report *reports)
 {
     bvx_simplify_options o;
+
     bvx_simplify_options_init(&o, sizeof o);
     if (j->by_error == 2) o.open = BVX_OPEN_CUT;
     if (j->by_error == 1) o.target_errors = errors;
@@ -44,12 +47,18 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
     if (j->by_error == 3) o.colour_weight = 0.1;
     o.measure_samples = 20;
     o.reports = reports;
-    return bvx_mesh_simplify(ctx, j->measured < 0 ? &large_view : j->by_error == 2 ? &spoilt_view : &sound_view, &o, LEVELS, level);
+    return bvx_mesh_simplify(ctx,
+                             j->measured < 0    ? &large_view
+                             : j->by_error == 2 ? &spoilt_view
+                                                : &sound_view,
+                             &o, LEVELS, level);
 }
 
-static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_level_report *reports, bvx_levels_report *report)
+static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_level_report *reports,
+                        bvx_levels_report *report)
 {
     bvx_levels_options o;
+
     bvx_levels_options_init(&o, sizeof o);
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
@@ -72,11 +81,13 @@ static bvx_status make_levels(void *user, bvx_context *ctx)
     bvx_levels_report report = no_report;
     bvx_status status;
     uint64_t all = 0;
+
     memset(level, 0, sizeof level);
     memset(reports, 0, sizeof reports);
     status = j->measured > 0 ? build(j, ctx, level, reports, &report) : simplify(j, ctx, level, reports);
     if (status != BVX_OK) {
-        if (memcmp(level, empty, sizeof level) != 0 || memcmp(&report, &no_report, sizeof report) != 0) j->left_behind |= 1;
+        if (memcmp(level, empty, sizeof level) != 0 || memcmp(&report, &no_report, sizeof report) != 0)
+            j->left_behind |= 1;
         return status;
     }
     for (int i = 0; i < LEVELS; i++) {
@@ -85,7 +96,8 @@ static bvx_status make_levels(void *user, bvx_context *ctx)
         assert_int_equal(reports[i].certificate.closed, j->by_error != 2 && j->measured != 3);
         all = all * 31 + hash + bvx_hash(&reports[i], sizeof reports[i], 0);
     }
-    if (j->measured > 0) assert_int_equal(report.source, j->measured == 2 ? BVX_LEVELS_MEASURED : BVX_LEVELS_MESH);
+    if (j->measured > 0)
+        assert_int_equal(report.source, j->measured == 2 ? BVX_LEVELS_MEASURED : BVX_LEVELS_MESH);
     for (int i = LEVELS; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
     if (j->want == 0) j->want = all;
     if (all != j->want) j->left_behind |= 2;
@@ -97,6 +109,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {0, 0, 0}, radius[3] = {4, 4, 3};
     uint64_t seed = 99;
     uint32_t a, b, c;
+
     (void)state;
     maker_star(&sound, &seed, centre, radius, 0.1, 8, 12, 65536);
     maker_star(&spoilt, &seed, centre, radius, 0.1, 7, 11, 65536);
@@ -133,7 +146,8 @@ static void assert_well(const job *j, const char *wrong)
     if (j->left_behind & 2) fail_msg("%s: another result than usual", j->name);
 }
 
-/* Sanitizers make these tests slow: with BVX_QUICK the job that joins two others is left out, and several threads do one alone. */
+/* Sanitizers make these tests slow: with BVX_QUICK the job that joins two
+ * others is left out, and several threads do one alone. */
 static int is_left_out(int i, int32_t threads)
 {
     if (getenv("BVX_QUICK") == NULL) return 0;
@@ -203,6 +217,7 @@ static bvx_status make_in_arrays(void *user, bvx_context *ctx)
     bvx_level_report reports[LEVELS];
     bvx_levels_report report;
     bvx_status status;
+
     memset(level, 0, sizeof level);
     for (int i = 0; i < LEVELS; i++) {
         level[i].positions = positions[i];
@@ -212,7 +227,8 @@ static bvx_status make_in_arrays(void *user, bvx_context *ctx)
     }
     status = build(j, ctx, level, reports, &report);
     for (int i = 0; i < LEVELS; i++) {
-        if (level[i].positions != (void *)positions[i] || level[i].triangles != corners[i] || level[i].owned) j->left_behind |= 1;
+        if (level[i].positions != (void *)positions[i] || level[i].triangles != corners[i] || level[i].owned)
+            j->left_behind |= 1;
         if (status != BVX_OK && level[i].vertex_count + level[i].triangle_count != 0) j->left_behind |= 1;
     }
     return status;

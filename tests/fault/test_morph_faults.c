@@ -1,5 +1,5 @@
-/* test_morph_faults.c - morphology and distances with every allocation failing once, cancelled at every progress call, under every
- * memory limit. */
+/* test_morph_faults.c - morphology and distances with every allocation failing once, cancelled at every
+ * progress call, under every memory limit. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -14,6 +14,7 @@ static void make_grid(double dz, bvx_grid *g)
     int32_t const dims[3] = {70, 14, 12};
     uint64_t seed = 5;
     bvx_lattice l;
+
     assert_int_equal(bvx_lattice_make(maker, origin, spacing, dims, &l), BVX_OK);
     assert_int_equal(bvx_grid_create(maker, &l, NULL, g), BVX_OK);
     for (int32_t z = 0; z < 12; z++)
@@ -47,6 +48,7 @@ static int free_inputs(void **state)
 static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 {
     static const bvx_grid empty = {0};
+
     if (status != BVX_OK) {
         left_behind |= memcmp(g, &empty, sizeof *g) != 0;
         return status;
@@ -92,6 +94,7 @@ static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
 {
     bvx_morph_options o;
     bvx_grid g = {0};
+
     (void)user;
     bvx_morph_options_init(&o, sizeof o);
     o.neighbourhood = 0;
@@ -118,6 +121,7 @@ static bvx_status hollow(void *user, bvx_context *ctx)
     bvx_hollow_options o;
     bvx_grid g = {0};
     bvx_status status;
+
     (void)user;
     bvx_hollow_options_init(&o, sizeof o);
     o.thickness = 1.0;
@@ -173,9 +177,9 @@ typedef struct morph_kind {
 } morph_kind;
 
 static morph_kind kinds[] = {
-    {"close", close_by_steps, 0},       {"open", open_by_steps, 0}, {"ball", open_by_a_ball, 0},
-    {"large", erode_by_a_large_ball, 0}, {"hollow", hollow, 0},     {"distance", distances, 0},
-    {"stretched", stretched_distances, 0}, {"squares", squares, 0}, {"dilate", dilate_by_steps, 0},
+    {"close", close_by_steps, 0},          {"open", open_by_steps, 0}, {"ball", open_by_a_ball, 0},
+    {"large", erode_by_a_large_ball, 0},   {"hollow", hollow, 0},      {"distance", distances, 0},
+    {"stretched", stretched_distances, 0}, {"squares", squares, 0},    {"dilate", dilate_by_steps, 0},
 };
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 

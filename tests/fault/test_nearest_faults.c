@@ -1,5 +1,5 @@
-/* test_nearest_faults.c - closest points at centres of voxels with every allocation failing once, cancelled at every progress
- * call, and under every memory limit. */
+/* test_nearest_faults.c - closest points at centres of voxels with every allocation failing once, cancelled
+ * at every progress call, and under every memory limit. */
 #include "fault/context.h"
 #include "field/nearest.h"
 #include "tools/mesh_maker.h"
@@ -12,10 +12,14 @@ static bvx_lattice lattice;
 
 static int make_inputs(void **state)
 {
-    static const double centre[3] = {17, 16, 15}, radius[3] = {14, 13, 12}, origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    static const double centre[3] = {17, 16, 15};
+    static const double radius[3] = {14, 13, 12};
+    static const double origin[3] = {0, 0, 0};
+    static const double spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {34, 32, 30};
     uint64_t seed = 81;
     bvx_context *const ctx = context_with(NULL);
+
     (void)state;
     maker_star(&star, &seed, centre, radius, 0.3, 19, 25, 65536);
     view = maker_view(&star);
@@ -38,7 +42,8 @@ typedef struct found {
     uint32_t triangles[34 * 32 * 30];
 } found;
 
-static bvx_status fill(bvx_context *ctx, double from, double to, const bvxi_nearest *nearest, const bvx_grid *g, found *f)
+static bvx_status fill(bvx_context *ctx, double from, double to, const bvxi_nearest *nearest,
+                       const bvx_grid *g, found *f)
 {
     bvxi_nearest_values const v = {BVX_F32, f->vectors, NULL, f->triangles, NULL};
     bvx_status const status = bvxi_nearest_fill(ctx, "test", from, to, nearest, HUGE_VAL, g, f->first, &v);
@@ -52,6 +57,7 @@ static bvx_status measure(bvx_context *ctx, const bvxi_nearest *nearest, found *
     bvx_grid band = {0};
     uint64_t n = 0;
     bvx_status status = bvx_grid_create(ctx, &lattice, NULL, &band);
+
     if (status == BVX_OK) status = bvxi_nearest_band(ctx, "test", 0.25, 0.5, nearest, 2.0, &band, f->first);
     if (status == BVX_OK) status = fill(ctx, 0.5, 0.75, nearest, &band, f);
     if (status == BVX_OK) {
@@ -75,6 +81,7 @@ static bvx_status run(void *user, bvx_context *ctx)
     static found f;
     bvxi_nearest *nearest = NULL;
     bvx_status status;
+
     (void)user;
     f.mark = 0;
     status = bvxi_nearest_open(ctx, "test", "test", 0.0, 0.25, &view, &lattice, &nearest);
@@ -117,6 +124,7 @@ static void test_nearest_under_every_memory_limit(void **state)
     uint64_t peak, passed = 0;
     bvx_context_options o = default_options();
     bvx_context *ctx;
+
     (void)state;
     o.threads = 1;
     ctx = context_with(&o);

@@ -27,6 +27,7 @@ static void assert_each_ran_once(const task_record *r, int32_t count, int32_t wo
 static void test_parallel_runs_each_task_once(void **state)
 {
     static const int32_t counts[] = {0, 1, 2, 3, 31, 32, 33, 64, 257, TASKS};
+
     (void)state;
     for (int32_t threads = 1; threads <= 8; threads++) {
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
@@ -86,6 +87,7 @@ static void test_a_parallel_for_without_threads_means_one(void **state)
     own_parallel own = {0, 0, 1};
     bvx_context_options o = default_options();
     bvx_context *ctx;
+
     (void)state;
     o.parallel = run_backwards;
     o.parallel_user = &own;
@@ -122,6 +124,7 @@ static void test_progress_grows_and_cancels_at_every_call(void **state)
 {
     uint64_t n = 0;
     int32_t before = -1;
+
     (void)state;
     for (;;) {
         static task_record r;
@@ -147,8 +150,8 @@ static void test_progress_grows_and_cancels_at_every_call(void **state)
         }
         assert_int_equal(status, BVX_CANCELLED);
         assert_string_equal(bvx_last_message(ctx), "tasks: cancelled by the progress callback");
-        assert_int_equal(w.calls, n);             /* not asked again */
-        assert_true(r.started > before);          /* each call lets more through than the one before */
+        assert_int_equal(w.calls, n);    /* not asked again */
+        assert_true(r.started > before); /* each call lets more through than the one before */
         assert_true(r.started < TASKS);
         before = r.started;
         bvx_context_destroy(ctx);
@@ -161,6 +164,7 @@ static void test_two_contexts_share_nothing(void **state)
     bvx_context_options o = default_options();
     bvx_context *a, *b;
     void *block;
+
     (void)state;
     o.memory_limit = 100;
     a = context_with(&o);

@@ -1,5 +1,5 @@
-/* test_queries.c - nearest points, carried colours, rays, samples and comparisons with every allocation failing once,
- * cancelled at every progress call, under every memory limit and in arenas of every size. */
+/* test_queries.c - nearest points, carried colours, rays, samples and comparisons with every allocation
+ * failing once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "mesh/mesh.h"
 #include "tools/mesh_maker.h"
@@ -21,6 +21,7 @@ static int make_inputs(void **state)
     uint64_t seed = 81;
     bvx_context_options o = default_options();
     bvx_lattice lattice;
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -36,15 +37,18 @@ static int make_inputs(void **state)
                 bvx_grid_set(&other, x, y, z, maker_below(&seed, 20) == 0);
             }
     for (int i = 0; i < 3 * QUERIES; i++) points[i] = maker_between(&seed, 0, 32, 1000);
-    for (int i = 0; i < 6 * QUERIES; i++) rays[i] = maker_between(&seed, -5, 35, 1000) - (i % 6 > 2 ? 15.0005 : 0.0);
-    assert_int_equal(bvxi_mesh_open(maker, "test", BVX_F64, 0, star.vertices, star.triangles, &source), BVX_OK);
+    for (int i = 0; i < 6 * QUERIES; i++)
+        rays[i] = maker_between(&seed, -5, 35, 1000) - (i % 6 > 2 ? 15.0005 : 0.0);
+    assert_int_equal(bvxi_mesh_open(maker, "test", BVX_F64, 0, star.vertices, star.triangles, &source),
+                     BVX_OK);
     memcpy(source.positions, star.p, star.vertices * 24);
     memcpy(source.triangles, star.t, star.triangles * 12);
     source.uv_count = source.vertex_capacity;
     source.uvs = get(maker, BVXI_RESULT, source.uv_count * 8);
     source.colours = get(maker, BVXI_RESULT, source.vertex_capacity * 4);
     for (uint64_t i = 0; i < source.uv_count * 2; i++) source.uvs[i] = (float)maker_below(&seed, 100);
-    for (uint64_t i = 0; i < source.vertex_capacity * 4; i++) source.colours[i] = (uint8_t)maker_below(&seed, 256);
+    for (uint64_t i = 0; i < source.vertex_capacity * 4; i++)
+        source.colours[i] = (uint8_t)maker_below(&seed, 256);
     return 0;
 }
 
@@ -60,7 +64,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Queries: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Queries: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
@@ -70,6 +74,7 @@ static bvx_status find(void *user, bvx_context *ctx)
     static bvx_closest_point found[QUERIES];
     bvx_closest *closest = NULL;
     bvx_status status;
+
     (void)user;
     memset(found, 0, sizeof found);
     status = bvx_closest_create(ctx, &star_view, &closest);
@@ -84,6 +89,7 @@ static bvx_status carry(void *user, bvx_context *ctx)
 {
     bvx_mesh target = {0}, before;
     bvx_status status;
+
     (void)user;
     status = bvxi_mesh_open(ctx, "test", BVX_F64, 0, QUERIES, 0, &target);
     if (status != BVX_OK) return status;
@@ -121,6 +127,7 @@ static bvx_status compare(void *user, bvx_context *ctx)
     static const bvx_grid_difference empty = {0};
     bvx_grid_difference d;
     bvx_status status;
+
     (void)user;
     memset(&d, 0x55, sizeof d);
     status = bvx_grid_compare(ctx, &solid, &other, &d);
@@ -137,7 +144,8 @@ typedef struct query {
 } query;
 
 static query queries[] = {
-    {"find", find, 1, 0}, {"carry", carry, 1, 0}, {"cast", cast, 1, 0}, {"sample", sample, 0, 0}, {"compare", compare, 1, 0},
+    {"find", find, 1, 0},     {"carry", carry, 1, 0},     {"cast", cast, 1, 0},
+    {"sample", sample, 0, 0}, {"compare", compare, 1, 0},
 };
 enum { KINDS = sizeof queries / sizeof queries[0] };
 
@@ -228,6 +236,7 @@ static void test_a_tree_lives_beside_other_work(void **state)
     bvx_context *ctx;
     bvx_closest *closest = NULL;
     static bvx_closest_point found[QUERIES];
+
     (void)state;
     assert_non_null(memory);
     o.arena = memory;

@@ -1,5 +1,5 @@
-/* test_refine_faults.c - refinement and what octrees are asked, with every allocation failing once, cancelled at every
- * question, under every memory limit and in an arena. */
+/* test_refine_faults.c - refinement and what octrees are asked, with every allocation failing once, cancelled
+ * at every question, under every memory limit and in an arena. */
 #include "context.h"
 #include "tools/mesh_maker.h"
 
@@ -10,10 +10,14 @@ static bvx_lattice base;
 
 static int make_inputs(void **state)
 {
-    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, centre[3] = {2, 2, 2}, radius[3] = {1.8, 1.5, 1.6};
+    static const double origin[3] = {0, 0, 0};
+    static const double spacing[3] = {1, 1, 1};
+    static const double centre[3] = {2, 2, 2};
+    static const double radius[3] = {1.8, 1.5, 1.6};
     static const int32_t dims[3] = {4, 4, 4};
     bvx_context_options const o = default_options();
     uint64_t seed = 7;
+
     (void)state;
     maker = context_with(&o);
     maker_star(&star, &seed, centre, radius, 0.05, 7, 9, 1024);
@@ -58,6 +62,7 @@ static bvx_status store_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t 
     bvx_buffer file = {0}, again = {0};
     bvx_octree *back = NULL;
     bvx_status status = bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &file);
+
     if (status == BVX_OK) status = bvx_read_octree(ctx, file.bytes, file.size, &back);
     if (status == BVX_OK) status = bvx_write_octree(ctx, back, 0, BVX_FORMAT_BVX, &again);
     if (status == BVX_OK) {
@@ -83,13 +88,16 @@ static bvx_status ask_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t *m
     bvx_lattice lattice;
     uint64_t leaves = 0, beside = 0;
     bvx_status status = bvx_octree_at(ctx, tree, voxels, 2, leaf);
+
     if (status == BVX_OK) status = bvx_octree_neighbours(ctx, tree, &leaf[0], 3, NULL, 0, &beside);
     if (status == BVX_OK) status = bvx_octree_find(ctx, tree, rays, 2, leaf);
     if (status == BVX_OK) status = bvx_octree_cast(ctx, tree, 0, rays, 2, 1e9, hit);
     if (status == BVX_OK) status = bvx_octree_leaves(ctx, tree, 0, NULL, 0, &leaves);
     if (status == BVX_OK) status = bvx_octree_count(ctx, tree, level, 8);
     if (status == BVX_OK) status = bvx_octree_lattice(ctx, tree, levels, &lattice);
-    if (status == BVX_OK) *mark += leaves + 3 * beside + 5 * (uint64_t)hit[0].hit + 7 * level[levels].surface + (uint64_t)lattice.dims[0];
+    if (status == BVX_OK)
+        *mark += leaves + 3 * beside + 5 * (uint64_t)hit[0].hit + 7 * level[levels].surface +
+                 (uint64_t)lattice.dims[0];
     return status;
 }
 
@@ -99,6 +107,7 @@ static bvx_status use_tree(bvx_context *ctx, const bvx_octree *tree, uint64_t *m
     bvx_buffer file = {0};
     bvx_window const window = {{3, 5, 1}, {20, 9, 25}};
     bvx_status status = bvx_octree_expand(ctx, tree, 4, 0, &window, &grid);
+
     if (status == BVX_OK) status = bvx_grid_hash(ctx, &grid, mark);
     if (status == BVX_OK) {
         uint64_t set = 0;
@@ -121,6 +130,7 @@ static bvx_status run_refine(void *user, bvx_context *ctx)
     bvx_octree *tree = NULL;
     bvx_refine_options o;
     uint64_t mark = 0;
+
     bvx_refine_options_init(&o, sizeof o);
     o.levels = 4;
     if (run->start < WITH_WINDOW) o.start_level = run->start;
@@ -171,7 +181,9 @@ static void test_every_allocation_of_refinement_fails_once(void **state)
 {
     (void)state;
     for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4 ? 6 : start == WITH_WINDOW ? 1 : 2) {
+        for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4             ? 6
+                                                                  : start == WITH_WINDOW ? 1
+                                                                                         : 2) {
             bvx_context_options o = default_options();
             if (is_left_out(threads, start)) continue;
             refine_run run = run_of(start);
@@ -186,7 +198,9 @@ static void test_refinement_cancels_at_every_progress_call(void **state)
 {
     (void)state;
     for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4 ? 6 : start == WITH_WINDOW ? 1 : 2) {
+        for (int32_t start = 0; start <= WITH_TOLERANCE; start += start == 4             ? 6
+                                                                  : start == WITH_WINDOW ? 1
+                                                                                         : 2) {
             bvx_context_options o = default_options();
             if (is_left_out(threads, start)) continue;
             refine_run run = run_of(start);
@@ -217,7 +231,9 @@ static void test_refinement_under_every_memory_limit(void **state)
             ctx = context_with(&o);
             bvx_status const status = run_refine(&run, ctx);
             if (n == STEPS) assert_int_equal(status, BVX_OK);
-            else assert_true(status == BVX_ERR_BUDGET || (status == BVX_OK && start == -1)); /* -1 can do with less */
+            else
+                assert_true(status == BVX_ERR_BUDGET ||
+                            (status == BVX_OK && start == -1)); /* -1 can do with less */
             assert_int_equal(bvx_memory_used(ctx), 0);
             assert_true(bvx_memory_peak(ctx) <= o.memory_limit);
             bvx_context_destroy(ctx);

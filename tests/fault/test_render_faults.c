@@ -1,6 +1,6 @@
-/* test_render_faults.c - pictures of cut, coloured and lined meshes, of cut grids, of differences and of slices: every
- * allocation failing once, cancelled at every progress call, under every memory limit. After each failure there is no
- * picture, nothing is held, and the same context does the work. */
+/* test_render_faults.c - pictures of cut, coloured and lined meshes, of cut grids, of differences and of
+ * slices: every allocation failing once, cancelled at every progress call, under every memory limit. After
+ * each failure there is no picture, nothing is held, and the same context does the work. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -18,6 +18,7 @@ static int make_inputs(void **state)
     uint64_t seed = 20;
     bvx_context_options o = default_options();
     bvx_lattice lattice;
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -56,6 +57,7 @@ static int left_behind; /* a failed call left something in its result */
 static bvx_render_options cut_options(void)
 {
     bvx_render_options o;
+
     bvx_render_options_init(&o, sizeof o);
     o.width = 40;
     o.height = 50;
@@ -116,7 +118,10 @@ static bvx_status render_slices(void *user, bvx_context *ctx)
 static const struct {
     const char *name;
     fault_operation_fn *run;
-} pictures[] = {{"mesh", render_mesh}, {"grid", render_grid}, {"difference", render_difference}, {"slices", render_slices}};
+} pictures[] = {{"mesh", render_mesh},
+                {"grid", render_grid},
+                {"difference", render_difference},
+                {"slices", render_slices}};
 enum { PICTURES = sizeof pictures / sizeof pictures[0] };
 
 typedef struct trial {

@@ -1,12 +1,12 @@
-/* test_repair_faults.c - repair with every allocation failing once, cancelled at every progress call, under memory limits and in
- * arenas. */
+/* test_repair_faults.c - repair with every allocation failing once,
+ * cancelled at every progress call, under memory limits and in arenas. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
 static maker_mesh spoilt; /* holes, flipped and doubled triangles, a sheet, thin walls */
 static bvx_mesh_view spoilt_view;
-static uint64_t want;     /* hash of a good run's mesh */
-static int left_behind;   /* a failed call left something, or a good one another result */
+static uint64_t want;   /* hash of a good run's mesh */
+static int left_behind; /* a failed call left something, or a good one another result */
 
 static bvx_status repair_once(void *user, bvx_context *ctx)
 {
@@ -16,6 +16,7 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
     bvx_mesh mesh = empty;
     bvx_status status;
     uint64_t hash;
+
     (void)user;
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = 14;
@@ -43,6 +44,7 @@ static int make_spoilt(void **state)
     static const double plate[3] = {0, 9, 0}, thin[3] = {4, 3, 0.2}; /* its walls are thinner than voxels */
     uint64_t seed = 99;
     uint32_t a, b, c;
+
     (void)state;
     maker_star(&spoilt, &seed, centre, radius, 0.1, 7, 11, 65536);
     for (int i = 0; i < 5; i++) maker_remove(&spoilt, (size_t)maker_below(&seed, (int32_t)spoilt.triangles));
@@ -108,6 +110,7 @@ static void test_repair_lives_in_an_arena(void **state)
     static uint8_t memory[8 << 20];
     bvx_context_options o = default_options();
     bvx_context *ctx;
+
     (void)state;
     o.arena = memory;
     o.arena_size = sizeof memory;

@@ -1,5 +1,5 @@
-/* test_section_faults.c - bodies from sections, contour files and contours of meshes, with every allocation failing once, cancelled at
- * every question, and under every memory limit. */
+/* test_section_faults.c - bodies from sections, contour files and contours of meshes, with every allocation
+ * failing once, cancelled at every question, and under every memory limit. */
 #include "context.h"
 #include "tools/section_maker.h"
 
@@ -13,6 +13,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {2, 2, 2}, radius[3] = {1.8, 1.5, 1.6};
     bvx_context_options const o = default_options();
     uint64_t seed = 7;
+
     (void)state;
     maker = context_with(&o);
     maker_star(&star, &seed, centre, radius, 0.05, 7, 9, 1024);
@@ -32,7 +33,8 @@ static int make_inputs(void **state)
     }
     stack_clear(&crossed);
     for (int i = 0; i < 2; i++) { /* a keyhole, and two loops that cross */
-        static const double keyhole[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2, 1, 3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2};
+        static const double keyhole[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2,
+                                         1, 3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2};
         uint32_t const k = stack_section(&crossed, 0.5 * i);
         stack_loop(&crossed, k);
         for (int p = 0; p < 24; p += 2) stack_point(&crossed, keyhole[p], keyhole[p + 1]);
@@ -64,6 +66,7 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     bvx_sections_options o;
     bvx_sections_report report;
     bvx_mesh mesh = {0};
+
     bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 7;
     o.grid[1] = 5;
@@ -72,7 +75,11 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     if (run->kind == RUN_LAYERS) o.layers = 3;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
-    bvx_status status = bvx_build_sections(ctx, run->kind == RUN_JOINED ? &walls.s : o.mend ? &crossed.s : &stack.s, &o, &mesh);
+    bvx_status status = bvx_build_sections(ctx,
+                                           run->kind == RUN_JOINED ? &walls.s
+                                           : o.mend                ? &crossed.s
+                                                                   : &stack.s,
+                                           &o, &mesh);
     if (status == BVX_OK && report.mended_loops != (o.mend ? 6u : 0u)) run->wrong |= 4;
     if (status == BVX_OK && (report.joined_slabs == 1) != (run->kind == RUN_JOINED)) run->wrong |= 4;
     if (status != BVX_OK) run->wrong |= mesh.positions != NULL;
@@ -85,6 +92,7 @@ static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
     static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG};
     bvx_status status = BVX_OK;
+
     for (int i = 0; i < 3 && status == BVX_OK; i++) {
         bvx_buffer file = {0};
         bvx_sections read;
@@ -93,7 +101,8 @@ static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
         bvx_read_sections_options o;
         bvx_read_sections_options_init(&o, sizeof o);
-        if (status == BVX_OK && i < 2) status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
+        if (status == BVX_OK && i < 2)
+            status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
         if (status != BVX_OK) run->wrong |= read.points != NULL;
         bvx_sections_free(ctx, &read);
         bvx_buffer_free(ctx, &file);
@@ -105,6 +114,7 @@ static bvx_status run_slice(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
     bvx_slice_options o;
     bvx_sections cut;
+
     memset(&cut, 0, sizeof cut);
     bvx_slice_options_init(&o, sizeof o);
     o.spacing = 0.4;
@@ -119,8 +129,9 @@ static bvx_status run_sections(void *user, bvx_context *ctx)
 {
     section_run *const run = user;
     uint64_t mark = 0;
-    bvx_status const status = run->kind == RUN_FILES ? run_files(run, ctx, &mark) : run->kind == RUN_SLICE ? run_slice(run, ctx, &mark)
-                                                                                                      : run_body(run, ctx, &mark);
+    bvx_status const status = run->kind == RUN_FILES   ? run_files(run, ctx, &mark)
+                              : run->kind == RUN_SLICE ? run_slice(run, ctx, &mark)
+                                                       : run_body(run, ctx, &mark);
     if (status == BVX_OK && run->mark != 0 && run->mark != mark) run->wrong |= 2;
     if (status == BVX_OK && run->mark == 0) run->mark = mark;
     return status;
@@ -181,10 +192,13 @@ static double volume_of(const bvx_mesh *m)
 {
     const double *const p = m->positions;
     double v = 0;
+
     for (uint64_t t = 0; t < m->triangle_count; t++) {
-        const double *const a = p + 3 * (size_t)m->triangles[3 * t], *const b = p + 3 * (size_t)m->triangles[3 * t + 1];
+        const double *const a = p + 3 * (size_t)m->triangles[3 * t];
+        const double *const b = p + 3 * (size_t)m->triangles[3 * t + 1];
         const double *const c = p + 3 * (size_t)m->triangles[3 * t + 2];
-        v += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+        v += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+             a[2] * (b[0] * c[1] - b[1] * c[0]);
     }
     return v;
 }
@@ -200,6 +214,7 @@ static bvx_status run_close_points(void *user, bvx_context *ctx)
     bvx_sections_options o;
     bvx_mesh mesh = {0};
     bvx_status status;
+
     bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 6;
     o.grid[1] = 5;
@@ -211,8 +226,8 @@ static bvx_status run_close_points(void *user, bvx_context *ctx)
     return status;
 }
 
-/* A square whose corners are each count points that lie closer together than the fixed point tells apart; from: which of a
- * corner's points the loop begins with, so that the run of them goes over its end. */
+/* A square whose corners are each count points that lie closer together than the fixed point tells apart;
+ * from: which of a corner's points the loop begins with, so that the run of them goes over its end. */
 static void put_close_square(section_maker *m, uint32_t section, int count, int from)
 {
     static const double corner[4][2] = {{0, 0}, {3, 0}, {3, 2}, {0, 2}};
@@ -228,12 +243,14 @@ static void put_close_square(section_maker *m, uint32_t section, int count, int 
 static void test_points_that_snap_to_one_place(void **state)
 {
     static close_points run;
+
     (void)state;
     for (int count = 1; count <= 3; count++)
         for (int from = 0; from < count; from++) {
             bvx_context_options const o = default_options();
             stack_clear(&run.stack);
-            for (int i = 0; i < 3; i++) put_close_square(&run.stack, stack_section(&run.stack, i), count, from);
+            for (int i = 0; i < 3; i++)
+                put_close_square(&run.stack, stack_section(&run.stack, i), count, from);
             assert_int_equal(run_close_points(&run, maker), BVX_OK);
             assert_true(run.volume > 72 - 1e-9 && run.volume < 72 + 1e-9);
             assert_null(fault_every_allocation(run_close_points, &run, &o, NULL));

@@ -1,12 +1,12 @@
-/* test_stages.c - every stage with every allocation failing once, cancelled at every progress call, under every memory
- * limit, and in an arena with no other memory. After each failure results are empty, nothing is held, and the same
- * context does the work. */
+/* test_stages.c - every stage with every allocation failing once, cancelled at every progress call, under
+ * every memory limit, and in an arena with no other memory. After each failure results are empty, nothing is
+ * held, and the same context does the work. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>
 
-/* ---- The heap of the C library, watched: these two stand in for src/core/heap.c, so that no call is missed ---- */
+/* ---- The heap of the C library, watched: these two stand in for src/core/heap.c, so that no call is missed  */
 
 static uint64_t heap_calls;
 
@@ -44,6 +44,7 @@ static int make_inputs(void **state)
     uint64_t seed = 4711;
     bvx_context_options o = default_options();
     bvx_extract_options e;
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -87,9 +88,9 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Stages: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Stages: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
 
-static uint64_t mark;  /* a hash of what the last good run made */
+static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
 
 static void note_left(const void *result, const void *before, size_t size)
@@ -143,6 +144,7 @@ static bvx_status voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t 
     bvx_voxelize_options o;
     bvx_grid grid = {0};
     bvx_status status;
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     o.report = &report;
@@ -152,10 +154,26 @@ static bvx_status voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t 
     return end_with_grid(ctx, status, &grid);
 }
 
-static bvx_status voxelize_parity(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &star_view, BVX_FILL_PARITY); }
-static bvx_status voxelize_nonzero(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &star_view, BVX_FILL_NONZERO); }
-static bvx_status voxelize_holes(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &holes_view, BVX_FILL_PARITY); }
-static bvx_status voxelize_holes_nonzero(void *user, bvx_context *ctx) { (void)user; return voxelize(ctx, &holes_view, BVX_FILL_NONZERO); }
+static bvx_status voxelize_parity(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return voxelize(ctx, &star_view, BVX_FILL_PARITY);
+}
+static bvx_status voxelize_nonzero(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return voxelize(ctx, &star_view, BVX_FILL_NONZERO);
+}
+static bvx_status voxelize_holes(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return voxelize(ctx, &holes_view, BVX_FILL_PARITY);
+}
+static bvx_status voxelize_holes_nonzero(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return voxelize(ctx, &holes_view, BVX_FILL_NONZERO);
+}
 
 static bvx_status extract(void *user, bvx_context *ctx)
 {
@@ -168,6 +186,7 @@ static bvx_status extract_keys(void *user, bvx_context *ctx)
 {
     bvx_extract_options o;
     bvx_mesh mesh = {0};
+
     (void)user;
     bvx_extract_options_init(&o, sizeof o);
     o.keys = 1;
@@ -195,7 +214,8 @@ static bvx_status check(void *user, bvx_context *ctx)
     bvx_certificate certificate;
     (void)user;
     memset(&certificate, 0, sizeof certificate);
-    return end_with_plain(bvx_mesh_check(ctx, &holes_view, 1, &certificate), &certificate, sizeof certificate);
+    return end_with_plain(bvx_mesh_check(ctx, &holes_view, 1, &certificate), &certificate,
+                          sizeof certificate);
 }
 
 static bvx_status normals(void *user, bvx_context *ctx)
@@ -250,19 +270,34 @@ static bvx_status distance(void *user, bvx_context *ctx)
 static bvx_status read_file(bvx_context *ctx, int32_t format)
 {
     bvx_mesh mesh = {0};
-    return end_with_mesh(ctx, bvx_read_mesh(ctx, file[format].bytes, file[format].size, format, &mesh), &mesh);
+    return end_with_mesh(ctx, bvx_read_mesh(ctx, file[format].bytes, file[format].size, format, &mesh),
+                         &mesh);
 }
 
-static bvx_status read_stl(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_STL); }
-static bvx_status read_obj(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_OBJ); }
-static bvx_status read_ply(void *user, bvx_context *ctx) { (void)user; return read_file(ctx, BVX_FORMAT_PLY); }
+static bvx_status read_stl(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return read_file(ctx, BVX_FORMAT_STL);
+}
+static bvx_status read_obj(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return read_file(ctx, BVX_FORMAT_OBJ);
+}
+static bvx_status read_ply(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return read_file(ctx, BVX_FORMAT_PLY);
+}
 
 /* A file of doubles, then the mesh with a vertex that is not finite. */
 static bvx_status read_finite(void *user, bvx_context *ctx)
 {
     bvx_mesh mesh = {0};
     uint64_t dropped = 0;
-    bvx_status status = bvx_read_mesh_finite(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ, &dropped, &mesh);
+    bvx_status status = bvx_read_mesh_finite(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size,
+                                             BVX_FORMAT_OBJ, &dropped, &mesh);
+
     (void)user;
     if (status == BVX_OK) {
         ((double *)mesh.positions)[0] = HUGE_VAL;
@@ -279,9 +314,21 @@ static bvx_status write_file(bvx_context *ctx, int32_t format)
     return end_with_buffer(ctx, bvx_write_mesh(ctx, &surface, format, &buffer), &buffer);
 }
 
-static bvx_status write_stl(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_STL); }
-static bvx_status write_obj(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_OBJ); }
-static bvx_status write_ply(void *user, bvx_context *ctx) { (void)user; return write_file(ctx, BVX_FORMAT_PLY); }
+static bvx_status write_stl(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return write_file(ctx, BVX_FORMAT_STL);
+}
+static bvx_status write_obj(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return write_file(ctx, BVX_FORMAT_OBJ);
+}
+static bvx_status write_ply(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return write_file(ctx, BVX_FORMAT_PLY);
+}
 
 static bvx_status write_npy(void *user, bvx_context *ctx)
 {
@@ -295,6 +342,7 @@ static bvx_status lods(bvx_context *ctx, const bvx_grid *grid, const bvx_lod_opt
     static const bvx_mesh empty[3] = {{0}};
     bvx_mesh level[3];
     bvx_status status;
+
     memset(level, 0, sizeof level);
     status = bvx_build_lods(ctx, grid, o, 3, level);
     if (status != BVX_OK) {
@@ -349,6 +397,7 @@ static bvx_status render(void *user, bvx_context *ctx)
     bvx_render_options o;
     bvx_image image = {0}, empty;
     bvx_status status;
+
     (void)user;
     memset(&empty, 0, sizeof empty);
     bvx_render_options_init(&o, sizeof o);
@@ -462,11 +511,13 @@ static void test_cancel_at_every_progress_call(void **state)
     }
 }
 
-/* More rows than the solid takes at once (65535 along an axis) are still one stage, whose fraction only grows. */
+/* More rows than the solid takes at once (65535 along an axis) are still
+ * one stage, whose fraction only grows. */
 static void test_progress_grows_over_several_blocks(void **state)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 0.0005, 1};
     static const int32_t dims[3] = {40, 70000, 1};
+
     (void)state;
     for (int32_t fill = 0; fill < 2; fill++) {
         fault_progress progress = {0};
@@ -504,7 +555,8 @@ static void test_every_memory_limit(void **state)
         assert_int_equal(bvx_memory_used(maker), need);
         need = bvx_memory_peak(maker) - need;
         for (uint64_t n = 0; n <= STEPS; n++) {
-            uint64_t const limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1); /* 1 .. need - 1, need */
+            /* 1 .. need - 1, need */
+            uint64_t const limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
             fault_heap heap = {0};
             bvx_context_options const base = default_options();
             bvx_context_options o = fault_options(&base, &heap);
@@ -515,8 +567,8 @@ static void test_every_memory_limit(void **state)
             ctx = context_with(&o);
             status = run_trial(&t, ctx);
             if (status != (n == STEPS ? BVX_OK : BVX_ERR_BUDGET))
-                fail_msg("%s: status %d under a limit of %lu, its peak is %lu", stages[i].name, (int)status, (unsigned long)limit,
-                         (unsigned long)need);
+                fail_msg("%s: status %d under a limit of %lu, its peak is %lu", stages[i].name, (int)status,
+                         (unsigned long)limit, (unsigned long)need);
             if (status != BVX_OK) assert_non_null(strstr(bvx_last_message(ctx), "limit"));
             assert_int_equal(bvx_memory_used(ctx), 0);
             assert_true(bvx_memory_peak(ctx) <= limit);
@@ -526,7 +578,8 @@ static void test_every_memory_limit(void **state)
     }
 }
 
-/* In an arena of every size the stage works, twice, or says that there is no memory; the heap is never asked. */
+/* In an arena of every size the stage works, twice, or says that there is no memory; the heap is never
+ * asked. */
 static void test_stages_live_in_an_arena(void **state)
 {
     enum { STEPS = 40 };
@@ -559,7 +612,8 @@ static void test_stages_live_in_an_arena(void **state)
             assert_int_equal(bvx_memory_used(ctx), 0);
             bvx_context_destroy(ctx);
             for (size_t k = 0; k < 16; k++)
-                if (memory[k < skew ? k : size + k] != 0xA5) fail_msg("%s: written outside the arena", stages[i].name);
+                if (memory[k < skew ? k : size + k] != 0xA5)
+                    fail_msg("%s: written outside the arena", stages[i].name);
             good += first == BVX_OK;
             if (n == STEPS) assert_int_equal(first, BVX_OK);
         }
@@ -586,6 +640,7 @@ static void test_the_main_job_in_one_arena(void **state)
     bvx_lod_options l;
     bvx_buffer out = {0};
     bvx_certificate c;
+
     (void)state;
     assert_non_null(memory);
     memset(level, 0, sizeof level);
@@ -595,7 +650,9 @@ static void test_the_main_job_in_one_arena(void **state)
     ctx = context_with(&o);
     bvx_lod_options_init(&l, sizeof l);
     l.resolutions = resolutions;
-    assert_int_equal(bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY, &mesh), BVX_OK);
+    assert_int_equal(
+        bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY, &mesh),
+        BVX_OK);
     bvx_mesh_view_of(&mesh, &view);
     assert_int_equal(bvx_lattice_fit(ctx, &view, 80, &fitted), BVX_OK);
     assert_int_equal(bvx_voxelize_solid(ctx, &view, &fitted, NULL, &grid), BVX_OK);
@@ -624,6 +681,7 @@ static void test_callers_arrays_survive_failures(void **state)
 {
     uint64_t const words = bvx_grid_bound(&lattice, NULL);
     uint64_t *const array = malloc((size_t)words * 8);
+
     (void)state;
     assert_non_null(array);
     for (uint64_t n = 1;; n++) {

@@ -1,12 +1,13 @@
-/* test_surface_voxels_faults.c - surface voxels, their attached triangles and voxel faces with every allocation failing once,
- * cancelled at every progress call, under every memory limit and in arenas of every size. */
+/* test_surface_voxels_faults.c - surface voxels, their attached triangles
+ * and voxel faces with every allocation failing once, cancelled at every
+ * progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
 static maker_mesh star;
 static bvx_mesh_view star_view;
 static bvx_lattice lattice;
-static bvx_grid solid;    /* what faces are made of */
+static bvx_grid solid;     /* what faces are made of */
 static bvx_context *maker; /* what made them */
 
 static int make_inputs(void **state)
@@ -14,6 +15,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {17, 16, 15}, radius[3] = {14, 13, 12};
     uint64_t seed = 82;
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -34,7 +36,7 @@ static int free_inputs(void **state)
     return 0;
 }
 
-/* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty ---- */
+/* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
 
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in a result */
@@ -47,6 +49,7 @@ static bvx_status surface(bvx_context *ctx, int32_t mode, int attach)
     bvx_surface_options o;
     bvx_grid grid = {0};
     bvx_status status;
+
     bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     o.report = &report;
@@ -59,7 +62,8 @@ static bvx_status surface(bvx_context *ctx, int32_t mode, int attach)
     }
     assert_int_equal(bvx_grid_hash(ctx, &grid, &mark), BVX_OK);
     if (attach)
-        mark = bvx_hash(attached.triangles, attached.triangle_count * 4, bvx_hash(attached.offsets, (attached.voxel_count + 1) * 8, mark));
+        mark = bvx_hash(attached.triangles, attached.triangle_count * 4,
+                        bvx_hash(attached.offsets, (attached.voxel_count + 1) * 8, mark));
     bvx_attached_free(ctx, &attached);
     bvx_grid_free(ctx, &grid);
     return status;
@@ -94,6 +98,7 @@ static bvx_status faces_of(bvx_context *ctx, int32_t merged)
     bvx_faces_options o;
     bvx_mesh mesh = {0};
     bvx_status status;
+
     bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
     uint64_t vertices = 0, triangles = 0;
@@ -128,8 +133,12 @@ typedef struct surface_call {
 } surface_call;
 
 static surface_call calls[] = {
-    {"conservative", conservative, 0}, {"conservative, attached", conservative_attached, 0}, {"thin, attached", thin_attached, 0},
-    {"sampled, attached", sampled_attached, 0}, {"faces", faces, 0}, {"faces, merged", faces_merged, 0},
+    {"conservative", conservative, 0},
+    {"conservative, attached", conservative_attached, 0},
+    {"thin, attached", thin_attached, 0},
+    {"sampled, attached", sampled_attached, 0},
+    {"faces", faces, 0},
+    {"faces, merged", faces_merged, 0},
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 

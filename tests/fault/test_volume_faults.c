@@ -1,5 +1,5 @@
-/* test_volume_faults.c - volumes: thresholds, surfaces of levels, labels and readers with every allocation failing once, cancelled at
- * every progress call, under every memory limit and in arenas of every size. */
+/* test_volume_faults.c - volumes: thresholds, surfaces of levels, labels and readers with every allocation
+ * failing once, cancelled at every progress call, under every memory limit and in arenas of every size. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 
@@ -22,6 +22,7 @@ static int make_volumes(void **state)
     bvx_context_options const o = default_options();
     bvx_context *const ctx = context_with(&o);
     uint64_t seed = 5;
+
     (void)state;
     for (int i = 0; i < VOLUME_SAMPLES; i++) {
         whole[i] = (int16_t)(maker_below(&seed, 400) - 100);
@@ -40,8 +41,10 @@ static int make_volumes(void **state)
     packed_file = malloc(2 * VOLUME_SAMPLES + 256);
     assert_non_null(text_file);
     assert_non_null(packed_file);
-    text_size = (size_t)sprintf(text_file, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: ascii\n\n");
-    packed_size = (size_t)sprintf(packed_file, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: gzip\nendian: big\n\n");
+    text_size = (size_t)sprintf(text_file,
+                                "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: ascii\n\n");
+    packed_size = (size_t)sprintf(
+        packed_file, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 70 60 41\nencoding: gzip\nendian: big\n\n");
     for (int i = 0; i < VOLUME_SAMPLES; i++) {
         text_size += (size_t)sprintf(text_file + text_size, "%d ", whole[i]);
         packed_file[packed_size++] = (char)((uint16_t)whole[i] >> 8);
@@ -68,10 +71,12 @@ static bvx_status do_threshold(void *user, bvx_context *ctx)
     bvx_volume_report report;
     bvx_grid grid = {0};
     bvx_status status;
+
     (void)user;
     status = bvx_threshold(ctx, &float_view, 50, 200, &report, &grid);
     left_behind |= status != BVX_OK && grid.words != NULL;
-    if (status == BVX_OK) mark = bvx_hash(grid.words, (size_t)grid.word_capacity * 8, bvx_hash(&report, sizeof report, 0));
+    if (status == BVX_OK)
+        mark = bvx_hash(grid.words, (size_t)grid.word_capacity * 8, bvx_hash(&report, sizeof report, 0));
     bvx_grid_free(ctx, &grid);
     return status;
 }
@@ -82,6 +87,7 @@ static bvx_status do_scalar(void *user, bvx_context *ctx)
     bvx_volume_report report;
     bvx_mesh mesh = {0};
     bvx_status status;
+
     (void)user;
     bvx_scalar_options_init(&o, sizeof o);
     o.level = 280;
@@ -105,7 +111,8 @@ static bvx_status do_labels(void *user, bvx_context *ctx)
     return status;
 }
 
-static int32_t unpack_nothing(void *user, const void *packed, uint64_t packed_bytes, void *plain, uint64_t plain_bytes)
+static int32_t unpack_nothing(void *user, const void *packed, uint64_t packed_bytes, void *plain,
+                              uint64_t plain_bytes)
 {
     (void)user;
     if (packed_bytes != plain_bytes) return 1;
@@ -118,6 +125,7 @@ static bvx_status read_one(bvx_context *ctx, const char *bytes, size_t size)
     bvx_read_volume_options o;
     bvx_volume volume = {0};
     bvx_status status;
+
     bvx_read_volume_options_init(&o, sizeof o);
     o.inflate = unpack_nothing;
     status = bvx_read_volume(ctx, bytes, size, BVX_FORMAT_NRRD, &o, &volume);
@@ -147,7 +155,8 @@ typedef struct operation {
 } operation;
 
 static operation operations[] = {
-    {"threshold", do_threshold, 0}, {"surface", do_scalar, 0}, {"labels", do_labels, 0}, {"text", do_text, 0}, {"packed", do_packed, 0},
+    {"threshold", do_threshold, 0}, {"surface", do_scalar, 0}, {"labels", do_labels, 0},
+    {"text", do_text, 0},           {"packed", do_packed, 0},
 };
 enum { OPERATIONS = sizeof operations / sizeof operations[0] };
 
@@ -235,7 +244,8 @@ typedef struct bad_unpacker {
     int32_t result;
 } bad_unpacker;
 
-static int32_t unpack_at_times(void *user, const void *packed, uint64_t packed_bytes, void *plain, uint64_t plain_bytes)
+static int32_t unpack_at_times(void *user, const void *packed, uint64_t packed_bytes, void *plain,
+                               uint64_t plain_bytes)
 {
     bad_unpacker *const u = user;
     if (++u->calls != u->fail_at) return unpack_nothing(NULL, packed, packed_bytes, plain, plain_bytes);
@@ -248,6 +258,7 @@ static bvx_status pack_grid(bvx_context *ctx, const bvx_read_volume_options *o, 
     bvx_volume volume = {0};
     bvx_grid grid = {0};
     bvx_status status = bvx_read_volume(ctx, packed_file, packed_size, BVX_FORMAT_NRRD, o, &volume);
+
     if (status == BVX_OK) status = bvx_threshold(ctx, &volume.view, 50, 200, NULL, &grid);
     if (status == BVX_OK) assert_int_equal(bvx_grid_hash(ctx, &grid, hash), BVX_OK);
     else assert_null(volume.view.samples);
@@ -256,11 +267,12 @@ static bvx_status pack_grid(bvx_context *ctx, const bvx_read_volume_options *o, 
     return status;
 }
 
-/* The caller's function fails in its first, second, third call: each time that read fails, with a message and nothing held, and
- * the same context reads the same volume before and after. */
+/* The caller's function fails in its first, second, third call: each time that read fails, with a message and
+ * nothing held, and the same context reads the same volume before and after. */
 static void test_an_unpacker_that_fails_at_every_call(void **state)
 {
     static const int32_t results[] = {1, -1, INT32_MAX, INT32_MIN};
+
     (void)state;
     for (int at = 1; at <= 3; at++)
         for (size_t r = 0; r < sizeof results / sizeof results[0]; r++) {
@@ -277,7 +289,8 @@ static void test_an_unpacker_that_fails_at_every_call(void **state)
             u.result = results[r];
             for (int i = 1; i <= 4; i++) {
                 uint64_t hash = 0;
-                assert_null(fault_after(ctx, pack_grid(ctx, &options, &hash), i == at ? BVX_ERR_FORMAT : BVX_OK));
+                assert_null(
+                    fault_after(ctx, pack_grid(ctx, &options, &hash), i == at ? BVX_ERR_FORMAT : BVX_OK));
                 if (i == at) continue;
                 if (want == 0) want = hash;
                 assert_true(hash != 0 && hash == want);
@@ -288,21 +301,25 @@ static void test_an_unpacker_that_fails_at_every_call(void **state)
         }
 }
 
-/* Names of data files ask for no memory, and a head cut off anywhere gives none or those of a shorter head. */
+/* Names of data files ask for no memory, and a head cut off anywhere gives none or those of a shorter
+ * head. */
 static void test_data_names_of_a_head_that_is_cut_off(void **state)
 {
-    static const char head[] = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 93\nencoding: raw\nendian: big\n"
-                               "data file: slice.%03d.raw 1 93 1\n";
+    static const char head[] =
+        "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 93\nencoding: raw\nendian: big\n"
+        "data file: slice.%03d.raw 1 93 1\n";
     fault_heap heap = {0};
     bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
     bvx_context *const ctx = context_with(&o);
     uint64_t const before = heap.asked;
     int good = 0;
+
     (void)state;
     for (size_t n = 0; n < sizeof head; n++)
         for (uint64_t room = 0; room <= 14; room++) {
             char name[16];
-            char *const copy = malloc(n + 1); /* of exact size, so that a sanitizer sees a read beyond the end */
+            /* of exact size, so that a sanitizer sees a read beyond the end */
+            char *const copy = malloc(n + 1);
             uint64_t count = 777;
             bvx_status status;
             assert_non_null(copy);

@@ -4,6 +4,7 @@
 static void test_alloc_aligns_to_no_more_than_asked(void **state)
 {
     fault_heap heap = {0};
+
     (void)state;
     for (size_t align = 1; align <= 64; align *= 2) {
         void *const a = fault_alloc(&heap, 10, align);
@@ -45,7 +46,9 @@ static void test_free_sees_a_block_freed_twice(void **state)
 static void test_free_sees_writes_outside_the_block(void **state)
 {
     fault_heap heap = {0};
-    unsigned char *volatile a = fault_alloc(&heap, 10, 64); /* volatile: or a compiler sees it too, and warns */
+
+    /* volatile: or a compiler sees it too, and warns */
+    unsigned char *volatile a = fault_alloc(&heap, 10, 64);
     (void)state;
     a[10] = 0;
     fault_free(&heap, a, 10, 64);
@@ -76,6 +79,7 @@ static bvx_status leak_when_all_fails(void *user, bvx_context *ctx)
 {
     void *a, *b;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 10, "a block", &a);
+
     (void)user;
     if (status != BVX_OK) return status;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, 20, "a block", &b);
@@ -97,6 +101,7 @@ static bvx_status two_blocks(void *user, bvx_context *ctx)
 {
     void *a, *b;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 10, "a block", &a);
+
     (void)user;
     if (status != BVX_OK) return status;
     status = bvxi_progress(ctx, "stage", 0.0);
@@ -119,15 +124,18 @@ static void test_the_loops_visit_every_place(void **state)
 static void test_the_loop_over_allocations_sees_what_is_wrong(void **state)
 {
     (void)state;
-    assert_non_null(strstr(fault_every_allocation(keep_a_block, NULL, NULL, NULL), "10 bytes still counted as used"));
+    assert_non_null(
+        strstr(fault_every_allocation(keep_a_block, NULL, NULL, NULL), "10 bytes still counted as used"));
     assert_non_null(strstr(fault_every_allocation(swallow_the_failure, NULL, NULL, NULL), "status 0"));
-    assert_non_null(strstr(fault_every_allocation(leak_when_all_fails, NULL, NULL, NULL), "allocation 2: 10 bytes still counted as used"));
+    assert_non_null(strstr(fault_every_allocation(leak_when_all_fails, NULL, NULL, NULL),
+                           "allocation 2: 10 bytes still counted as used"));
 }
 
 static void test_the_loop_over_cancels_sees_what_is_wrong(void **state)
 {
     (void)state;
-    assert_non_null(strstr(fault_every_cancel(keep_a_block, NULL, NULL, NULL), "10 bytes still counted as used"));
+    assert_non_null(
+        strstr(fault_every_cancel(keep_a_block, NULL, NULL, NULL), "10 bytes still counted as used"));
     assert_non_null(strstr(fault_every_cancel(go_on_when_cancelled, NULL, NULL, NULL), "status 0"));
 }
 

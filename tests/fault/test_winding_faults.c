@@ -1,10 +1,11 @@
-/* test_winding_faults.c - the rule winding, and ratios between centres, with every allocation failing once, cancelled at every
- * progress call and under every memory limit. */
+/* test_winding_faults.c - the rule winding, and ratios between centres, with every allocation failing once,
+ * cancelled at every progress call and under every memory limit. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
 #include "voxelize/winding.h"
 
-static maker_mesh closed, holes, loose; /* holes: triangles missing, turned and twice there; loose: each with corners of its own */
+/* holes: triangles missing, turned and twice there; loose: each with corners of its own */
+static maker_mesh closed, holes, loose;
 static bvx_mesh_view closed_view, holes_view, loose_view;
 static bvx_lattice lattice, coarse;
 static bvx_context *maker;
@@ -14,6 +15,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {11, 10, 9}, radius[3] = {9, 8, 7};
     uint64_t seed = 815;
     bvx_context_options o = default_options();
+
     (void)state;
     o.threads = 1;
     maker = context_with(&o);
@@ -25,7 +27,8 @@ static int make_inputs(void **state)
     maker_star(&loose, &seed, centre, radius, 0.2, 12, 15, 65536);
     for (size_t i = 0, n = 3 * loose.triangles; i < n; i++) {
         double const *const p = loose.p + 3 * (size_t)loose.t[i];
-        loose.t[i] = maker_vertex(&loose, p[0] + 0.01 * maker_below(&seed, 30), p[1] + 0.01 * maker_below(&seed, 30), p[2]);
+        loose.t[i] = maker_vertex(&loose, p[0] + 0.01 * maker_below(&seed, 30),
+                                  p[1] + 0.01 * maker_below(&seed, 30), p[2]);
     }
     closed_view = maker_view(&closed);
     loose_view = maker_view(&loose);
@@ -55,6 +58,7 @@ static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view, const b
     bvx_solid_report report = {0};
     bvx_grid g = {0};
     bvx_status status;
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_WINDING;
     o.report = &report;
@@ -89,6 +93,7 @@ static bvx_status ratios(void *user, bvx_context *ctx)
     bvxi_holes loops;
     bvx_status status = bvxi_holes_open_rule(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops);
     double sum = 0;
+
     (void)user;
     if (status != BVX_OK) return status;
     status = bvxi_winding_open(ctx, "test", &holes_view, &lattice, BVX_FILL_WINDING, &loops, &w);
@@ -113,7 +118,8 @@ typedef struct wind_kind {
     uint64_t want;
 } wind_kind;
 
-static wind_kind kinds[] = {{"holes", fill_holes, 0}, {"loose", fill_loose, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
+static wind_kind kinds[] = {
+    {"holes", fill_holes, 0}, {"loose", fill_loose, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
 static bvx_status run_kind(void *user, bvx_context *ctx)
@@ -184,12 +190,14 @@ static void test_corners_beyond_the_vertices_are_named(void **state)
 {
     bvx_mesh_view bad = holes_view;
     bvxi_holes loops;
+
     (void)state;
     bad.vertex_count--;
     left_behind = 0;
     assert_int_equal(fill_view(maker, &bad, &lattice), BVX_ERR_RANGE);
     assert_non_null(strstr(bvx_last_message(maker), "triangle"));
-    assert_int_equal(bvxi_holes_open_rule(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &loops), BVX_ERR_RANGE);
+    assert_int_equal(bvxi_holes_open_rule(maker, "test", &bad, &lattice, BVX_FILL_VOTE, &loops),
+                     BVX_ERR_RANGE);
     assert_int_equal(loops.loops, 0);
     assert_int_equal(left_behind, 0);
 }

@@ -1,6 +1,7 @@
-/* test_writers.c - every mesh writer, with normals and levels of detail too: every allocation failing once, cancelled
- * at every progress call, under every memory limit, and in an arena: meshes with colours and texture coordinates. After
- * each failure the buffer is empty, nothing is held, and the same context does the work. */
+/* test_writers.c - every mesh writer, with normals and levels of detail too: every allocation failing once,
+ * cancelled at every progress call, under every memory limit, and in an arena: meshes with colours and
+ * texture coordinates. After each failure the buffer is empty, nothing is held, and the same context does the
+ * work. */
 #include "fault/context.h"
 
 enum { SIDE = 70, VERTICES = SIDE * SIDE, TRIANGLES = (SIDE - 1) * (SIDE - 1) * 2 };
@@ -15,6 +16,7 @@ static bvx_mesh sheet;
 static int make_sheet(void **state)
 {
     size_t n = 0;
+
     (void)state;
     for (uint32_t v = 0; v < VERTICES; v++) {
         uint32_t const i = v % SIDE, j = v / SIDE;
@@ -53,9 +55,14 @@ typedef struct writer {
 } writer;
 
 static const writer writers[] = {
-    {"STL", BVX_FORMAT_STL, 1, 0, 0, 0}, {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0, 0}, {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0},
-    {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0}, {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0}, {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0},
-    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0}, {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0},
+    {"STL", BVX_FORMAT_STL, 1, 0, 0, 0},
+    {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0, 0},
+    {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0},
+    {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0},
+    {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0},
+    {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0},
+    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0},
+    {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0},
     {"a check of STL", BVX_FORMAT_STL, 10, 0, 0, 1},
 };
 enum { WRITERS = sizeof writers / sizeof writers[0] };
@@ -83,6 +90,7 @@ static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 {
     bvx_mesh const levels[2] = {sheet, sheet};
     bvx_write_options o;
+
     if (w->check) return check_as(w, ctx, file);
     if (w->levels != 0) return bvx_write_levels(ctx, levels, w->levels, w->format, file);
     if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
@@ -96,6 +104,7 @@ static bvx_status run_writing(void *user, bvx_context *ctx)
     writing *const w = user;
     bvx_buffer file = {0};
     bvx_status const status = write_as(w->of, ctx, &file);
+
     if (status == BVX_OK) {
         uint64_t const hash = bvx_hash(file.bytes, (size_t)file.size, 0);
         if (w->hash == 0) w->hash = hash;

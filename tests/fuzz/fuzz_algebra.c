@@ -1,5 +1,6 @@
-/* fuzz_algebra.c - two random solids combined, reduced, moved and made meshes of: identities of sets hold, coverage adds up, in
- * place equals anew, threads equal one, booleans of meshes are certified and their solids those of the grids. */
+/* fuzz_algebra.c - two random solids combined, reduced, moved and made meshes of:
+ * identities of sets hold, coverage adds up, in place equals anew, threads equal
+ * one, booleans of meshes are certified and their solids those of the grids. */
 #include "fuzz_input.h"
 
 static uint64_t fuzz_count(bvx_context *ctx, const bvx_grid *grid)
@@ -12,11 +13,13 @@ static uint64_t fuzz_count(bvx_context *ctx, const bvx_grid *grid)
 static void fuzz_sets(bvx_context *ctx, bvx_context *other, const bvx_grid *a, const bvx_grid *b)
 {
     bvx_grid both = {0}, any = {0}, left = {0}, one = {0}, none = {0}, again = {0};
+
     fuzz_must(ctx, bvx_grid_intersection(ctx, a, b, &both));
     fuzz_must(ctx, bvx_grid_union(ctx, a, b, &any));
     fuzz_must(ctx, bvx_grid_subtract(ctx, a, b, &left));
     fuzz_must(ctx, bvx_grid_xor(ctx, a, b, &one));
-    fuzz_require(fuzz_count(ctx, &any) + fuzz_count(ctx, &both) == fuzz_count(ctx, a) + fuzz_count(ctx, b), "a union of another size");
+    fuzz_require(fuzz_count(ctx, &any) + fuzz_count(ctx, &both) == fuzz_count(ctx, a) + fuzz_count(ctx, b),
+                 "a union of another size");
     fuzz_must(ctx, bvx_grid_union(ctx, &left, &both, &left));
     fuzz_grids_equal(&left, a, "what is left of a and what both have is not a");
     fuzz_must(other, bvx_grid_subtract(other, &any, &both, &again));
@@ -38,8 +41,10 @@ static void fuzz_blocks(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     bvx_grid rule[3] = {{0}, {0}, {0}}, twin = {0};
     uint64_t count = 0, sum = 0;
     uint32_t *counts;
+
     for (int i = 0; i < 3; i++) factor[i] = fuzz_range(in, 1, 9);
-    for (int32_t r = BVX_REDUCE_ANY; r <= BVX_REDUCE_MAJORITY; r++) fuzz_must(ctx, bvx_grid_downsample(ctx, a, factor, r, &rule[r]));
+    for (int32_t r = BVX_REDUCE_ANY; r <= BVX_REDUCE_MAJORITY; r++)
+        fuzz_must(ctx, bvx_grid_downsample(ctx, a, factor, r, &rule[r]));
     fuzz_must(other, bvx_grid_downsample(other, a, factor, BVX_REDUCE_MAJORITY, &twin));
     fuzz_grids_equal(&rule[2], &twin, "another majority with more threads");
     fuzz_must(ctx, bvx_grid_coverage(ctx, a, factor, NULL, 0, &count));
@@ -47,11 +52,13 @@ static void fuzz_blocks(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     fuzz_require(counts != NULL, "no memory");
     fuzz_must(ctx, bvx_grid_coverage(ctx, a, factor, counts, count, &count));
     for (uint64_t i = 0; i < count; i++) {
-        int32_t const x = (int32_t)(i % (uint64_t)rule[0].size[0]), y = (int32_t)(i / (uint64_t)rule[0].size[0] % (uint64_t)rule[0].size[1]);
+        int32_t const x = (int32_t)(i % (uint64_t)rule[0].size[0]);
+        int32_t const y = (int32_t)(i / (uint64_t)rule[0].size[0] % (uint64_t)rule[0].size[1]);
         int32_t const z = (int32_t)(i / (uint64_t)rule[0].size[0] / (uint64_t)rule[0].size[1]);
         sum += counts[i];
         fuzz_require(bvx_grid_get(&rule[0], x, y, z) == (counts[i] != 0), "any differs from the count");
-        fuzz_require(bvx_grid_get(&rule[1], x, y, z) <= bvx_grid_get(&rule[2], x, y, z), "all without a majority");
+        fuzz_require(bvx_grid_get(&rule[1], x, y, z) <= bvx_grid_get(&rule[2], x, y, z),
+                     "all without a majority");
     }
     fuzz_require(sum == fuzz_count(ctx, a), "counts that do not add up");
     free(counts);
@@ -66,6 +73,7 @@ static void fuzz_moves(bvx_context *ctx, fuzz_input *in, const bvx_grid *a)
     int32_t back[3], flips[3], low[3], high[3], back_flips[3];
     bvx_grid turned = {0}, home = {0}, padded = {0}, cropped = {0}, sampled = {0};
     bvx_window content;
+
     for (int i = 0; i < 3; i++) {
         flips[i] = fuzz_range(in, 0, 1);
         low[i] = fuzz_range(in, 0, 70);
@@ -81,7 +89,8 @@ static void fuzz_moves(bvx_context *ctx, fuzz_input *in, const bvx_grid *a)
     fuzz_must(ctx, bvx_grid_content(ctx, a, &content));
     if (content.size[0] != 0) {
         fuzz_must(ctx, bvx_grid_crop(ctx, a, &content, &cropped));
-        fuzz_require(fuzz_count(ctx, &cropped) == fuzz_count(ctx, a), "a crop to the content that lost some of it");
+        fuzz_require(fuzz_count(ctx, &cropped) == fuzz_count(ctx, a),
+                     "a crop to the content that lost some of it");
     }
     fuzz_must(ctx, bvx_grid_resample(ctx, a, &a->lattice, NULL, &sampled));
     fuzz_grids_equal(&sampled, a, "the same lattice resampled");
@@ -92,12 +101,14 @@ static void fuzz_moves(bvx_context *ctx, fuzz_input *in, const bvx_grid *a)
     bvx_grid_free(ctx, &sampled);
 }
 
-static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *a, const fuzz_mesh *b)
+static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *a,
+                        const fuzz_mesh *b)
 {
     bvx_boolean_options o;
     bvx_boolean_report report;
     bvx_mesh mesh = {0}, twin = {0};
     int32_t const operation = fuzz_range(in, BVX_BOOLEAN_UNION, BVX_BOOLEAN_XOR);
+
     bvx_boolean_options_init(&o, sizeof o);
     o.resolution = fuzz_range(in, 1, 20);
     o.sharp = fuzz_range(in, -1, 1);
@@ -107,7 +118,8 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     o.report = &report;
     if (!fuzz_good(ctx, bvx_boolean(ctx, &a->view, &b->view, operation, &o, &mesh))) return;
     fuzz_certified(ctx, &mesh, "a boolean that is not certified");
-    fuzz_require((mesh.triangle_count > 0) == (report.voxels > 0), "a mesh without voxels, or voxels without a mesh");
+    fuzz_require((mesh.triangle_count > 0) == (report.voxels > 0),
+                 "a mesh without voxels, or voxels without a mesh");
     fuzz_must(other, bvx_boolean(other, &a->view, &b->view, operation, &o, &twin));
     fuzz_meshes_equal(ctx, &mesh, &twin, "another boolean with more threads");
     bvx_mesh_free(ctx, &mesh);
@@ -117,13 +129,16 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m, n;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     bvx_lattice lattice;
     bvx_grid a = {0}, b = {0};
+
     fuzz_take_mesh(in, &m);
     fuzz_take_mesh(in, &n);
     if (m.triangles > 0 && n.triangles > 0) {
-        if (fuzz_take_lattice(in, ctx, &m, 40, &lattice) && fuzz_good(ctx, bvx_voxelize_solid(ctx, &m.view, &lattice, NULL, &a)) &&
+        if (fuzz_take_lattice(in, ctx, &m, 40, &lattice) &&
+            fuzz_good(ctx, bvx_voxelize_solid(ctx, &m.view, &lattice, NULL, &a)) &&
             fuzz_good(ctx, bvx_voxelize_solid(ctx, &n.view, &lattice, NULL, &b))) {
             fuzz_sets(ctx, other, &a, &b);
             fuzz_blocks(ctx, other, in, &a);

@@ -1,5 +1,6 @@
-/* fuzz_calls.c - what else is done with random meshes and their grids: comparisons, distances, carrying, dense fields, slices to
- * sections and back to bodies, normals, trees chosen and asked, pictures, files by parts. Many threads give what one gives. */
+/* fuzz_calls.c - what else is done with random meshes and their grids: comparisons, distances, carrying,
+ * dense fields, slices to sections and back to bodies, normals, trees chosen and asked, pictures, files by
+ * parts. Many threads give what one gives. */
 #include "fuzz_input.h"
 
 static void fuzz_compare(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
@@ -8,13 +9,16 @@ static void fuzz_compare(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, c
     bvx_fill_comparison c;
     bvx_grid lost = {0};
     uint64_t set = 0;
+
     bvx_compare_fills_options_init(&o, sizeof o);
     o.close_gaps = fuzz_range(in, 0, 2);
     o.lost = &lost;
     if (fuzz_good(ctx, bvx_compare_fills(ctx, &m->view, lattice, &o, &c))) {
         fuzz_must(ctx, bvx_grid_count(ctx, &lost, &set));
         fuzz_require(set == c.lost_voxels, "lost voxels that are not those counted");
-        if (m->closed) fuzz_require(c.set[BVX_FILL_VOTE] == c.set[BVX_FILL_PARITY], "vote and parity differ on a closed mesh");
+        if (m->closed)
+            fuzz_require(c.set[BVX_FILL_VOTE] == c.set[BVX_FILL_PARITY],
+                         "vote and parity differ on a closed mesh");
     }
     bvx_grid_free(ctx, &lost);
 }
@@ -24,19 +28,24 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
     bvx_field_options o;
     bvx_field field = {0};
     bvx_buffer file = {0};
+
     bvx_field_options_init(&o, sizeof o);
     o.half_width = fuzz_range(in, 1, 8) / 4.0;
     o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_VOTE);
     o.features = 1;
     if (fuzz_good(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &field))) {
-        uint64_t const voxels = (uint64_t)lattice->dims[0] * (uint64_t)lattice->dims[1] * (uint64_t)lattice->dims[2];
+        uint64_t const voxels = (uint64_t)lattice->dims[0] * (uint64_t)lattice->dims[1] *
+                                (uint64_t)lattice->dims[2];
         float *const values = malloc((size_t)voxels * sizeof *values);
         fuzz_require(values != NULL, "no memory");
-        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, &m->view, fuzz_range(in, BVX_FAR_CONSTANT, BVX_FAR_PROPAGATED), 0, values)))
+        if (fuzz_good(ctx, bvx_field_dense(ctx, &field, &m->view,
+                                           fuzz_range(in, BVX_FAR_CONSTANT, BVX_FAR_PROPAGATED), 0, values)))
             for (uint64_t i = 0; i < voxels; i++) {
-                int32_t const x = (int32_t)(i % (uint64_t)lattice->dims[0]), y = (int32_t)(i / (uint64_t)lattice->dims[0] % (uint64_t)lattice->dims[1]);
+                int32_t const x = (int32_t)(i % (uint64_t)lattice->dims[0]);
+                int32_t const y = (int32_t)(i / (uint64_t)lattice->dims[0] % (uint64_t)lattice->dims[1]);
                 int32_t const z = (int32_t)(i / (uint64_t)lattice->dims[0] / (uint64_t)lattice->dims[1]);
-                fuzz_require(bvx_grid_get(&field.inside, x, y, z) ? values[i] <= 0 : values[i] >= 0, "a dense value on the other side");
+                fuzz_require(bvx_grid_get(&field.inside, x, y, z) ? values[i] <= 0 : values[i] >= 0,
+                             "a dense value on the other side");
             }
         free(values);
         fuzz_must(ctx, bvx_write_field(ctx, &field, fuzz_range(in, 0, 1), BVX_FORMAT_NRRD, &file));
@@ -53,6 +62,7 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     bvx_sections_options b;
     bvx_sections sections = {0};
     bvx_mesh body = {0}, twin = {0};
+
     bvx_mesh_view_of(surface, &view);
     bvx_slice_options_init(&o, sizeof o);
     o.normal[0] = fuzz_range(in, -2, 2);
@@ -86,9 +96,11 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
     bvx_mesh_view view;
     bvx_distance_report r;
     bvx_mesh source = {0};
+
     bvx_mesh_view_of(surface, &view);
     if (fuzz_good(ctx, bvx_mesh_distance(ctx, &m->view, &view, 50, (uint64_t)fuzz_range(in, 0, 255), &r)))
-        fuzz_require(r.mean_a_to_b <= r.max_a_to_b && r.mean_b_to_a <= r.max_b_to_a && r.mean >= 0, "a mean above the maximum");
+        fuzz_require(r.mean_a_to_b <= r.max_a_to_b && r.mean_b_to_a <= r.max_b_to_a && r.mean >= 0,
+                     "a mean above the maximum");
     for (size_t i = 0; i < sizeof colours; i++) colours[i] = (uint8_t)(i * 31);
     source.positions = (void *)(uintptr_t)m->view.positions;
     source.triangles = (uint32_t *)(uintptr_t)m->view.indices;
@@ -96,7 +108,8 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
     source.triangle_count = source.triangle_capacity = m->triangles;
     source.position_type = BVX_F64;
     source.colours = colours;
-    if (fuzz_good(ctx, bvx_mesh_carry(ctx, &source, surface))) fuzz_require(surface->colours != NULL, "colours that were not carried");
+    if (fuzz_good(ctx, bvx_mesh_carry(ctx, &source, surface)))
+        fuzz_require(surface->colours != NULL, "colours that were not carried");
 }
 
 /* In order, each once, and the same pairs with more threads. */
@@ -104,15 +117,21 @@ static void fuzz_crossings(bvx_context *ctx, bvx_context *other, const bvx_mesh_
 {
     static uint32_t pairs[FUZZ_TRIANGLES * FUZZ_TRIANGLES], twins[FUZZ_TRIANGLES * FUZZ_TRIANGLES];
     uint64_t count = 0, again = 0;
+
     if (!fuzz_good(ctx, bvx_mesh_crossings(ctx, view, &count, NULL, 0))) return;
     fuzz_must(ctx, bvx_mesh_crossings(ctx, view, &again, pairs, count));
-    fuzz_require(count == again && count <= view->triangle_count * (view->triangle_count - 1) / 2, "another count with a list");
+    fuzz_require(count == again && count <= view->triangle_count * (view->triangle_count - 1) / 2,
+                 "another count with a list");
     for (uint64_t i = 0; i < count; i++) {
-        fuzz_require(pairs[2 * i] < pairs[2 * i + 1] && pairs[2 * i + 1] < view->triangle_count, "a pair that is none");
-        fuzz_require(i == 0 || pairs[2 * i - 2] < pairs[2 * i] || (pairs[2 * i - 2] == pairs[2 * i] && pairs[2 * i - 1] < pairs[2 * i + 1]), "pairs out of order");
+        fuzz_require(pairs[2 * i] < pairs[2 * i + 1] && pairs[2 * i + 1] < view->triangle_count,
+                     "a pair that is none");
+        fuzz_require(i == 0 || pairs[2 * i - 2] < pairs[2 * i] ||
+                         (pairs[2 * i - 2] == pairs[2 * i] && pairs[2 * i - 1] < pairs[2 * i + 1]),
+                     "pairs out of order");
     }
     fuzz_must(other, bvx_mesh_crossings(other, view, &again, twins, count));
-    fuzz_require(count == again && memcmp(pairs, twins, (size_t)count * 8) == 0, "other pairs with more threads");
+    fuzz_require(count == again && memcmp(pairs, twins, (size_t)count * 8) == 0,
+                 "other pairs with more threads");
 }
 
 static void fuzz_normals(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *view)
@@ -133,20 +152,28 @@ static void fuzz_chosen_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *
     bvx_octree *tree = NULL;
     bvx_octree_leaf leaf[4];
     double points[12];
+
     bvx_refine_options_init(&o, sizeof o);
     for (int i = 0; i < 12; i++) points[i] = fuzz_range(in, -8, 72) / 8.0;
-    if (!fuzz_good(ctx, bvx_refine_choose(ctx, &m->view, fuzz_range(in, 1, 40), &o, &base)) || !fuzz_good(ctx, bvx_refine(ctx, &m->view, &base, &o, &tree))) return;
+    if (!fuzz_good(ctx, bvx_refine_choose(ctx, &m->view, fuzz_range(in, 1, 40), &o, &base)) ||
+        !fuzz_good(ctx, bvx_refine(ctx, &m->view, &base, &o, &tree)))
+        return;
     fuzz_must(ctx, bvx_octree_find(ctx, tree, points, 4, leaf));
-    for (int i = 0; i < 4; i++) fuzz_require(leaf[i].state == BVX_STATE_OUTSIDE || leaf[i].state == BVX_STATE_INSIDE || leaf[i].state == BVX_STATE_SURFACE, "a leaf of no state");
+    for (int i = 0; i < 4; i++)
+        fuzz_require(leaf[i].state == BVX_STATE_OUTSIDE || leaf[i].state == BVX_STATE_INSIDE ||
+                         leaf[i].state == BVX_STATE_SURFACE,
+                     "a leaf of no state");
     bvx_octree_free(ctx, tree);
 }
 
-static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m, const bvx_grid *solid)
+static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
+                          const bvx_grid *solid)
 {
     bvx_render_options o;
     bvx_image image = {0}, twin = {0};
     bvx_buffer file = {0};
     int const kind = fuzz_range(in, 0, 3);
+
     bvx_render_options_init(&o, sizeof o);
     o.width = fuzz_range(in, 1, 40);
     o.height = fuzz_range(in, 1, 40);
@@ -166,7 +193,9 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
         if (!fuzz_good(c, status)) break;
     }
     if (image.pixels != NULL) {
-        fuzz_require(twin.pixels != NULL && memcmp(image.pixels, twin.pixels, (size_t)image.width * (size_t)image.height * 3) == 0, "another picture with more threads");
+        fuzz_require(twin.pixels != NULL && memcmp(image.pixels, twin.pixels,
+                                                   (size_t)image.width * (size_t)image.height * 3) == 0,
+                     "another picture with more threads");
         fuzz_must(ctx, bvx_write_png(ctx, &image, &file));
         bvx_buffer_free(ctx, &file);
     }
@@ -180,10 +209,12 @@ static void fuzz_parts(bvx_context *ctx, const bvx_grid *solid)
     bvx_buffer whole = {0}, head = {0}, slices = {0}, side = {0};
     bvx_grid copy = {0};
     uint64_t first = 0, second = 0;
+
     fuzz_must(ctx, bvx_write_grid(ctx, solid, BVX_FORMAT_BVX, &whole));
     fuzz_must(ctx, bvx_write_head(ctx, &solid->lattice, NULL, &head));
     fuzz_must(ctx, bvx_write_slices(ctx, solid, &slices));
-    fuzz_require(whole.size == head.size + slices.size && memcmp(whole.bytes, head.bytes, (size_t)head.size) == 0 &&
+    fuzz_require(whole.size == head.size + slices.size &&
+                     memcmp(whole.bytes, head.bytes, (size_t)head.size) == 0 &&
                      memcmp(whole.bytes + head.size, slices.bytes, (size_t)slices.size) == 0,
                  "parts that are not the file");
     fuzz_must(ctx, bvx_write_lattice(ctx, solid, &side));
@@ -203,12 +234,15 @@ static void fuzz_parts(bvx_context *ctx, const bvx_grid *solid)
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     bvx_lattice lattice;
     bvx_grid solid = {0};
     bvx_mesh surface = {0};
+
     fuzz_take_mesh(in, &m);
-    if (m.triangles > 0 && fuzz_take_lattice(in, ctx, &m, 16, &lattice) && fuzz_good(ctx, bvx_voxelize_solid(ctx, &m.view, &lattice, NULL, &solid))) {
+    if (m.triangles > 0 && fuzz_take_lattice(in, ctx, &m, 16, &lattice) &&
+        fuzz_good(ctx, bvx_voxelize_solid(ctx, &m.view, &lattice, NULL, &solid))) {
         bvx_extract_options o;
         bvx_extract_options_init(&o, sizeof o);
         o.position_type = BVX_F64;
@@ -216,8 +250,12 @@ static void fuzz_one(fuzz_input *in)
         switch (fuzz_range(in, 0, 7)) {
         case 0: fuzz_compare(ctx, in, &m, &lattice); break;
         case 1: fuzz_dense(ctx, in, &m, &lattice); break;
-        case 2: if (surface.triangle_count > 0) fuzz_slices(ctx, other, in, &surface); break;
-        case 3: if (surface.triangle_count > 0) fuzz_distances(ctx, in, &m, &surface); break;
+        case 2:
+            if (surface.triangle_count > 0) fuzz_slices(ctx, other, in, &surface);
+            break;
+        case 3:
+            if (surface.triangle_count > 0) fuzz_distances(ctx, in, &m, &surface);
+            break;
         case 4: fuzz_chosen_tree(ctx, in, &m); break;
         case 5: fuzz_pictures(ctx, other, in, &m, &solid); break;
         case 6:

@@ -1,5 +1,6 @@
-/* fuzz_components.c - parts of grids, cavities, topology, clouds of points and files of them: labels, lists and what is kept agree
- * with each other; many threads and fast kernels equal one portable thread; windows of clouds equal the whole. */
+/* fuzz_components.c - parts of grids, cavities, topology, clouds of points and
+ * files of them: labels, lists and what is kept agree with each other; many threads
+ * and fast kernels equal one portable thread; windows of clouds equal the whole. */
 #include "fuzz_input.h"
 
 enum { FUZZ_VOXELS = 150 * 12 * 12, FUZZ_TEXT = 400 };
@@ -11,6 +12,7 @@ static void fuzz_take_grid(bvx_context *ctx, fuzz_input *in, bvx_grid *g)
     uint64_t state = (uint64_t)fuzz_range(in, 0, 65535) * 2 + 1;
     int const dense = fuzz_range(in, 0, 3);
     bvx_lattice l;
+
     fuzz_must(ctx, bvx_lattice_make(ctx, origin, spacing, dims, &l));
     fuzz_must(ctx, bvx_grid_create(ctx, &l, NULL, g));
     for (int32_t z = 0; z < dims[2]; z++)
@@ -41,20 +43,24 @@ static uint64_t fuzz_labels(bvx_context *ctx, bvx_context *other, const bvx_grid
     uint64_t const n = (uint64_t)g->size[0] * (uint64_t)g->size[1] * (uint64_t)g->size[2];
     uint64_t const nx = (uint64_t)g->size[0], slice = nx * (uint64_t)g->size[1];
     uint64_t count = 0, labelled = 0;
+
     fuzz_must(ctx, bvx_grid_components(ctx, g, connectivity, parts, FUZZ_VOXELS, &count));
     fuzz_must(ctx, bvx_grid_label(ctx, g, connectivity, labels, n, &labelled));
     fuzz_must(other, bvx_grid_label(other, g, connectivity, twin, n, &labelled));
-    fuzz_require(count == labelled && memcmp(labels, twin, (size_t)n * 4) == 0, "other labels with more threads");
+    fuzz_require(count == labelled && memcmp(labels, twin, (size_t)n * 4) == 0,
+                 "other labels with more threads");
     memset(voxels, 0, (size_t)(count + 1) * sizeof voxels[0]);
     for (uint64_t i = 0; i < n; i++) {
         int32_t const x = (int32_t)(i % nx), y = (int32_t)(i % slice / nx), z = (int32_t)(i / slice);
-        fuzz_require(labels[i] <= count && (labels[i] != 0) == bvx_grid_get(g, x, y, z), "a label where no voxel is, or none");
+        fuzz_require(labels[i] <= count && (labels[i] != 0) == bvx_grid_get(g, x, y, z),
+                     "a label where no voxel is, or none");
         voxels[labels[i]]++;
         if (labels[i] == 0) continue;
         fuzz_require(voxels[labels[i]] > 1 || parts[labels[i] - 1].first == i, "a part begins elsewhere");
         fuzz_require(x == 0 || labels[i - 1] == 0 || labels[i - 1] == labels[i], "two labels along x");
         fuzz_require(y == 0 || labels[i - nx] == 0 || labels[i - nx] == labels[i], "two labels along y");
-        fuzz_require(z == 0 || labels[i - slice] == 0 || labels[i - slice] == labels[i], "two labels along z");
+        fuzz_require(z == 0 || labels[i - slice] == 0 || labels[i - slice] == labels[i],
+                     "two labels along z");
     }
     for (uint64_t i = 0; i < count; i++) {
         fuzz_require(parts[i].voxels == voxels[i + 1], "a part of another size");
@@ -63,13 +69,15 @@ static uint64_t fuzz_labels(bvx_context *ctx, bvx_context *other, const bvx_grid
     return count;
 }
 
-static void fuzz_keep(bvx_context *ctx, fuzz_input *in, const bvx_grid *g, int32_t connectivity, uint64_t count)
+static void fuzz_keep(bvx_context *ctx, fuzz_input *in, const bvx_grid *g, int32_t connectivity,
+                      uint64_t count)
 {
     int32_t seeds[6];
     bvx_keep_options o;
     bvx_keep_report r;
     bvx_grid kept = {0};
     uint64_t left = 0, parts = 0;
+
     for (int i = 0; i < 6; i++) seeds[i] = fuzz_range(in, 0, g->size[i % 3] - 1);
     bvx_keep_options_init(&o, sizeof o);
     o.connectivity = connectivity;
@@ -81,7 +89,8 @@ static void fuzz_keep(bvx_context *ctx, fuzz_input *in, const bvx_grid *g, int32
     fuzz_must(ctx, bvx_grid_keep(ctx, g, &o, &kept));
     fuzz_must(ctx, bvx_grid_count(ctx, &kept, &left));
     fuzz_must(ctx, bvx_grid_components(ctx, &kept, connectivity, NULL, 0, &parts));
-    fuzz_require(r.kept + r.dropped == count && r.kept == parts && r.voxels_kept == left, "another number kept than told");
+    fuzz_require(r.kept + r.dropped == count && r.kept == parts && r.voxels_kept == left,
+                 "another number kept than told");
     fuzz_require(o.largest == 0 || parts <= o.largest, "too many kept");
     bvx_grid_free(ctx, &kept);
 }
@@ -91,13 +100,16 @@ static void fuzz_topology(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     int32_t const connectivity = fuzz_range(in, 0, 1) ? 6 : 26;
     bvx_topology t, twin, after;
     uint64_t filled = 0;
+
     fuzz_must(ctx, bvx_grid_topology(ctx, g, connectivity, &t));
     fuzz_must(other, bvx_grid_topology(other, g, connectivity, &twin));
     fuzz_require(memcmp(&t, &twin, sizeof t) == 0, "another topology with more threads");
     fuzz_require(t.tunnels >= 0, "fewer tunnels than none");
     fuzz_must(ctx, bvx_grid_fill_cavities(ctx, g, connectivity == 6 ? 26 : 6, 0, g, &filled));
     fuzz_must(ctx, bvx_grid_topology(ctx, g, connectivity, &after));
-    fuzz_require(after.cavities == 0 && after.voxels == t.voxels + filled && (filled != 0) == (t.cavities != 0), "cavities that are left");
+    fuzz_require(after.cavities == 0 && after.voxels == t.voxels + filled &&
+                     (filled != 0) == (t.cavities != 0),
+                 "cavities that are left");
 }
 
 static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
@@ -109,6 +121,7 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
     bvx_lattice lattice, boxed;
     bvx_grid whole = {0}, part = {0}, body = {0};
     double low[3], high[3];
+
     fuzz_take_mesh(in, &m);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = fuzz_range(in, 1, 40);
@@ -121,12 +134,14 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
         }
     }
     fuzz_must(ctx, bvx_lattice_fit_box(ctx, low, high, &fit, &boxed));
-    fuzz_require(memcmp(&boxed, &lattice, sizeof boxed) == 0, "the box of points has another lattice than they have");
+    fuzz_require(memcmp(&boxed, &lattice, sizeof boxed) == 0,
+                 "the box of points has another lattice than they have");
     bvx_points_options_init(&o, sizeof o);
     o.minimum = fuzz_range(in, 1, 5);
     o.report = &r;
     fuzz_must(ctx, bvx_voxelize_points(ctx, &m.view, &lattice, &o, &whole));
-    fuzz_require(r.outside == 0 && r.inside == m.vertices, "points beyond the lattice that was fitted to them");
+    fuzz_require(r.outside == 0 && r.inside == m.vertices,
+                 "points beyond the lattice that was fitted to them");
     o.window = fuzz_take_window(in, &lattice);
     fuzz_must(ctx, bvx_voxelize_points(ctx, &m.view, &lattice, &o, &part));
     fuzz_part_equals_whole(&part, &whole, "a window that differs from the whole");
@@ -150,12 +165,15 @@ static void fuzz_text(bvx_context *ctx, fuzz_input *in)
     uint64_t state = (uint64_t)fuzz_range(in, 0, 65535) * 2 + 1;
     bvx_mesh m = {0};
     bvx_status status;
+
     for (int i = 0; i < size; i++) {
         state ^= state << 13, state ^= state >> 7, state ^= state << 17;
         text[i] = i % 7 == 6 ? '\n' : letters[(state >> 33) % (sizeof letters - 1)];
     }
     status = bvx_read_points(ctx, text, (uint64_t)size, BVX_FORMAT_XYZ, &m);
-    fuzz_require(status == BVX_OK || status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE, bvx_last_message(ctx));
+    fuzz_require(status == BVX_OK || status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY ||
+                     status == BVX_ERR_RANGE,
+                 bvx_last_message(ctx));
     fuzz_require((status == BVX_OK) == (m.positions != NULL), "points behind an error");
     bvx_mesh_free(ctx, &m);
 }
@@ -163,9 +181,11 @@ static void fuzz_text(bvx_context *ctx, fuzz_input *in)
 static void fuzz_one(fuzz_input *in)
 {
     static const int32_t kinds[3] = {6, 18, 26};
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     int32_t const connectivity = kinds[fuzz_range(in, 0, 2)];
     bvx_grid g = {0};
+
     fuzz_take_grid(ctx, in, &g);
     fuzz_keep(ctx, in, &g, connectivity, fuzz_labels(ctx, other, &g, connectivity));
     fuzz_topology(ctx, other, in, &g);

@@ -1,5 +1,6 @@
-/* fuzz_fields.c - meshes to distance fields, their surfaces, closest points and repaired meshes: windows hold the whole's
- * values, threads equal one, distances are those of the nearest points, every surface is certified whatever the mesh. */
+/* fuzz_fields.c - meshes to distance fields, their surfaces, closest points and
+ * repaired meshes: windows hold the whole's values, threads equal one, distances
+ * are those of the nearest points, every surface is certified whatever the mesh. */
 #include "fuzz_input.h"
 
 #include <math.h>
@@ -9,20 +10,27 @@ static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
     for (int32_t z = 0; z < part->band.size[2]; z++)
         for (int32_t y = 0; y < part->band.size[1]; y++)
             for (int32_t x = 0; x < part->band.size[0]; x++) {
-                int32_t const u = x + part->band.low[0] - whole->band.low[0], v = y + part->band.low[1] - whole->band.low[1],
+                int32_t const u = x + part->band.low[0] - whole->band.low[0],
+                              v = y + part->band.low[1] - whole->band.low[1],
                               w = z + part->band.low[2] - whole->band.low[2];
                 uint64_t const a = bvx_field_value(part, x, y, z), b = bvx_field_value(whole, u, v, w);
                 fuzz_require((a == UINT64_MAX) == (b == UINT64_MAX), "another band in a window");
                 if (a == UINT64_MAX) continue;
-                fuzz_require(memcmp((const double *)part->distances + a, (const double *)whole->distances + b, sizeof(double)) == 0, "another distance in a window");
-                fuzz_require(memcmp((const double *)part->vectors + 3 * a, (const double *)whole->vectors + 3 * b, 3 * sizeof(double)) == 0, "another vector in a window");
+                fuzz_require(memcmp((const double *)part->distances + a, (const double *)whole->distances + b,
+                                    sizeof(double)) == 0,
+                             "another distance in a window");
+                fuzz_require(memcmp((const double *)part->vectors + 3 * a,
+                                    (const double *)whole->vectors + 3 * b, 3 * sizeof(double)) == 0,
+                             "another vector in a window");
             }
 }
 
 /* Its values are the distances to the nearest points by the other engine, up to rounding. */
-static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice *lattice, const bvx_field *field)
+static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice *lattice,
+                         const bvx_field *field)
 {
     bvx_closest *closest = NULL;
+
     fuzz_must(ctx, bvx_closest_create(ctx, &m->view, &closest));
     for (int32_t z = 0; z < field->band.size[2]; z += 3)
         for (int32_t y = 0; y < field->band.size[1]; y += 2)
@@ -36,7 +44,8 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
                 p[2] = lattice->origin[2] + (z + field->band.low[2] + 0.5) * lattice->spacing[2];
                 fuzz_must(ctx, bvx_closest_find(ctx, closest, p, 1, &found));
                 distance = ((const double *)field->distances)[n];
-                fuzz_require(fabs(fabs(distance) - found.distance) <= 1e-9 * (1 + found.distance), "a distance that is not the nearest point's");
+                fuzz_require(fabs(fabs(distance) - found.distance) <= 1e-9 * (1 + found.distance),
+                             "a distance that is not the nearest point's");
             }
     bvx_closest_free(ctx, closest);
 }
@@ -45,20 +54,24 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
 {
     bvx_field_surface_options o;
     bvx_mesh mesh = {0};
+
     if (field->inside.words == NULL) return;
     bvx_field_surface_options_init(&o, sizeof o);
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.face_rule = fuzz_range(in, 0, 1);
     o.sharp = fuzz_range(in, 0, 1);
     o.position_type = BVX_F64;
-    if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh))) fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
+    if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh)))
+        fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
     bvx_mesh_free(ctx, &mesh);
 }
 
-static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
+static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
+                       const bvx_lattice *lattice)
 {
     bvx_field_options o;
     bvx_field whole = {0}, twin = {0}, part = {0};
+
     bvx_field_options_init(&o, sizeof o);
     o.half_width = fuzz_range(in, 1, 16) / 4.0;
     o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_NONE);
@@ -67,13 +80,17 @@ static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
     if (!fuzz_good(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &whole))) return;
     fuzz_must(other, bvx_measure_field(other, &m->view, lattice, &o, &twin));
     fuzz_grids_equal(&whole.band, &twin.band, "another band with more threads");
-    fuzz_require(whole.value_count == twin.value_count && (whole.value_count == 0 || memcmp(whole.distances, twin.distances, (size_t)whole.value_count * 8) == 0),
+    fuzz_require(whole.value_count == twin.value_count &&
+                     (whole.value_count == 0 ||
+                      memcmp(whole.distances, twin.distances, (size_t)whole.value_count * 8) == 0),
                  "other distances with more threads");
-    if (whole.inside.words != NULL) fuzz_grids_equal(&whole.inside, &twin.inside, "another inside with more threads");
+    if (whole.inside.words != NULL)
+        fuzz_grids_equal(&whole.inside, &twin.inside, "another inside with more threads");
     o.window = fuzz_take_window(in, lattice);
     fuzz_must(ctx, bvx_measure_field(ctx, &m->view, lattice, &o, &part));
     fuzz_values_equal(&part, &whole);
-    if (whole.inside.words != NULL) fuzz_part_equals_whole(&part.inside, &whole.inside, "another inside in a window");
+    if (whole.inside.words != NULL)
+        fuzz_part_equals_whole(&part.inside, &whole.inside, "another inside in a window");
     fuzz_nearest(ctx, m, lattice, &whole);
     fuzz_field_surface(ctx, in, m, &whole);
     bvx_field_free(ctx, &whole);
@@ -85,6 +102,7 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 {
     bvx_repair_options o;
     bvx_mesh mesh = {0}, twin = {0};
+
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
@@ -106,11 +124,14 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     bvx_lattice lattice;
+
     fuzz_take_mesh(in, &m);
     if (m.triangles > 0) {
-        if (fuzz_range(in, 0, 1) == 0 && fuzz_take_lattice(in, ctx, &m, 14, &lattice)) fuzz_field(ctx, other, in, &m, &lattice);
+        if (fuzz_range(in, 0, 1) == 0 && fuzz_take_lattice(in, ctx, &m, 14, &lattice))
+            fuzz_field(ctx, other, in, &m, &lattice);
         else fuzz_repaired(ctx, other, in, &m);
     }
     fuzz_end(ctx);

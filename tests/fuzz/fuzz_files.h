@@ -1,10 +1,13 @@
-/* fuzz_files.h - what the fuzz targets of readers share: formats and files to begin with, damage, corpora, and what every reading keeps.
+/* fuzz_files.h - what the fuzz targets of readers share: formats and files to begin with, damage, corpora,
+ * and what every reading keeps.
  *
- * A target defines fuzz_reader and includes this header. It is a libFuzzer target for one format, -DFUZZ_FORMAT=NAME (the first one
- * without), whose inputs are files; and with BVX_FUZZ_MAIN a program of its own:
+ * A target defines fuzz_reader and includes this header. It is a libFuzzer target for one format,
+ * -DFUZZ_FORMAT=NAME (the first one without), whose inputs are files; and with BVX_FUZZ_MAIN a program of its
+ * own:
  *   fuzz_readers [inputs [seed]]     that many files of all formats, damaged by a fixed generator
  *   fuzz_readers FORMAT FILE...      these files (a corpus)
- *   fuzz_readers --seeds FOLDER FORMAT   writes the good files to FOLDER/FORMAT/corpus and words to FOLDER/FORMAT/words, for libFuzzer */
+ *   fuzz_readers --seeds FOLDER FORMAT   writes the good files to FOLDER/FORMAT/corpus and words to
+ *   FOLDER/FORMAT/words, for libFuzzer */
 #ifndef FUZZ_FILES_H
 #define FUZZ_FILES_H
 
@@ -30,23 +33,30 @@ typedef struct fuzz_target {
     int format_count;
     const char *const *words; /* that mean something in them */
     int word_count;
-    int (*read)(bvx_context *ctx, const uint8_t *file, size_t size, int format);  /* 1: it was read, 0: refused for a reason */
-    void (*seal)(uint8_t *file, size_t size, int format); /* puts right checksums into a file; NULL: there are none */
-    int (*make_seeds)(bvx_context *ctx, fuzz_file *seeds);                          /* returns how many */
+    /* 1: it was read, 0: refused for a reason */
+    int (*read)(bvx_context *ctx, const uint8_t *file, size_t size, int format);
+    /* puts right checksums into a file; NULL: there are none */
+    void (*seal)(uint8_t *file, size_t size, int format);
+    int (*make_seeds)(bvx_context *ctx, fuzz_file *seeds); /* returns how many */
 } fuzz_target;
 
 static const fuzz_target *fuzz_reader(void);
 
 /* ---- Contracts ---- */
 
-/* 1: it was read. Else it must say why in a line, and for a reason that files have; and reading never takes more than it may. */
-static inline int fuzz_was_read(bvx_context *ctx, bvx_status status, int32_t multiple, uint64_t size, uint64_t asked_for)
+/* 1: it was read. Else it must say why in a line, and for a reason that
+ * files have; and reading never takes more than it may. */
+static inline int fuzz_was_read(bvx_context *ctx, bvx_status status, int32_t multiple, uint64_t size,
+                                uint64_t asked_for)
 {
     const char *const message = bvx_last_message(ctx);
-    fuzz_require(bvx_memory_peak(ctx) <= read_limit(multiple, size) + asked_for, "more memory than the file's size allows");
+    fuzz_require(bvx_memory_peak(ctx) <= read_limit(multiple, size) + asked_for,
+                 "more memory than the file's size allows");
     if (status == BVX_OK) return 1;
     fuzz_require(strlen(message) > 10 && strchr(message, '\n') == NULL, "an error without a line of words");
-    fuzz_require(status == BVX_ERR_FORMAT || status == BVX_ERR_RANGE || status == BVX_ERR_EMPTY || status == BVX_ERR_UNSUPPORTED, message);
+    fuzz_require(status == BVX_ERR_FORMAT || status == BVX_ERR_RANGE || status == BVX_ERR_EMPTY ||
+                     status == BVX_ERR_UNSUPPORTED,
+                 message);
     return 0;
 }
 
@@ -62,13 +72,14 @@ static inline int fuzz_read_file(bvx_context *ctx, const uint8_t *file, size_t s
     return read;
 }
 
-/* As it is; and with right checksums, else nothing behind them would ever be tried. Both in blocks of exact size, so that a
- * sanitizer sees a read beyond the end. */
+/* As it is; and with right checksums, else nothing behind them would ever be tried. Both in blocks of exact
+ * size, so that a sanitizer sees a read beyond the end. */
 static inline int fuzz_read_twice(bvx_context *ctx, const uint8_t *bytes, size_t size, int format)
 {
     const fuzz_target *const target = fuzz_reader();
     uint8_t *const file = malloc(size > 0 ? size : 1);
     int read;
+
     fuzz_require(file != NULL, "no memory");
     if (size > 0) memcpy(file, bytes, size);
     read = fuzz_read_file(ctx, file, size, format);
@@ -160,6 +171,7 @@ static size_t fuzz_insert(uint8_t *file, size_t size, size_t at, const char *wor
 {
     int const piece = fuzz_below(2) == 0;
     size_t n = piece ? 1 + fuzz_below(60) : strlen(word);
+
     if (piece && fuzz_below(3) == 0) n = 8 * (1 + n % 4);
     if (piece && n > size - at) n = size - at;
     if (size + n > FUZZ_SEED_SIZE) return size;
@@ -168,22 +180,25 @@ static size_t fuzz_insert(uint8_t *file, size_t size, size_t at, const char *wor
     return size + n;
 }
 
-/* One damage: a bit, a byte, a digit, a number of four bytes, a word laid over or put between, a piece repeated or cut out, or a tail
- * cut off. Heads are hit more often than what follows them. */
+/* One damage: a bit, a byte, a digit, a number of four bytes, a word laid over or put between, a piece
+ * repeated or cut out, or a tail cut off. Heads are hit more often than what follows them. */
 static size_t fuzz_damage(uint8_t *file, size_t size)
 {
-    static const uint32_t numbers[] = {0, 1, 2, 3, 0xffffffffu, 0x7fffffffu, 0x80000000u, 0xffff, 256, 1 << 25, 1 << 28, 0x7f800000u, 0x7fc00000u};
+    static const uint32_t numbers[] = {0,      1,   2,       3,       0xffffffffu, 0x7fffffffu, 0x80000000u,
+                                       0xffff, 256, 1 << 25, 1 << 28, 0x7f800000u, 0x7fc00000u};
     const fuzz_target *const target = fuzz_reader();
     const char *const word = target->words[fuzz_below((size_t)target->word_count)];
     size_t const at = fuzz_below(2) == 0 ? fuzz_below(size) : fuzz_below(size < 256 ? size : 256);
+
     switch (fuzz_below(8)) {
     case 0: file[at] ^= (uint8_t)(1u << fuzz_below(8)); return size;
     case 1: file[at] = (uint8_t)fuzz_below(256); return size;
-    case 2: file[at] = (uint8_t)"0123456789-+.e /\n\r\t#"[fuzz_below(20)]; return size;
+    case 2: file[at] = (uint8_t) "0123456789-+.e /\n\r\t#"[fuzz_below(20)]; return size;
     case 3: {
         uint32_t const v = numbers[fuzz_below(sizeof numbers / sizeof numbers[0])];
         size_t const big = fuzz_below(2), from = fuzz_below(2) == 0 ? at & ~(size_t)3 : at;
-        for (size_t i = 0; i < 4 && from + i < size; i++) file[from + i] = (uint8_t)(v >> 8 * (big ? 3 - i : i) & 0xff);
+        for (size_t i = 0; i < 4 && from + i < size; i++)
+            file[from + i] = (uint8_t)(v >> 8 * (big ? 3 - i : i) & 0xff);
         return size;
     }
     case 4:
@@ -208,10 +223,12 @@ static void fuzz_write_words(const char *name)
     const fuzz_target *const target = fuzz_reader();
     static char text[16384];
     size_t n = 0;
+
     for (int w = 0; w < target->word_count; w++) {
         fuzz_require(n + 4 * strlen(target->words[w]) + 4 < sizeof text, "too many words");
         text[n++] = '"';
-        for (const char *c = target->words[w]; *c != 0; c++) n += (size_t)snprintf(text + n, 5, "\\x%02x", (unsigned)(unsigned char)*c);
+        for (const char *c = target->words[w]; *c != 0; c++)
+            n += (size_t)snprintf(text + n, 5, "\\x%02x", (unsigned)(unsigned char)*c);
         text[n++] = '"';
         text[n++] = '\n';
     }
@@ -221,6 +238,7 @@ static void fuzz_write_words(const char *name)
 static int fuzz_write_seeds(const char *folder, const char *format, const fuzz_file *seeds, int count)
 {
     char name[1024];
+
     for (int i = 0; i < count; i++) {
         if (seeds[i].format != fuzz_format_named(format)) continue;
         snprintf(name, sizeof name, "%s/%s/corpus/seed_%d", folder, format, i);
@@ -238,6 +256,7 @@ int main(int argc, char **argv)
     bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_BEST);
     unsigned long inputs = 20000, read = 0;
     int const count = target->make_seeds(ctx, seeds);
+
     if (argc > 3 && strcmp(argv[1], "--seeds") == 0) {
         fuzz_end(ctx);
         return fuzz_write_seeds(argv[2], argv[3], seeds, count);
@@ -251,11 +270,15 @@ int main(int argc, char **argv)
     fuzz_state = argc > 2 ? strtoul(argv[2], NULL, 10) : 1;
     fuzz_state = fuzz_state * 2 + 1; /* never 0 */
     for (int i = 0; i < count; i++)
-        fuzz_require(fuzz_read_twice(ctx, seeds[i].bytes, seeds[i].size, seeds[i].format), bvx_last_message(ctx));
+        fuzz_require(fuzz_read_twice(ctx, seeds[i].bytes, seeds[i].size, seeds[i].format),
+                     bvx_last_message(ctx));
     for (unsigned long i = 0; i < inputs; i++) {
         work = seeds[i % (unsigned long)count];
-        for (size_t n = 1 + fuzz_below(4); n > 0 && work.size > 0; n--) work.size = fuzz_damage(work.bytes, work.size);
-        read += (unsigned long)fuzz_read_twice(ctx, work.bytes, work.size, fuzz_below(50) == 0 ? (int)fuzz_below((size_t)target->format_count) : work.format);
+        for (size_t n = 1 + fuzz_below(4); n > 0 && work.size > 0; n--)
+            work.size = fuzz_damage(work.bytes, work.size);
+        read += (unsigned long)fuzz_read_twice(
+            ctx, work.bytes, work.size,
+            fuzz_below(50) == 0 ? (int)fuzz_below((size_t)target->format_count) : work.format);
     }
     fuzz_end(ctx);
     printf("fuzz: %lu files, %lu of them read, 0 failures\n", inputs, read);

@@ -1,18 +1,25 @@
-/* fuzz_grids.c - the readers of grids, volumes and lattices on damaged files: no crash, no leak, no more memory than the file's size allows
- * beside the grid; an error in words, or a valid grid that is written and read to itself, and whose windows hold what it holds. */
+/* fuzz_grids.c - the readers of grids, volumes and lattices on damaged files: no crash, no leak, no more
+ * memory than the file's size allows beside the grid; an error in words, or a valid grid that is written and
+ * read to itself, and whose windows hold what it holds. */
 #include "fuzz_files.h"
 
-enum { FUZZ_NPY, FUZZ_BINVOX, FUZZ_VOX, FUZZ_NRRD, FUZZ_VTI, FUZZ_BVX, FUZZ_RAW, FUZZ_LATTICE, FUZZ_RAW_HEAD = 12, FUZZ_WORDS = 4096 };
+enum {
+    FUZZ_NPY,
+    FUZZ_BINVOX,
+    FUZZ_VOX,
+    FUZZ_NRRD,
+    FUZZ_VTI,
+    FUZZ_BVX,
+    FUZZ_RAW,
+    FUZZ_LATTICE,
+    FUZZ_RAW_HEAD = 12,
+    FUZZ_WORDS = 4096
+};
 
 static const fuzz_format formats[] = {
-    {"npy", BVX_FORMAT_NPY},
-    {"binvox", BVX_FORMAT_BINVOX},
-    {"vox", BVX_FORMAT_VOX},
-    {"nrrd", BVX_FORMAT_NRRD},
-    {"vti", BVX_FORMAT_VTI},
-    {"bvx", BVX_FORMAT_BVX},
-    {"raw", BVX_FORMAT_RAW},
-    {"lattice", BVX_FORMAT_UNKNOWN},
+    {"npy", BVX_FORMAT_NPY},   {"binvox", BVX_FORMAT_BINVOX},   {"vox", BVX_FORMAT_VOX},
+    {"nrrd", BVX_FORMAT_NRRD}, {"vti", BVX_FORMAT_VTI},         {"bvx", BVX_FORMAT_BVX},
+    {"raw", BVX_FORMAT_RAW},   {"lattice", BVX_FORMAT_UNKNOWN},
 };
 
 static size_t fuzz_grid_words(const bvx_grid *g)
@@ -23,15 +30,18 @@ static size_t fuzz_grid_words(const bvx_grid *g)
 static void fuzz_check_lattice(const bvx_grid *g)
 {
     for (int a = 0; a < 3; a++) {
-        fuzz_require(g->size[a] >= 1 && g->low[a] >= 0 && g->low[a] <= g->lattice.dims[a] - g->size[a], "a window outside its lattice");
-        fuzz_require(g->lattice.spacing[a] > 0 && g->lattice.spacing[a] - g->lattice.spacing[a] == 0, "a spacing that is none");
+        fuzz_require(g->size[a] >= 1 && g->low[a] >= 0 && g->low[a] <= g->lattice.dims[a] - g->size[a],
+                     "a window outside its lattice");
+        fuzz_require(g->lattice.spacing[a] > 0 && g->lattice.spacing[a] - g->lattice.spacing[a] == 0,
+                     "a spacing that is none");
         fuzz_require(g->lattice.origin[a] - g->lattice.origin[a] == 0, "an origin that is not finite");
     }
 }
 
 static void fuzz_check_grid(const bvx_grid *g)
 {
-    fuzz_require(g->words != NULL && g->owned == 1 && g->word_capacity >= fuzz_grid_words(g), "a grid without words");
+    fuzz_require(g->words != NULL && g->owned == 1 && g->word_capacity >= fuzz_grid_words(g),
+                 "a grid without words");
     fuzz_require(g->words_per_row == (g->size[0] + 63) / 64, "words per row that do not fit");
     fuzz_check_lattice(g);
     if (g->size[0] % 64 == 0) return;
@@ -44,21 +54,27 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_grid *g)
 {
     bvx_buffer b = {0};
     bvx_grid back = {0};
+
     if (fuzz_grid_words(g) > FUZZ_WORDS) return;
     fuzz_require(bvx_write_grid(ctx, g, BVX_FORMAT_BVX, &b) == BVX_OK, "a grid that cannot be written");
-    fuzz_require(bvx_read_grid(ctx, b.bytes, b.size, BVX_FORMAT_BVX, NULL, &back) == BVX_OK, "a written grid that cannot be read");
-    fuzz_require(memcmp(&back.lattice, &g->lattice, sizeof g->lattice) == 0 && memcmp(back.low, g->low, sizeof g->low) == 0 &&
-                     memcmp(back.size, g->size, sizeof g->size) == 0 && memcmp(back.words, g->words, 8 * fuzz_grid_words(g)) == 0,
+    fuzz_require(bvx_read_grid(ctx, b.bytes, b.size, BVX_FORMAT_BVX, NULL, &back) == BVX_OK,
+                 "a written grid that cannot be read");
+    fuzz_require(memcmp(&back.lattice, &g->lattice, sizeof g->lattice) == 0 &&
+                     memcmp(back.low, g->low, sizeof g->low) == 0 &&
+                     memcmp(back.size, g->size, sizeof g->size) == 0 &&
+                     memcmp(back.words, g->words, 8 * fuzz_grid_words(g)) == 0,
                  "a grid that changed by writing and reading");
     bvx_grid_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 }
 
 /* The window in the middle of what was read. */
-static void fuzz_check_window(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format, const bvx_grid *g)
+static void fuzz_check_window(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format,
+                              const bvx_grid *g)
 {
     bvx_window w;
     bvx_grid part = {0};
+
     if (fuzz_grid_words(g) > FUZZ_WORDS) return;
     for (int a = 0; a < 3; a++) {
         w.low[a] = g->size[a] / 3;
@@ -69,7 +85,8 @@ static void fuzz_check_window(bvx_context *ctx, const uint8_t *file, size_t size
     for (int32_t z = 0; z < w.size[2]; z++)
         for (int32_t y = 0; y < w.size[1]; y++)
             for (int32_t x = 0; x < w.size[0]; x++)
-                fuzz_require(bvx_grid_get(&part, x, y, z) == bvx_grid_get(g, x + w.low[0], y + w.low[1], z + w.low[2]),
+                fuzz_require(bvx_grid_get(&part, x, y, z) ==
+                                 bvx_grid_get(g, x + w.low[0], y + w.low[1], z + w.low[2]),
                              "a window that differs from the whole");
     bvx_grid_free(ctx, &part);
 }
@@ -77,15 +94,18 @@ static void fuzz_check_window(bvx_context *ctx, const uint8_t *file, size_t size
 /* ---- volumes ---- */
 
 /* As deflate does, this makes up to a thousand times what is given. */
-static int32_t fuzz_unpack(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size)
+static int32_t fuzz_unpack(void *user, const void *packed, uint64_t packed_size, void *plain,
+                           uint64_t plain_size)
 {
     (void)user;
     if (packed_size == 0 || packed_size < plain_size / 1032) return 1;
-    for (uint64_t i = 0; i < plain_size; i++) ((uint8_t *)plain)[i] = ((const uint8_t *)packed)[i % packed_size];
+    for (uint64_t i = 0; i < plain_size; i++)
+        ((uint8_t *)plain)[i] = ((const uint8_t *)packed)[i % packed_size];
     return 0;
 }
 
-/* What a grid of the samples holds, the file's grid holds too; with halves and numbers near 0 it may hold more. */
+/* What a grid of the samples holds, the file's grid holds too; with halves
+ * and numbers near 0 it may hold more. */
 static void fuzz_check_samples(bvx_context *ctx, const bvx_volume *v, const bvx_grid *whole)
 {
     bvx_grid g = {0};
@@ -97,14 +117,17 @@ static void fuzz_check_samples(bvx_context *ctx, const bvx_volume *v, const bvx_
     bvx_grid_free(ctx, &g);
 }
 
-static int fuzz_read_volume(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format, const bvx_read_volume_options *o, const bvx_grid *whole)
+static int fuzz_read_volume(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format,
+                            const bvx_read_volume_options *o, const bvx_grid *whole)
 {
     static const bvx_volume empty = {0};
     bvx_volume v = {0};
     int good;
+
     bvx_memory_reset_peak(ctx);
     uint64_t const before = bvx_memory_used(ctx);
-    good = fuzz_was_read(ctx, bvx_read_volume(ctx, file, size, format, o, &v), o->inflate != NULL ? READ_GZIP : READ_VOLUME, size, before);
+    good = fuzz_was_read(ctx, bvx_read_volume(ctx, file, size, format, o, &v),
+                         o->inflate != NULL ? READ_GZIP : READ_VOLUME, size, before);
     if (good) fuzz_check_samples(ctx, &v, whole);
     else fuzz_require(memcmp(&v, &empty, sizeof v) == 0, "a volume behind an error");
     bvx_volume_free(ctx, &v);
@@ -117,6 +140,7 @@ static void fuzz_read_packed(bvx_context *ctx, const uint8_t *file, size_t size)
     bvx_read_volume_options o;
     uint64_t files = 0;
     char name[64];
+
     bvx_read_volume_options_init(&o, sizeof o);
     o.data = file;
     o.data_size = size;
@@ -131,6 +155,7 @@ static void fuzz_read_packed(bvx_context *ctx, const uint8_t *file, size_t size)
 static int fuzz_read_raw(bvx_context *ctx, const uint8_t *file, size_t size)
 {
     bvx_read_volume_options o;
+
     if (size <= FUZZ_RAW_HEAD) return 0;
     bvx_read_volume_options_init(&o, sizeof o);
     o.sample_type = 1 + file[0] % 10;
@@ -150,6 +175,7 @@ static int fuzz_read_lattice(bvx_context *ctx, const uint8_t *file, size_t size)
     bvx_grid g = {0}, before, back;
     bvx_buffer b = {0};
     int good;
+
     for (int a = 0; a < 3; a++) g.size[a] = g.lattice.dims[a] = 2 + a, g.lattice.spacing[a] = 1;
     g.lattice.fraction_bits = 16;
     g.words = words;
@@ -157,12 +183,14 @@ static int fuzz_read_lattice(bvx_context *ctx, const uint8_t *file, size_t size)
     g.word_capacity = 24;
     before = back = g;
     bvx_status const status = bvx_read_lattice(ctx, file, size, &g);
-    if (status == BVX_ERR_LATTICE) return fuzz_require(memcmp(&g, &before, sizeof g) == 0, "a lattice behind an error"), 1;
+    if (status == BVX_ERR_LATTICE)
+        return fuzz_require(memcmp(&g, &before, sizeof g) == 0, "a lattice behind an error"), 1;
     good = fuzz_was_read(ctx, status, 0, size, 0);
     if (!good) return fuzz_require(memcmp(&g, &before, sizeof g) == 0, "a lattice behind an error"), 0;
     fuzz_check_lattice(&g);
     fuzz_require(bvx_write_lattice(ctx, &g, &b) == BVX_OK, bvx_last_message(ctx));
-    fuzz_require(bvx_read_lattice(ctx, b.bytes, b.size, &back) == BVX_OK && memcmp(&back, &g, sizeof g) == 0, "a lattice that changed by writing and reading");
+    fuzz_require(bvx_read_lattice(ctx, b.bytes, b.size, &back) == BVX_OK && memcmp(&back, &g, sizeof g) == 0,
+                 "a lattice that changed by writing and reading");
     bvx_buffer_free(ctx, &b);
     return 1;
 }
@@ -172,28 +200,35 @@ static int fuzz_read_lattice(bvx_context *ctx, const uint8_t *file, size_t size)
 /* BINVOX: 64 layers of x. */
 static uint64_t fuzz_layers(const bvx_grid *g)
 {
-    return (uint64_t)g->size[2] * (uint64_t)((g->size[1] + 63) / 64) * 8 * (uint64_t)(g->size[0] < 64 ? g->size[0] : 64);
+    return (uint64_t)g->size[2] * (uint64_t)((g->size[1] + 63) / 64) * 8 *
+           (uint64_t)(g->size[0] < 64 ? g->size[0] : 64);
 }
 
 /* Into words of one's own nothing comes on top of the file's size, whatever it asks for. */
-static void fuzz_read_into_words(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format, const bvx_grid *whole)
+static void fuzz_read_into_words(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format,
+                                 const bvx_grid *whole)
 {
     static uint64_t words[FUZZ_WORDS];
     uint64_t const before = bvx_memory_used(ctx);
     bvx_grid g = {0};
     bvx_status status;
+
     g.words = words;
     g.word_capacity = FUZZ_WORDS;
     bvx_memory_reset_peak(ctx);
     status = bvx_read_grid(ctx, file, size, format, NULL, &g);
     fuzz_require(g.words == words && g.owned == 0, "words of the caller's that were changed for others");
     if (status == BVX_ERR_CAPACITY) {
-        fuzz_require(bvx_memory_peak(ctx) - before <= read_limit(READ_GRID, size), "more memory than the file's size allows");
+        fuzz_require(bvx_memory_peak(ctx) - before <= read_limit(READ_GRID, size),
+                     "more memory than the file's size allows");
         fuzz_require(whole == NULL || fuzz_grid_words(whole) > FUZZ_WORDS, "a grid that fits and is refused");
         return;
     }
-    if (!fuzz_was_read(ctx, status, READ_GRID, size, before + (format == BVX_FORMAT_BINVOX ? fuzz_layers(whole != NULL ? whole : &g) : 0))) return;
-    fuzz_require(whole != NULL && memcmp(whole->words, words, 8 * fuzz_grid_words(whole)) == 0, "a grid that differs in words of the caller's");
+    if (!fuzz_was_read(ctx, status, READ_GRID, size,
+                       before + (format == BVX_FORMAT_BINVOX ? fuzz_layers(whole != NULL ? whole : &g) : 0)))
+        return;
+    fuzz_require(whole != NULL && memcmp(whole->words, words, 8 * fuzz_grid_words(whole)) == 0,
+                 "a grid that differs in words of the caller's");
 }
 
 static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, int format)
@@ -205,9 +240,13 @@ static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, in
     bvx_grid g = {0};
     bvx_status const status = bvx_read_grid(ctx, file, size, number, NULL, &g);
     int good = 0;
+
     if (status == BVX_OK) fuzz_check_grid(&g);
     if (status != BVX_ERR_BUDGET) /* a grid may be as large as the file says */
-        good = fuzz_was_read(ctx, status, READ_GRID, size, status != BVX_OK ? FUZZ_MEMORY : 8 * fuzz_grid_words(&g) + (format == FUZZ_BINVOX ? fuzz_layers(&g) : 0));
+        good = fuzz_was_read(ctx, status, READ_GRID, size,
+                             status != BVX_OK
+                                 ? FUZZ_MEMORY
+                                 : 8 * fuzz_grid_words(&g) + (format == FUZZ_BINVOX ? fuzz_layers(&g) : 0));
     if (good) {
         fuzz_check_writing(ctx, &g);
         fuzz_check_window(ctx, file, size, number, &g);
@@ -238,6 +277,7 @@ static void fuzz_seed_written(bvx_context *ctx, fuzz_file *s)
     bvx_lattice lattice;
     bvx_grid g = {0};
     bvx_buffer b = {0};
+
     fuzz_require(bvx_lattice_make(ctx, origin, spacing, dims, &lattice) == BVX_OK, "no lattice");
     fuzz_require(bvx_grid_create(ctx, &lattice, NULL, &g) == BVX_OK, "no grid");
     for (int32_t z = 0; z < 4; z++)
@@ -272,34 +312,47 @@ static void fuzz_seed_with(fuzz_file *s, const char *text, const void *data, siz
 static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
 {
     int n = 0;
+
     for (int format = 0; format <= FUZZ_LATTICE; format++)
         if (format != FUZZ_RAW) fuzz_seed_written(ctx, fuzz_begin_file(seeds, &n, formats[format].name));
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "raw"), "\3\1\1", "\0\1\0\1\0\0\20\0\0\1\2\3\4\5\6\7\10\11\12\13\14\15\16\17\20", 25);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "raw"), "\11", "\0\0\0\0\0\0\0\0\20\0\0\0\0\200\77\0\0\300\177", 19);
+    fuzz_seed_with(fuzz_begin_file(seeds, &n, "raw"), "\3\1\1",
+                   "\0\1\0\1\0\0\20\0\0\1\2\3\4\5\6\7\10\11\12\13\14\15\16\17\20", 25);
+    fuzz_seed_with(fuzz_begin_file(seeds, &n, "raw"), "\11", "\0\0\0\0\0\0\0\0\20\0\0\0\0\200\77\0\0\300\177",
+                   19);
     fuzz_seed_npy(fuzz_begin_file(seeds, &n, "npy"));
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "binvox"),
-                   "#binvox 2\r\n# comment\r\nscale 1.5e0\r\ndim 5 4 3\r\nother\r\ntranslate -1 0.25 1e3\r\ndata\r\n",
-                   "\0\12\7\5\7\0\1\5\0\50", 10);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "vox"), "VOX ",
-                   "\310\0\0\0MAIN\0\0\0\0\133\0\0\0PACK\4\0\0\0\0\0\0\0\1\0\0\0SIZE\14\0\0\0\0\0\0\0\5\0\0\0\6\0\0\0\7\0\0\0"
-                   "XYZI\14\0\0\0\0\0\0\0\2\0\0\0\0\0\0\1\4\5\6\377nTRN\3\0\0\0\14\0\0\0abcLAYR\0\0\0\0\0\0\0\0", 107);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "nrrd"),
-                   "NRRD0005\n# comment\ntype: float\ndimension: 3\nsizes: 2 3 2\nspacings: 1 2 0.5\nencoding: ascii\nkey:=value\n\n"
-                   "0 1 0.5 -0 nan 1e-40 2 0 0 1 0 -1\n", "", 0);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "nrrd"),
-                   "NRRD0004\ntype: int16\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (2,0,0) "
-                   "(0,1,0) (0,0,1)\nspace origin: (1,2,3)\nendian: big\nencoding: raw\n\n",
-                   "\0\1\0\0\1\0\0\0\0\0\200\0\0\0\0\1", 16);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "vti"),
-                   "<?xml version=\"1.0\"?>\n<!-- c -->\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-                   "<ImageData WholeExtent=\"0 2 0 2 0 1\" Origin=\"0 1 2\" Spacing=\"1 1 2\">\n<Piece Extent=\"0 2 0 2 0 1\">\n"
-                   "<CellData Scalars='a'>\n<DataArray type=\"Int32\" Name=\"a\" format=\"ascii\">\n1 0 -1 0\n</DataArray>\n"
-                   "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n", "", 0);
-    fuzz_seed_with(fuzz_begin_file(seeds, &n, "vti"),
-                   "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\">\n"
-                   "<ImageData WholeExtent=\"0 2 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 2 0 1 0 1\">"
-                   "<CellData><DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">AgAAAAEA</DataArray></CellData></Piece>"
-                   "</ImageData></VTKFile>", "", 0);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "binvox"),
+        "#binvox 2\r\n# comment\r\nscale 1.5e0\r\ndim 5 4 3\r\nother\r\ntranslate -1 0.25 1e3\r\ndata\r\n",
+        "\0\12\7\5\7\0\1\5\0\50", 10);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "vox"), "VOX ",
+        "\310\0\0\0MAIN\0\0\0\0\133\0\0\0PACK\4\0\0\0\0\0\0\0\1\0\0\0SIZE\14\0\0\0\0\0\0\0\5\0\0\0\6\0\0\0\7\0\0\0"
+        "XYZI\14\0\0\0\0\0\0\0\2\0\0\0\0\0\0\1\4\5\6\377nTRN\3\0\0\0\14\0\0\0abcLAYR\0\0\0\0\0\0\0\0",
+        107);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "nrrd"),
+        "NRRD0005\n# comment\ntype: float\ndimension: 3\nsizes: 2 3 2\nspacings: 1 2 0.5\nencoding: ascii\nkey:=value\n\n"
+        "0 1 0.5 -0 nan 1e-40 2 0 0 1 0 -1\n",
+        "", 0);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "nrrd"),
+        "NRRD0004\ntype: int16\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (2,0,0) "
+        "(0,1,0) (0,0,1)\nspace origin: (1,2,3)\nendian: big\nencoding: raw\n\n",
+        "\0\1\0\0\1\0\0\0\0\0\200\0\0\0\0\1", 16);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "vti"),
+        "<?xml version=\"1.0\"?>\n<!-- c -->\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+        "<ImageData WholeExtent=\"0 2 0 2 0 1\" Origin=\"0 1 2\" Spacing=\"1 1 2\">\n<Piece Extent=\"0 2 0 2 0 1\">\n"
+        "<CellData Scalars='a'>\n<DataArray type=\"Int32\" Name=\"a\" format=\"ascii\">\n1 0 -1 0\n</DataArray>\n"
+        "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n",
+        "", 0);
+    fuzz_seed_with(
+        fuzz_begin_file(seeds, &n, "vti"),
+        "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\">\n"
+        "<ImageData WholeExtent=\"0 2 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 2 0 1 0 1\">"
+        "<CellData><DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">AgAAAAEA</DataArray></CellData></Piece>"
+        "</ImageData></VTKFile>",
+        "", 0);
     return n;
 }
 
@@ -308,11 +361,13 @@ static void fuzz_store(uint8_t *p, uint64_t v)
     for (int i = 0; i < 8; i++) p[i] = (uint8_t)(v >> 8 * i & 0xff);
 }
 
-/* Right checksums again, as far as the slices can be followed: else nothing behind them would ever be tried. */
+/* Right checksums again, as far as the slices can be followed: else nothing behind them would ever be
+ * tried. */
 static void fuzz_seal(uint8_t *file, size_t size, int format)
 {
     uint64_t frame;
     size_t at = 128;
+
     if (size < at || format != FUZZ_BVX) return;
     fuzz_store(file + 120, bvx_hash(file, 120, 0));
     frame = bvx_hash(file + 16, 80, 0);
@@ -325,15 +380,54 @@ static void fuzz_seal(uint8_t *file, size_t size, int format)
     }
 }
 
-static const char *const fuzz_words[] = {
-    "4294967295", "-1", "nan", "1e999", " ", "\n", "0", "99999999999999999999", "dim 9 9 9\n", "translate ", "scale ", "encoding: gzip\n", "encoding: ascii\n",
-    "data file: a%03d 1 9 2\n", "data file: LIST\n", "type: double\n", "sizes: 2 2 2\n", "endian: big\n", "line skip: 1\n", "byte skip: -1\n", "data\n", "SIZE",
-    "XYZI", "PACK", "<", "/>", "\"", "ascii", "binary", "appended", "double", "Float64", "encoding=\"base64\"", "(3,4)", "'<f8'", "'>f2'", "True",
-    "\xff\xff\xff\xff\x7f", "\"window\": ", "[", "{", "null"};
+static const char *const fuzz_words[] = {"4294967295",
+                                         "-1",
+                                         "nan",
+                                         "1e999",
+                                         " ",
+                                         "\n",
+                                         "0",
+                                         "99999999999999999999",
+                                         "dim 9 9 9\n",
+                                         "translate ",
+                                         "scale ",
+                                         "encoding: gzip\n",
+                                         "encoding: ascii\n",
+                                         "data file: a%03d 1 9 2\n",
+                                         "data file: LIST\n",
+                                         "type: double\n",
+                                         "sizes: 2 2 2\n",
+                                         "endian: big\n",
+                                         "line skip: 1\n",
+                                         "byte skip: -1\n",
+                                         "data\n",
+                                         "SIZE",
+                                         "XYZI",
+                                         "PACK",
+                                         "<",
+                                         "/>",
+                                         "\"",
+                                         "ascii",
+                                         "binary",
+                                         "appended",
+                                         "double",
+                                         "Float64",
+                                         "encoding=\"base64\"",
+                                         "(3,4)",
+                                         "'<f8'",
+                                         "'>f2'",
+                                         "True",
+                                         "\xff\xff\xff\xff\x7f",
+                                         "\"window\": ",
+                                         "[",
+                                         "{",
+                                         "null"};
 
 static const fuzz_target *fuzz_reader(void)
 {
-    static const fuzz_target target = {formats, sizeof formats / sizeof formats[0], fuzz_words, sizeof fuzz_words / sizeof fuzz_words[0],
-                                       fuzz_read, fuzz_seal, fuzz_make_seeds};
+    static const fuzz_target target = {formats,        sizeof formats / sizeof formats[0],
+                                       fuzz_words,     sizeof fuzz_words / sizeof fuzz_words[0],
+                                       fuzz_read,      fuzz_seal,
+                                       fuzz_make_seeds};
     return &target;
 }

@@ -1,6 +1,8 @@
-/* fuzz_input.h - a fuzzer's bytes taken as structured input: numbers, meshes, lattices; and what every call must keep.
+/* fuzz_input.h - a fuzzer's bytes taken as structured input: numbers, meshes, lattices; and what every call
+ * must keep.
  *
- * A target defines fuzz_one and includes this header: it is a libFuzzer target, and with BVX_FUZZ_MAIN a program of its own:
+ * A target defines fuzz_one and includes this header: it is a libFuzzer target, and with BVX_FUZZ_MAIN a
+ * program of its own:
  *   fuzz_stage [inputs [seed]]   that many random inputs from a fixed generator
  *   fuzz_stage FILE...           these inputs (a corpus) */
 #ifndef FUZZ_INPUT_H
@@ -51,6 +53,7 @@ static inline bvx_context *fuzz_context_with(int32_t threads, int32_t cpu)
 {
     bvx_context_options o;
     bvx_context *ctx = NULL;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     o.cpu = cpu;
@@ -66,20 +69,24 @@ static inline void fuzz_end(bvx_context *ctx)
     bvx_context_destroy(ctx);
 }
 
-/* Calls that were good, and those that failed for a reason; a program that sees no good ones tests nothing. */
+/* Calls that were good, and those that failed for a reason; a program that sees no good ones tests
+ * nothing. */
 static unsigned long fuzz_good_calls, fuzz_failed_calls;
 
 /* 1: the call was good. Else it must say why in a line, and for a reason that these inputs can have. */
 static inline int fuzz_good(bvx_context *ctx, bvx_status status)
 {
     const char *const message = bvx_last_message(ctx);
+
     if (status == BVX_OK) {
         fuzz_good_calls++;
         return 1;
     }
     fuzz_failed_calls++;
     fuzz_require(strlen(message) > 10 && strchr(message, '\n') == NULL, "a failure without a line of words");
-    fuzz_require(status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE || status == BVX_ERR_BUDGET || status == BVX_ERR_MEMORY, message);
+    fuzz_require(status == BVX_ERR_EMPTY || status == BVX_ERR_RANGE || status == BVX_ERR_BUDGET ||
+                     status == BVX_ERR_MEMORY,
+                 message);
     return 0;
 }
 
@@ -122,6 +129,7 @@ static inline void fuzz_solid_part(fuzz_input *in, fuzz_mesh *m, int fine)
     static const uint32_t tetrahedron[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
     int const kind = fuzz_range(in, 0, 3);
     uint32_t const first = m->vertices, corners = (kind & 1) != 0 ? 8 : 4, faces = (kind & 1) != 0 ? 12 : 4;
+
     if (first + corners > FUZZ_VERTICES || m->triangles + faces > FUZZ_TRIANGLES) return;
     if (corners == 8) {
         double low[3], high[3];
@@ -138,24 +146,29 @@ static inline void fuzz_solid_part(fuzz_input *in, fuzz_mesh *m, int fine)
     m->vertices += corners;
     for (uint32_t f = 0; f < faces; f++) {
         const uint32_t *const t = corners == 8 ? box[f] : tetrahedron[f];
-        fuzz_triangle(m, first + t[0], first + t[(kind & 2) != 0 ? 2 : 1], first + t[(kind & 2) != 0 ? 1 : 2]);
+        fuzz_triangle(m, first + t[0], first + t[(kind & 2) != 0 ? 2 : 1],
+                      first + t[(kind & 2) != 0 ? 1 : 2]);
     }
 }
 
-/* Closed parts, a soup of triangles over few vertices, or both; then some triangles are dropped, turned or doubled. */
+/* Closed parts, a soup of triangles over few vertices, or both; then some
+ * triangles are dropped, turned or doubled. */
 static inline void fuzz_take_mesh(fuzz_input *in, fuzz_mesh *m)
 {
     int const kind = fuzz_range(in, 0, 7), fine = (kind & 4) != 0;
+
     memset(m, 0, sizeof *m);
     m->closed = (kind & 3) < 2;
-    for (int parts = (kind & 3) == 3 ? 0 : fuzz_range(in, 1, 4); parts > 0; parts--) fuzz_solid_part(in, m, fine);
+    for (int parts = (kind & 3) == 3 ? 0 : fuzz_range(in, 1, 4); parts > 0; parts--)
+        fuzz_solid_part(in, m, fine);
     if ((kind & 3) >= 2) {
         uint32_t const first = m->vertices, more = (uint32_t)fuzz_range(in, 3, 12);
         for (uint32_t n = 0; n < more && m->vertices < FUZZ_VERTICES; n++, m->vertices++)
             for (int a = 0; a < 3; a++) m->v[m->vertices][a] = fuzz_coordinate(in, fine);
         for (int n = fuzz_range(in, 1, 20); n > 0; n--) {
             uint32_t c[3];
-            for (int a = 0; a < 3; a++) c[a] = first + (uint32_t)fuzz_range(in, 0, (int32_t)(m->vertices - first) - 1);
+            for (int a = 0; a < 3; a++)
+                c[a] = first + (uint32_t)fuzz_range(in, 0, (int32_t)(m->vertices - first) - 1);
             fuzz_triangle(m, c[0], c[1], c[2]);
         }
     }
@@ -186,10 +199,12 @@ static inline void fuzz_take_mesh(fuzz_input *in, fuzz_mesh *m)
 }
 
 /* Round the mesh, or somewhere over it; voxels of any sides. */
-static inline int fuzz_take_lattice(fuzz_input *in, bvx_context *ctx, const fuzz_mesh *m, int32_t most, bvx_lattice *lattice)
+static inline int fuzz_take_lattice(fuzz_input *in, bvx_context *ctx, const fuzz_mesh *m, int32_t most,
+                                    bvx_lattice *lattice)
 {
     double origin[3], spacing[3];
     int32_t dims[3];
+
     if (fuzz_range(in, 0, 3) != 0) {
         bvx_lattice_options o;
         bvx_lattice_options_init(&o, sizeof o);
@@ -223,18 +238,23 @@ static inline void fuzz_part_equals_whole(const bvx_grid *part, const bvx_grid *
     for (int32_t z = 0; z < part->size[2]; z++)
         for (int32_t y = 0; y < part->size[1]; y++)
             for (int32_t x = 0; x < part->size[0]; x++)
-                fuzz_require(bvx_grid_get(part, x, y, z) ==
-                                 bvx_grid_get(whole, x + part->low[0] - whole->low[0], y + part->low[1] - whole->low[1], z + part->low[2] - whole->low[2]),
+                fuzz_require(bvx_grid_get(part, x, y, z) == bvx_grid_get(whole,
+                                                                         x + part->low[0] - whole->low[0],
+                                                                         y + part->low[1] - whole->low[1],
+                                                                         z + part->low[2] - whole->low[2]),
                              what);
 }
 
 static inline void fuzz_grids_equal(const bvx_grid *a, const bvx_grid *b, const char *what)
 {
     uint64_t const words = (uint64_t)a->words_per_row * (uint64_t)a->size[1] * (uint64_t)a->size[2];
-    fuzz_require(memcmp(a->size, b->size, sizeof a->size) == 0 && memcmp(a->words, b->words, (size_t)words * 8) == 0, what);
+    fuzz_require(memcmp(a->size, b->size, sizeof a->size) == 0 &&
+                     memcmp(a->words, b->words, (size_t)words * 8) == 0,
+                 what);
 }
 
-/* Closed, manifold, oriented, and with a volume that is not negative; nothing to hold of a mesh without triangles. */
+/* Closed, manifold, oriented, and with a volume that is not negative;
+ * nothing to hold of a mesh without triangles. */
 static inline void fuzz_certified(bvx_context *ctx, const bvx_mesh *mesh, const char *what)
 {
     bvx_mesh_view view;
@@ -242,7 +262,9 @@ static inline void fuzz_certified(bvx_context *ctx, const bvx_mesh *mesh, const 
     if (mesh->triangle_count == 0) return;
     bvx_mesh_view_of(mesh, &view);
     fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
-    fuzz_require(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.duplicates == 0 && c.volume >= 0, what);
+    fuzz_require(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.duplicates == 0 &&
+                     c.volume >= 0,
+                 what);
 }
 
 static inline void fuzz_meshes_equal(bvx_context *ctx, const bvx_mesh *a, const bvx_mesh *b, const char *what)
@@ -280,6 +302,7 @@ static inline void fuzz_write(const char *name, const void *bytes, size_t size)
 static inline int fuzz_corpus(int count, char **names)
 {
     static uint8_t all[1 << 16];
+
     for (int i = 0; i < count; i++) {
         FILE *const file = fopen(names[i], "rb");
         uint8_t *bytes;
@@ -304,6 +327,7 @@ int main(int argc, char **argv)
 {
     char *end = NULL;
     unsigned long inputs = 300, seed = 1;
+
     if (argc > 1) inputs = strtoul(argv[1], &end, 10);
     if (end != NULL && *end != 0) return fuzz_corpus(argc - 1, argv + 1);
     if (argc > 2) seed = strtoul(argv[2], NULL, 10);
@@ -322,7 +346,8 @@ int main(int argc, char **argv)
         LLVMFuzzerTestOneInput(bytes, size);
         free(bytes);
     }
-    printf("fuzz: %lu inputs, %lu stages done, %lu refused, 0 failures\n", inputs, fuzz_good_calls, fuzz_failed_calls);
+    printf("fuzz: %lu inputs, %lu stages done, %lu refused, 0 failures\n", inputs, fuzz_good_calls,
+           fuzz_failed_calls);
     return fuzz_good_calls > fuzz_failed_calls ? 0 : 1;
 }
 

@@ -1,5 +1,5 @@
-/* fuzz_levels.c - levels of detail of any mesh: every level is certified and crosses nothing, the same for many threads; the plan stays
- * within its bounds; what the report says of the input is so. */
+/* fuzz_levels.c - levels of detail of any mesh: every level is certified and crosses nothing, the same for
+ * many threads; the plan stays within its bounds; what the report says of the input is so. */
 #include "fuzz_input.h"
 
 static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *targets, double *errors)
@@ -31,14 +31,17 @@ static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_level_
     bvx_mesh_view view;
     bvx_certificate c;
     uint64_t crossings = 0;
+
     bvx_mesh_view_of(level, &view);
     fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
-    fuzz_require(c.closed && c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
+    fuzz_require(c.closed && c.edge_manifold && c.oriented && c.unused_vertices == 0,
+                 "a level that is not certified");
     fuzz_require(memcmp(&c, &r->certificate, sizeof c) == 0, "a report of another level");
     fuzz_must(ctx, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
     fuzz_require(crossings == r->crossings, "other crossings than reported");
     if (!whole) return;
-    fuzz_require(c.vertex_manifold && c.degenerate + c.duplicates + c.collapsed == 0, "a level that is not certified");
+    fuzz_require(c.vertex_manifold && c.degenerate + c.duplicates + c.collapsed == 0,
+                 "a level that is not certified");
     fuzz_require(crossings == 0, "a level that crosses itself");
 }
 
@@ -66,18 +69,22 @@ static void fuzz_build(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
     bvx_mesh level[2] = {{0}}, twin[2] = {{0}};
     bvx_status status;
     int32_t planned = 0;
+
     fuzz_take_options(in, &o, targets, errors);
-    if (fuzz_good(ctx, bvx_plan_levels(ctx, view, &o, 2, &planned))) fuzz_require(planned >= 1 && planned <= 512, "a plan out of its bounds");
+    if (fuzz_good(ctx, bvx_plan_levels(ctx, view, &o, 2, &planned)))
+        fuzz_require(planned >= 1 && planned <= 512, "a plan out of its bounds");
     o.report = &report;
     o.reports = reports;
     status = bvx_build_levels(ctx, view, &o, 2, level);
-    if (status != BVX_OK) fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
+    if (status != BVX_OK)
+        fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
     if (status == BVX_ERR_ARGUMENT) {
         fuzz_require(o.source == BVX_LEVELS_MESH, bvx_last_message(ctx));
         return;
     }
     if (!fuzz_good(ctx, status)) return;
-    fuzz_require(report.source == (o.source == BVX_LEVELS_MESH ? BVX_LEVELS_MESH : BVX_LEVELS_MEASURED), "another source");
+    fuzz_require(report.source == (o.source == BVX_LEVELS_MESH ? BVX_LEVELS_MESH : BVX_LEVELS_MEASURED),
+                 "another source");
     for (int i = 0; i < 2; i++) fuzz_level(ctx, &level[i], &reports[i], report.source == BVX_LEVELS_MEASURED);
     o.report = &again;
     o.reports = NULL;
@@ -93,7 +100,9 @@ static void fuzz_build(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
+
     fuzz_take_mesh(in, &m);
     if (m.triangles > 0) {
         fuzz_build(ctx, other, in, &m.view);

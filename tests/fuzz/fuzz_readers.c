@@ -1,27 +1,25 @@
-/* fuzz_readers.c - the readers of meshes and points on damaged files: no crash, no leak, no more memory than the file's size allows; an
- * error in words, or a valid mesh that is written and read to itself. */
+/* fuzz_readers.c - the readers of meshes and points on damaged files: no crash, no leak, no more memory than
+ * the file's size allows; an error in words, or a valid mesh that is written and read to itself. */
 #include "fuzz_files.h"
 
 enum { FUZZ_STL, FUZZ_OBJ, FUZZ_PLY, FUZZ_OFF, FUZZ_XYZ, FUZZ_CLOUD };
 
 static const fuzz_format formats[] = {
-    {"stl", BVX_FORMAT_STL},
-    {"obj", BVX_FORMAT_OBJ},
-    {"ply", BVX_FORMAT_PLY},
-    {"off", BVX_FORMAT_OFF},
-    {"xyz", BVX_FORMAT_XYZ},
-    {"ply_points", BVX_FORMAT_PLY},
+    {"stl", BVX_FORMAT_STL}, {"obj", BVX_FORMAT_OBJ}, {"ply", BVX_FORMAT_PLY},
+    {"off", BVX_FORMAT_OFF}, {"xyz", BVX_FORMAT_XYZ}, {"ply_points", BVX_FORMAT_PLY},
 };
 static const int32_t multiples[] = {READ_STL, READ_OBJ, READ_PLY, READ_OFF, READ_POINTS, READ_POINTS};
 
 static void fuzz_check_mesh(const bvx_mesh *m)
 {
     fuzz_require(m->vertex_count > 0 && m->owned == 1, "a mesh without vertices");
-    fuzz_require(m->vertex_capacity == m->vertex_count && m->triangle_capacity == m->triangle_count, "a loose capacity");
+    fuzz_require(m->vertex_capacity == m->vertex_count && m->triangle_capacity == m->triangle_count,
+                 "a loose capacity");
     for (uint64_t i = 0; i < m->triangle_count * 3; i++)
         fuzz_require(m->triangles[i] < m->vertex_count, "an index out of range");
     for (uint64_t i = 0; i < m->vertex_count * 3; i++) {
-        double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i] : ((double *)m->positions)[i];
+        double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i]
+                                                     : ((double *)m->positions)[i];
         fuzz_require(v - v == 0.0, "a coordinate that is not finite");
     }
 }
@@ -30,12 +28,16 @@ static void fuzz_check_mesh(const bvx_mesh *m)
 static void fuzz_check_attributes(const bvx_mesh *m)
 {
     volatile uint8_t last = 0;
+
     if (m->colours != NULL) last = m->colours[m->vertex_capacity * 4 - 1];
     (void)last;
-    fuzz_require(m->uvs != NULL || (m->uv_count == 0 && m->uv_triangles == NULL), "texture numbers without coordinates");
+    fuzz_require(m->uvs != NULL || (m->uv_count == 0 && m->uv_triangles == NULL),
+                 "texture numbers without coordinates");
     if (m->uvs == NULL) return;
-    fuzz_require(m->uv_triangles != NULL || m->uv_count == m->vertex_capacity, "texture coordinates of another count");
-    for (uint64_t i = 0; i < m->uv_count * 2; i++) fuzz_require(m->uvs[i] - m->uvs[i] == 0.0f, "a texture coordinate that is not finite");
+    fuzz_require(m->uv_triangles != NULL || m->uv_count == m->vertex_capacity,
+                 "texture coordinates of another count");
+    for (uint64_t i = 0; i < m->uv_count * 2; i++)
+        fuzz_require(m->uvs[i] - m->uvs[i] == 0.0f, "a texture coordinate that is not finite");
     for (uint64_t i = 0; m->uv_triangles != NULL && i < m->triangle_count * 3; i++)
         fuzz_require(m->uv_triangles[i] < m->uv_count, "a texture number out of range");
 }
@@ -43,25 +45,32 @@ static void fuzz_check_attributes(const bvx_mesh *m)
 /* What was read is written and read again to the same bytes: PLY keeps all of a mesh, OBJ all of doubles. */
 static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
 {
-    int32_t const format = m->position_type == BVX_F64 && m->vertex_count % 2 == 0 ? BVX_FORMAT_OBJ : BVX_FORMAT_PLY;
+    int32_t const format = m->position_type == BVX_F64 && m->vertex_count % 2 == 0 ? BVX_FORMAT_OBJ
+                                                                                   : BVX_FORMAT_PLY;
     size_t const bytes = (size_t)m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24);
     bvx_buffer b = {0};
     bvx_mesh back = {0};
+
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
     fuzz_require(bvx_write_mesh(ctx, m, format, &b) == BVX_OK, "a mesh that cannot be written");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, format, &back) == BVX_OK, "a written mesh that cannot be read");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, format, &back) == BVX_OK,
+                 "a written mesh that cannot be read");
     fuzz_require(back.vertex_count == m->vertex_count && back.triangle_count == m->triangle_count &&
-                     back.position_type == m->position_type && memcmp(back.positions, m->positions, bytes) == 0 &&
+                     back.position_type == m->position_type &&
+                     memcmp(back.positions, m->positions, bytes) == 0 &&
                      memcmp(back.triangles, m->triangles, (size_t)m->triangle_count * 12) == 0,
                  "a mesh that changed by writing and reading");
-    fuzz_require((back.colours != NULL) == (m->colours != NULL) && (back.uvs != NULL) == (m->uvs != NULL), "colours or texture coordinates lost");
+    fuzz_require((back.colours != NULL) == (m->colours != NULL) && (back.uvs != NULL) == (m->uvs != NULL),
+                 "colours or texture coordinates lost");
     if (m->colours != NULL && format == BVX_FORMAT_PLY)
-        fuzz_require(memcmp(back.colours, m->colours, (size_t)m->vertex_count * 4) == 0, "colours that changed");
+        fuzz_require(memcmp(back.colours, m->colours, (size_t)m->vertex_count * 4) == 0,
+                     "colours that changed");
     bvx_mesh_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 }
 
-/* Normals are no other mesh, and a mesh and a piece of it are levels of one file: the same bytes each time, and all of it there. */
+/* Normals are no other mesh, and a mesh and a piece of it are levels of one
+ * file: the same bytes each time, and all of it there. */
 static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
 {
     bvx_mesh levels[2] = {*m, *m};
@@ -73,8 +82,10 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
-    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_PLY, &b) == BVX_OK, "normals that cannot be written");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_PLY, &back) == BVX_OK, "a mesh with normals that cannot be read");
+    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_PLY, &b) == BVX_OK,
+                 "normals that cannot be written");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_PLY, &back) == BVX_OK,
+                 "a mesh with normals that cannot be read");
     fuzz_require(back.vertex_count == m->vertex_count && back.triangle_count == m->triangle_count &&
                      memcmp(back.triangles, m->triangles, (size_t)m->triangle_count * 12) == 0,
                  "a mesh that changed by normals");
@@ -113,22 +124,27 @@ static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
 
     bvx_write_options_init(&o, sizeof o);
     o.rounding = BVX_ROUNDING_ALLOW;
-    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_STL, &b) == BVX_OK, "rounding that is not allowed");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, &back) == BVX_OK, "a rounded mesh that cannot be read");
+    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_STL, &b) == BVX_OK,
+                 "rounding that is not allowed");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, &back) == BVX_OK,
+                 "a rounded mesh that cannot be read");
     bvx_mesh_view_of(&back, &view);
-    fuzz_require(bvx_mesh_check(ctx, &view, 1, &c) == BVX_OK && c.closed == r.file.closed && c.vertices == r.file.vertices &&
-                     c.collapsed == r.file.collapsed && c.components == r.file.components && c.euler == r.file.euler,
+    fuzz_require(bvx_mesh_check(ctx, &view, 1, &c) == BVX_OK && c.closed == r.file.closed &&
+                     c.vertices == r.file.vertices && c.collapsed == r.file.collapsed &&
+                     c.components == r.file.components && c.euler == r.file.euler,
                  "a certificate that is not the file's");
     bvx_mesh_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 }
 
 /* What bvx_read_mesh reads is read the same; what it refuses for coordinates may be read without them. */
-static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format, const bvx_mesh *whole)
+static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format,
+                              const bvx_mesh *whole)
 {
     bvx_mesh m = {0};
     uint64_t dropped = 0, a, b;
     bvx_status const status = bvx_read_mesh_finite(ctx, file, size, format, &dropped, &m);
+
     if (whole != NULL) {
         fuzz_require(status == BVX_OK && dropped == 0, "a finite mesh of which something was dropped");
         fuzz_must(ctx, bvx_mesh_hash(ctx, whole, &a));
@@ -148,8 +164,10 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
     int32_t const number = formats[format].number;
     int const is_points = format == FUZZ_XYZ || format == FUZZ_CLOUD;
     bvx_mesh m = {0};
-    bvx_status const status = is_points ? bvx_read_points(ctx, file, size, number, &m) : bvx_read_mesh(ctx, file, size, number, &m);
+    bvx_status const status = is_points ? bvx_read_points(ctx, file, size, number, &m)
+                                        : bvx_read_mesh(ctx, file, size, number, &m);
     int const good = fuzz_was_read(ctx, status, multiples[format], size, 0);
+
     if (good) {
         fuzz_require((m.triangle_count == 0) == is_points, "points with triangles, or a mesh without");
         fuzz_check_mesh(&m);
@@ -185,6 +203,7 @@ static void fuzz_put_f32(fuzz_file *s, float v, int big)
 static void fuzz_seed_stl(fuzz_file *s)
 {
     static const int corners[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
     fuzz_put_text(s, "solid tetrahedron in a binary file");
     while (s->size < 80) fuzz_put(s, "", 1);
     fuzz_put_u32(s, 4, 0);
@@ -198,12 +217,15 @@ static void fuzz_seed_stl(fuzz_file *s)
 
 static void fuzz_seed_ply(fuzz_file *s, int big)
 {
-    fuzz_put_text(s, big ? "ply\nformat binary_big_endian 1.0\n" : "ply\r\nformat binary_little_endian 1.0\r\n");
-    fuzz_put_text(s, big ? "element other 2\nproperty list uchar short a\nelement vertex 4\nproperty uchar r\nproperty float z\n"
-                           "property float x\nproperty float y\nelement face 2\nproperty list ushort uint vertex_index\n"
-                           "property char c\nend_header\n"
-                         : "comment x\r\nelement vertex 4\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
-                           "property int i\r\nelement face 2\r\nproperty list uchar int vertex_indices\r\nend_header\r\n");
+    fuzz_put_text(s,
+                  big ? "ply\nformat binary_big_endian 1.0\n" : "ply\r\nformat binary_little_endian 1.0\r\n");
+    fuzz_put_text(
+        s,
+        big ? "element other 2\nproperty list uchar short a\nelement vertex 4\nproperty uchar r\nproperty float z\n"
+              "property float x\nproperty float y\nelement face 2\nproperty list ushort uint vertex_index\n"
+              "property char c\nend_header\n"
+            : "comment x\r\nelement vertex 4\r\nproperty float x\r\nproperty float y\r\nproperty float z\r\n"
+              "property int i\r\nelement face 2\r\nproperty list uchar int vertex_indices\r\nend_header\r\n");
     if (big) fuzz_put(s, "\0\2abcd", 6);
     for (uint32_t v = 0; v < 4; v++) {
         if (big) fuzz_put(s, "r", 1);
@@ -247,14 +269,46 @@ static const char *const fuzz_off_coloured =
 
 static const char *const fuzz_xyz_text =
     "\xef\xbb\xbfx;y;z;nx\n# points\n0 0 0\n1,2.5,-3e-2,255,0,0\n// x\n\n1e300\t0 .5\r\n% x\n7;8;9;10;11;12;13\n";
-static const char *const fuzz_words[] = {
-    "4294967295", "-1", "nan", "1e999", " ", "\n", "\\\n", "0", "99999999999999999999", "/", "list ", "end_header\n", "facet ", "vertex ",
-    "endloop", "endfacet", "outer loop", "endsolid", "element face 2\n", "element tristrips 1\n", "property char x\n",
-    "property list uchar uchar vertex_indices\n", "texcoord", "binary_big_endian", "ascii", "comment ", "f 1 2 3 4\n", "vt 0 1\n", "v 1 2 3\n", "STOFF ", "COFF ", "NOFF ", "#", ",", ";"};
+static const char *const fuzz_words[] = {"4294967295",
+                                         "-1",
+                                         "nan",
+                                         "1e999",
+                                         " ",
+                                         "\n",
+                                         "\\\n",
+                                         "0",
+                                         "99999999999999999999",
+                                         "/",
+                                         "list ",
+                                         "end_header\n",
+                                         "facet ",
+                                         "vertex ",
+                                         "endloop",
+                                         "endfacet",
+                                         "outer loop",
+                                         "endsolid",
+                                         "element face 2\n",
+                                         "element tristrips 1\n",
+                                         "property char x\n",
+                                         "property list uchar uchar vertex_indices\n",
+                                         "texcoord",
+                                         "binary_big_endian",
+                                         "ascii",
+                                         "comment ",
+                                         "f 1 2 3 4\n",
+                                         "vt 0 1\n",
+                                         "v 1 2 3\n",
+                                         "STOFF ",
+                                         "COFF ",
+                                         "NOFF ",
+                                         "#",
+                                         ",",
+                                         ";"};
 
 static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
 {
     int n = 0;
+
     (void)ctx;
     fuzz_seed_stl(fuzz_begin_file(seeds, &n, "stl"));
     fuzz_seed_ply(fuzz_begin_file(seeds, &n, "ply"), 0);
@@ -274,7 +328,9 @@ static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
 
 static const fuzz_target *fuzz_reader(void)
 {
-    static const fuzz_target target = {formats, sizeof formats / sizeof formats[0], fuzz_words, sizeof fuzz_words / sizeof fuzz_words[0],
-                                       fuzz_read, NULL, fuzz_make_seeds};
+    static const fuzz_target target = {formats,        sizeof formats / sizeof formats[0],
+                                       fuzz_words,     sizeof fuzz_words / sizeof fuzz_words[0],
+                                       fuzz_read,      NULL,
+                                       fuzz_make_seeds};
     return &target;
 }

@@ -1,6 +1,7 @@
-/* fuzz_simplify.c - meshes to fewer triangles: surfaces of random bits, their vertices moved, some of their triangles taken out or turned, and
- * whatever a random mesh has. Each level is certified, closed where the mesh was, with the handles and pieces of the mesh, crosses nothing where the mesh did not, and is the same for many
- * threads and any order of the triangles. */
+/* fuzz_simplify.c - meshes to fewer triangles: surfaces of random bits, their vertices moved, some of their
+ * triangles taken out or turned, and whatever a random mesh has. Each level is certified, closed where the
+ * mesh was, with the handles and pieces of the mesh, crosses nothing where the mesh did not, and is the same
+ * for many threads and any order of the triangles. */
 #include "fuzz_input.h"
 
 enum { SIDE = 6 };
@@ -28,7 +29,8 @@ static void fuzz_take_surface(bvx_context *ctx, fuzz_input *in, bvx_mesh *surfac
 
     /* Moved far, triangles cross; moved by little, or to where others are, they hardly do. */
     for (int n = fuzz_range(in, 0, 7) * 8; n > 0 && surface->vertex_count > 0; n--) {
-        double *const p = (double *)surface->positions + 3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->vertex_count);
+        double *const p = (double *)surface->positions +
+                          3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->vertex_count);
         p[fuzz_range(in, 0, 2)] += fuzz_range(in, -64, 64) / (n % 5 == 0 ? 16.0 : 256.0);
     }
 }
@@ -46,19 +48,24 @@ static int fuzz_is_sound(const bvx_certificate *c)
 }
 
 /* f32 may join or cross what is a hair apart, so only doubles keep it all. */
-static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certificate *before, uint64_t crossings, int32_t type)
+static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certificate *before,
+                       uint64_t crossings, int32_t type)
 {
     bvx_mesh_view view;
     bvx_certificate c;
+
     bvx_mesh_view_of(level, &view);
     fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
     fuzz_require(c.edge_manifold && c.oriented && c.unused_vertices == 0, "a level that is not certified");
     if (fuzz_is_sound(before)) fuzz_require(c.closed, "a level that is not closed");
     if (type == BVX_F32) return;
     fuzz_require(c.vertex_manifold, "a level whose parts touch");
-    if (!before->edge_manifold || !before->vertex_manifold || !before->oriented || before->duplicates != 0) return;
-    fuzz_require(c.boundary_edges <= before->boundary_edges && c.closed == before->closed, "a level of other borders");
-    fuzz_require(c.euler == before->euler && c.components == before->components, "a level of other handles or pieces");
+    if (!before->edge_manifold || !before->vertex_manifold || !before->oriented || before->duplicates != 0)
+        return;
+    fuzz_require(c.boundary_edges <= before->boundary_edges && c.closed == before->closed,
+                 "a level of other borders");
+    fuzz_require(c.euler == before->euler && c.components == before->components,
+                 "a level of other handles or pieces");
     if (crossings == 0) fuzz_require(fuzz_crossings_of(ctx, &view) == 0, "a level that crosses itself");
 }
 
@@ -66,7 +73,8 @@ static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_certif
 static void fuzz_open_surface(fuzz_input *in, bvx_mesh *surface)
 {
     for (int n = fuzz_range(in, 0, 15); n > 0 && surface->triangle_count > 1; n--) {
-        uint32_t *const t = surface->triangles + 3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->triangle_count);
+        uint32_t *const t = surface->triangles +
+                            3 * ((uint64_t)fuzz_range(in, 0, 65535) % surface->triangle_count);
         uint32_t const corner = t[0];
         switch (fuzz_range(in, 0, 4)) {
         case 0:
@@ -74,9 +82,7 @@ static void fuzz_open_surface(fuzz_input *in, bvx_mesh *surface)
             t[1] = corner;
             break;
         case 1: memcpy(surface->triangles, t, 12); break;
-        default:
-            surface->triangle_count--;
-            memmove(t, surface->triangles + 3 * surface->triangle_count, 12);
+        default: surface->triangle_count--; memmove(t, surface->triangles + 3 * surface->triangle_count, 12);
         }
     }
 }
@@ -86,7 +92,8 @@ static void fuzz_turn(bvx_mesh_view *view, uint32_t *to)
 {
     const uint32_t *const from = view->indices;
     for (uint64_t t = 0; t < view->triangle_count; t++)
-        for (uint64_t k = 0; k < 3; k++) to[3 * (view->triangle_count - 1 - t) + k] = from[3 * t + (k + t) % 3];
+        for (uint64_t k = 0; k < 3; k++)
+            to[3 * (view->triangle_count - 1 - t) + k] = from[3 * t + (k + t) % 3];
     view->indices = to;
 }
 
@@ -138,9 +145,12 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     turned = coloured;
     status = bvx_mesh_simplify(ctx, view, &o, 2, level);
     if (status == BVX_ERR_ARGUMENT) {
-        fuzz_require(!fuzz_is_sound(&before) || fuzz_two_at_one_place(&before), "a sound mesh that is refused");
+        fuzz_require(!fuzz_is_sound(&before) || fuzz_two_at_one_place(&before),
+                     "a sound mesh that is refused");
         fuzz_require(o.open != BVX_OPEN_CUT, "a mesh that cannot be cut");
-        fuzz_require(o.open != BVX_OPEN_KEEP || !before.edge_manifold || !before.oriented || fuzz_two_at_one_place(&before), "a sheet that is refused");
+        fuzz_require(o.open != BVX_OPEN_KEEP || !before.edge_manifold || !before.oriented ||
+                         fuzz_two_at_one_place(&before),
+                     "a sheet that is refused");
         fuzz_require(level[0].positions == NULL && level[1].positions == NULL, "a level behind an error");
     }
     if (status == BVX_ERR_ARGUMENT || !fuzz_good(ctx, status)) {
@@ -151,7 +161,8 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 
     corners = malloc((size_t)view->triangle_count * 12);
     fuzz_require(corners != NULL, "no memory");
-    if (before.edge_manifold && before.oriented && !fuzz_two_at_one_place(&before)) fuzz_turn(&turned, corners);
+    if (before.edge_manifold && before.oriented && !fuzz_two_at_one_place(&before))
+        fuzz_turn(&turned, corners);
     o.reports = NULL;
     fuzz_must(other, bvx_mesh_simplify(other, &turned, &o, 2, twin));
     for (int i = 0; i < 2; i++) {
@@ -166,8 +177,10 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     bvx_mesh surface = {0};
+
     if (fuzz_range(in, 0, 3) != 0) {
         bvx_mesh_view view;
         fuzz_take_surface(ctx, in, &surface);

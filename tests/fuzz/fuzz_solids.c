@@ -1,5 +1,6 @@
-/* fuzz_solids.c - meshes to solids by every rule, and what is done with solids: windows equal the whole, many threads and fast
- * kernels equal one portable thread, surfaces are certified, pieces merge to the whole's bytes, files come back equal. */
+/* fuzz_solids.c - meshes to solids by every rule, and what is done with solids:
+ * windows equal the whole, many threads and fast kernels equal one portable thread,
+ * surfaces are certified, pieces merge to the whole's bytes, files come back equal. */
 #include "fuzz_input.h"
 
 static const bvx_mesh_view *fuzz_second_view(fuzz_input *in, fuzz_mesh *m)
@@ -10,12 +11,14 @@ static const bvx_mesh_view *fuzz_second_view(fuzz_input *in, fuzz_mesh *m)
 }
 
 /* One rule on the whole, portable and alone. */
-static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice, bvx_grid *solid)
+static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
+                     const bvx_lattice *lattice, bvx_grid *solid)
 {
     static fuzz_mesh second;
     bvx_voxelize_options o;
     bvx_solid_report report, again;
     bvx_grid twin = {0}, part = {0};
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fuzz_range(in, BVX_FILL_PARITY, BVX_FILL_WINDING);
     o.report = &report;
@@ -54,12 +57,14 @@ static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const
 }
 
 /* Two windows that share a layer of voxels give the whole's bytes. */
-static void fuzz_merge(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid, const bvx_extract_options *options, const bvx_mesh *whole)
+static void fuzz_merge(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid,
+                       const bvx_extract_options *options, const bvx_mesh *whole)
 {
     int const axis = fuzz_range(in, 0, 2);
     bvx_extract_options o = *options;
     bvx_mesh parts[2] = {{0}, {0}}, merged = {0};
     int32_t cut;
+
     if (solid->size[axis] < 3) return;
     cut = fuzz_range(in, 1, solid->size[axis] - 2);
     for (int side = 0; side < 2; side++) {
@@ -73,7 +78,9 @@ static void fuzz_merge(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid, 
         for (int32_t z = 0; z < w.size[2]; z++)
             for (int32_t y = 0; y < w.size[1]; y++)
                 for (int32_t x = 0; x < w.size[0]; x++)
-                    bvx_grid_set(&piece, x, y, z, bvx_grid_get(solid, x + w.low[0] - solid->low[0], y + w.low[1] - solid->low[1], z + w.low[2] - solid->low[2]));
+                    bvx_grid_set(&piece, x, y, z,
+                                 bvx_grid_get(solid, x + w.low[0] - solid->low[0],
+                                              y + w.low[1] - solid->low[1], z + w.low[2] - solid->low[2]));
         o.open_sides = (side == 0 ? BVX_OPEN_X_HIGH : BVX_OPEN_X_LOW) << 2 * axis;
         fuzz_must(ctx, bvx_extract_surface(ctx, &piece, &o, &parts[side]));
         bvx_grid_free(ctx, &piece);
@@ -91,6 +98,7 @@ static void fuzz_surface(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
     bvx_faces_options f;
     bvx_mesh whole = {0}, twin = {0}, faces = {0};
     uint64_t vertices = 0, triangles = 0;
+
     bvx_extract_options_init(&o, sizeof o);
     o.face_rule = fuzz_range(in, 0, 1);
     o.position_type = BVX_F64;
@@ -100,14 +108,16 @@ static void fuzz_surface(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
     fuzz_must(other, bvx_extract_surface(other, solid, &o, &twin));
     fuzz_meshes_equal(ctx, &whole, &twin, "another surface with more threads");
     fuzz_must(ctx, bvx_extract_count(ctx, solid, &o, &vertices, &triangles));
-    fuzz_require(vertices == whole.vertex_count && triangles == whole.triangle_count, "another count than made");
+    fuzz_require(vertices == whole.vertex_count && triangles == whole.triangle_count,
+                 "another count than made");
     fuzz_merge(ctx, in, solid, &o, &whole);
     bvx_faces_options_init(&f, sizeof f);
     f.position_type = BVX_F64;
     f.merged = fuzz_range(in, 0, 1);
     fuzz_must(ctx, bvx_faces_count(ctx, solid, &f, &vertices, &triangles));
     fuzz_must(ctx, bvx_extract_faces(ctx, solid, &f, &faces));
-    fuzz_require(vertices == faces.vertex_count && triangles == faces.triangle_count, "other faces than counted");
+    fuzz_require(vertices == faces.vertex_count && triangles == faces.triangle_count,
+                 "other faces than counted");
     bvx_mesh_free(ctx, &whole);
     bvx_mesh_free(other, &twin);
     bvx_mesh_free(ctx, &faces);
@@ -120,6 +130,7 @@ static void fuzz_levels(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
     int32_t resolutions[2];
     uint64_t targets[2];
     int32_t longest = 1;
+
     for (int a = 0; a < 3; a++) longest = solid->size[a] > longest ? solid->size[a] : longest;
     bvx_lod_options_init(&o, sizeof o);
     o.method = fuzz_range(in, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE);
@@ -148,12 +159,14 @@ static void fuzz_ask(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
     bvx_grid_difference d;
     bvx_ray_hit hit[2];
     double rays[12], values[4], gradients[12];
+
     for (int i = 0; i < 12; i++) rays[i] = fuzz_range(in, -64, 64) / 8.0;
     rays[3] += rays[3] == 0 && rays[4] == 0 && rays[5] == 0;
     rays[9] += rays[9] == 0 && rays[10] == 0 && rays[11] == 0;
     fuzz_must(ctx, bvx_grid_cast(ctx, solid, rays, 2, 1e9, hit));
     for (int i = 0; i < 2; i++)
-        fuzz_require(!hit[i].hit || bvx_grid_get(solid, hit[i].voxel[0], hit[i].voxel[1], hit[i].voxel[2]), "a hit on an empty voxel");
+        fuzz_require(!hit[i].hit || bvx_grid_get(solid, hit[i].voxel[0], hit[i].voxel[1], hit[i].voxel[2]),
+                     "a hit on an empty voxel");
     fuzz_must(ctx, bvx_grid_sample(ctx, solid, rays, 4, values, gradients));
     for (int i = 0; i < 4; i++) fuzz_require(values[i] >= 0 && values[i] <= 1, "a sample outside 0..1");
     fuzz_must(ctx, bvx_grid_compare(ctx, solid, solid, &d));
@@ -163,11 +176,14 @@ static void fuzz_ask(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
     bvx_lattice lattice;
     bvx_grid solid = {0};
+
     fuzz_take_mesh(in, &m);
-    if (m.triangles > 0 && fuzz_take_lattice(in, ctx, &m, 40, &lattice) && fuzz_fill(ctx, other, in, &m, &lattice, &solid)) {
+    if (m.triangles > 0 && fuzz_take_lattice(in, ctx, &m, 40, &lattice) &&
+        fuzz_fill(ctx, other, in, &m, &lattice, &solid)) {
         fuzz_surface(ctx, other, in, &solid);
         fuzz_levels(ctx, in, &solid);
         fuzz_ask(ctx, in, &solid);

@@ -1,6 +1,6 @@
-/* fuzz_volumes.c - random volumes of every type and layout, with NaN and infinities: thresholds and labels are those of a count, the
- * surface of a level is certified and of the size foretold, windows merge to the whole's bytes, threads equal one, raw files of
- * either byte order are read as what was written. */
+/* fuzz_volumes.c - random volumes of every type and layout, with NaN and infinities: thresholds and labels
+ * are those of a count, the surface of a level is certified and of the size foretold, windows merge to the
+ * whole's bytes, threads equal one, raw files of either byte order are read as what was written. */
 #include "fuzz_input.h"
 
 #include <math.h>
@@ -10,8 +10,8 @@ enum { FUZZ_VALUES = 8, FUZZ_SAMPLES = 140 * 10 * 10, FUZZ_STEPS = 6 };
 typedef struct fuzz_volume {
     bvx_volume_view view;
     uint8_t memory[FUZZ_SAMPLES * 8 + 10 * 10 * FUZZ_STEPS + 10 * FUZZ_STEPS + 16];
-    double value[FUZZ_SAMPLES];   /* packed, x fastest */
-    uint64_t bits[FUZZ_SAMPLES];  /* of the number as it stands in memory */
+    double value[FUZZ_SAMPLES];  /* packed, x fastest */
+    uint64_t bits[FUZZ_SAMPLES]; /* of the number as it stands in memory */
     int bytes, floats;
 } fuzz_volume;
 
@@ -37,15 +37,21 @@ static uint64_t fuzz_take_value(fuzz_input *in, const fuzz_volume *v, double *va
     int32_t const small = fuzz_range(in, is_signed || v->floats ? -20 : 0, 20);
     uint64_t made = (uint64_t)(int64_t)small;
     float f;
+
     if (!v->floats) {
         if (kind == 0) made = is_signed ? UINT64_C(1) << (bits - 1) : 0;
         if (kind == 1) made = is_signed ? (UINT64_C(1) << (bits - 1)) - 1 : UINT64_MAX;
         if (bits < 64) made &= (UINT64_C(1) << bits) - 1;
         *value = (double)made;
-        if (is_signed && (made >> (bits - 1)) != 0) *value = -(double)((bits < 64 ? UINT64_C(1) << bits : 0) - made);
+        if (is_signed && (made >> (bits - 1)) != 0)
+            *value = -(double)((bits < 64 ? UINT64_C(1) << bits : 0) - made);
         return made;
     }
-    *value = kind == 0 ? (double)NAN : kind == 1 ? (double)INFINITY : kind == 2 ? -(double)INFINITY : kind == 3 ? 1e30 : small / 4.0;
+    *value = kind == 0   ? (double)NAN
+             : kind == 1 ? (double)INFINITY
+             : kind == 2 ? -(double)INFINITY
+             : kind == 3 ? 1e30
+                         : small / 4.0;
     f = (float)*value;
     if (v->bytes == 4) {
         uint32_t half;
@@ -63,6 +69,7 @@ static void fuzz_layout(fuzz_input *in, fuzz_volume *v)
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     const int *const order = orders[fuzz_range(in, 0, 5)];
     int64_t step = v->bytes, first = fuzz_range(in, 0, 7);
+
     if (fuzz_range(in, 0, 3) == 0) { /* packed, and not said */
         v->view.samples = v->memory;
         return;
@@ -79,15 +86,19 @@ static void fuzz_layout(fuzz_input *in, fuzz_volume *v)
 
 static void fuzz_store(fuzz_volume *v)
 {
-    int64_t const packed[3] = {v->bytes, (int64_t)v->bytes * v->view.size[0], (int64_t)v->bytes * v->view.size[0] * v->view.size[1]};
+    int64_t const packed[3] = {v->bytes, (int64_t)v->bytes * v->view.size[0],
+                               (int64_t)v->bytes * v->view.size[0] * v->view.size[1]};
     const int64_t *const step = v->view.strides[0] == 0 ? packed : v->view.strides;
     int const big = fuzz_is_big();
     size_t i = 0;
+
     for (int32_t z = 0; z < v->view.size[2]; z++)
         for (int32_t y = 0; y < v->view.size[1]; y++)
             for (int32_t x = 0; x < v->view.size[0]; x++, i++) {
-                uint8_t *const at = v->memory + ((const uint8_t *)v->view.samples - v->memory) + x * step[0] + y * step[1] + z * step[2];
-                for (int k = 0; k < v->bytes; k++) at[big ? v->bytes - 1 - k : k] = (uint8_t)(v->bits[i] >> 8 * k & 0xff);
+                uint8_t *const at = v->memory + ((const uint8_t *)v->view.samples - v->memory) + x * step[0] +
+                                    y * step[1] + z * step[2];
+                for (int k = 0; k < v->bytes; k++)
+                    at[big ? v->bytes - 1 - k : k] = (uint8_t)(v->bits[i] >> 8 * k & 0xff);
             }
 }
 
@@ -99,7 +110,10 @@ static void fuzz_take_volume(fuzz_input *in, bvx_context *ctx, fuzz_volume *v)
     double value[FUZZ_VALUES], spacing[3];
     uint64_t bits[FUZZ_VALUES], state;
     int32_t dims[3], slope[3];
-    int const values = fuzz_range(in, 1, FUZZ_VALUES), strewn = fuzz_range(in, 0, 2), most = fuzz_range(in, 0, 3) == 0 ? 140 : 24;
+    int const values = fuzz_range(in, 1, FUZZ_VALUES);
+    int const strewn = fuzz_range(in, 0, 2);
+    int const most = fuzz_range(in, 0, 3) == 0 ? 140 : 24;
+
     memset(v, 0, sizeof *v);
     v->view.sample_type = fuzz_range(in, BVX_SAMPLE_U8, BVX_SAMPLE_F64);
     if (fuzz_range(in, 0, 2) == 0) v->view.sample_type = BVX_SAMPLE_F32;
@@ -116,12 +130,14 @@ static void fuzz_take_volume(fuzz_input *in, bvx_context *ctx, fuzz_volume *v)
     for (int n = 0; n < values; n++) bits[n] = fuzz_take_value(in, v, &value[n]);
     state = fuzz_byte(in) * 2 + 1;
     for (size_t i = 0; i < fuzz_sample_count(v); i++) {
-        int32_t const x = (int32_t)(i % (size_t)v->view.size[0]), y = (int32_t)(i / (size_t)v->view.size[0] % (size_t)v->view.size[1]);
+        int32_t const x = (int32_t)(i % (size_t)v->view.size[0]);
+        int32_t const y = (int32_t)(i / (size_t)v->view.size[0] % (size_t)v->view.size[1]);
         int32_t const z = (int32_t)(i / (size_t)v->view.size[0] / (size_t)v->view.size[1]);
         int which;
         state ^= state << 13, state ^= state >> 7, state ^= state << 17;
         which = (slope[0] * x + slope[1] * y + slope[2] * z) / 8 % values;
-        if (strewn == 2 || (strewn == 1 && (state >> 40 & 15) == 0)) which = (int)((state >> 30) % (uint64_t)values);
+        if (strewn == 2 || (strewn == 1 && (state >> 40 & 15) == 0))
+            which = (int)((state >> 30) % (uint64_t)values);
         v->value[i] = value[which];
         v->bits[i] = bits[which];
     }
@@ -140,6 +156,7 @@ static void fuzz_report(const fuzz_volume *v, const bvx_volume_report *r, uint64
 {
     uint64_t nan = 0, infinite = 0;
     double least = HUGE_VAL, greatest = -HUGE_VAL;
+
     for (size_t i = 0; i < fuzz_sample_count(v); i++) {
         nan += v->value[i] != v->value[i];
         infinite += v->value[i] == v->value[i] && !fuzz_finite(v->value[i]);
@@ -148,17 +165,20 @@ static void fuzz_report(const fuzz_volume *v, const bvx_volume_report *r, uint64
         if (v->value[i] > greatest) greatest = v->value[i];
     }
     if (least > greatest) least = greatest = 0;
-    fuzz_require(r->nan == nan && r->infinite == infinite && r->inside == inside, "samples that are not counted");
+    fuzz_require(r->nan == nan && r->infinite == infinite && r->inside == inside,
+                 "samples that are not counted");
     fuzz_require(r->least == least && r->greatest == greatest, "another least or greatest sample");
 }
 
 static void fuzz_threshold(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_volume *v)
 {
-    double const low = fuzz_range(in, 0, 7) == 0 ? -HUGE_VAL : fuzz_range(in, -80, 80) / 4.0, high = fuzz_range(in, 0, 7) == 0 ? HUGE_VAL : low + fuzz_range(in, -1, 40) / 4.0;
+    double const low = fuzz_range(in, 0, 7) == 0 ? -HUGE_VAL : fuzz_range(in, -80, 80) / 4.0;
+    double const high = fuzz_range(in, 0, 7) == 0 ? HUGE_VAL : low + fuzz_range(in, -1, 40) / 4.0;
     bvx_volume_report report;
     bvx_grid grid = {0}, twin = {0};
     uint64_t inside = 0;
     size_t i = 0;
+
     fuzz_must(ctx, bvx_threshold(ctx, &v->view, low, high, &report, &grid));
     fuzz_must(other, bvx_threshold(other, &v->view, low, high, NULL, &twin));
     fuzz_good_calls += 2;
@@ -184,7 +204,8 @@ static int fuzz_above(const fuzz_volume *v, int64_t a, int64_t b)
 static int64_t fuzz_label_of(const fuzz_volume *v, size_t i)
 {
     int const bits = 8 * v->bytes;
-    if (v->view.sample_type % 2 == 1 || bits == 64 || (v->bits[i] >> (bits - 1)) == 0) return (int64_t)v->bits[i];
+    if (v->view.sample_type % 2 == 1 || bits == 64 || (v->bits[i] >> (bits - 1)) == 0)
+        return (int64_t)v->bits[i];
     return -(int64_t)((UINT64_C(1) << bits) - v->bits[i]);
 }
 
@@ -193,6 +214,7 @@ static void fuzz_labels(bvx_context *ctx, const fuzz_volume *v)
     bvx_label labels[FUZZ_VALUES];
     uint64_t count = 0, all = 0, zeros = 0;
     bvx_status const status = bvx_list_labels(ctx, &v->view, labels, FUZZ_VALUES, &count);
+
     if (v->floats) {
         fuzz_require(status == BVX_ERR_UNSUPPORTED, "labels of floats");
         return;
@@ -205,7 +227,8 @@ static void fuzz_labels(bvx_context *ctx, const fuzz_volume *v)
         uint64_t voxels = 0;
         fuzz_require(n == 0 || fuzz_above(v, labels[n].value, labels[n - 1].value), "labels out of order");
         for (size_t i = 0; i < fuzz_sample_count(v); i++) {
-            int32_t const at[3] = {(int32_t)(i % (size_t)v->view.size[0]), (int32_t)(i / (size_t)v->view.size[0] % (size_t)v->view.size[1]),
+            int32_t const at[3] = {(int32_t)(i % (size_t)v->view.size[0]),
+                                   (int32_t)(i / (size_t)v->view.size[0] % (size_t)v->view.size[1]),
                                    (int32_t)(i / (size_t)v->view.size[0] / (size_t)v->view.size[1])};
             if (fuzz_label_of(v, i) != labels[n].value) continue;
             voxels++;
@@ -214,8 +237,11 @@ static void fuzz_labels(bvx_context *ctx, const fuzz_volume *v)
                 if (at[a] > high[a]) high[a] = at[a];
             }
         }
-        fuzz_require(labels[n].value != 0 && labels[n].voxels == voxels && voxels > 0, "a label of other voxels");
-        for (int a = 0; a < 3; a++) fuzz_require(labels[n].low[a] == low[a] && labels[n].size[a] == high[a] - low[a] + 1, "a label in another box");
+        fuzz_require(labels[n].value != 0 && labels[n].voxels == voxels && voxels > 0,
+                     "a label of other voxels");
+        for (int a = 0; a < 3; a++)
+            fuzz_require(labels[n].low[a] == low[a] && labels[n].size[a] == high[a] - low[a] + 1,
+                         "a label in another box");
         all += voxels;
     }
     fuzz_require(all + zeros == fuzz_sample_count(v), "a label that is not listed");
@@ -228,13 +254,16 @@ static void fuzz_same_bytes(const bvx_mesh *a, const bvx_mesh *b, const char *wh
     size_t const position = a->position_type == BVX_F64 ? 24 : 12;
     fuzz_require(a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count, what);
     if (a->triangle_count == 0) return;
-    fuzz_require(memcmp(a->positions, b->positions, (size_t)a->vertex_count * position) == 0 && memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 12) == 0 &&
-                     memcmp(a->vertex_keys, b->vertex_keys, (size_t)a->vertex_count * 8) == 0 && memcmp(a->triangle_keys, b->triangle_keys, (size_t)a->triangle_count * 8) == 0,
+    fuzz_require(memcmp(a->positions, b->positions, (size_t)a->vertex_count * position) == 0 &&
+                     memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 12) == 0 &&
+                     memcmp(a->vertex_keys, b->vertex_keys, (size_t)a->vertex_count * 8) == 0 &&
+                     memcmp(a->triangle_keys, b->triangle_keys, (size_t)a->triangle_count * 8) == 0,
                  what);
 }
 
 /* Two windows that share a layer of samples, open where they meet. */
-static void fuzz_halves(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v, const bvx_scalar_options *whole_options, const bvx_mesh *whole)
+static void fuzz_halves(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v,
+                        const bvx_scalar_options *whole_options, const bvx_mesh *whole)
 {
     int const axis = fuzz_range(in, 0, 2);
     const int32_t *const size = v->view.size;
@@ -243,6 +272,7 @@ static void fuzz_halves(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v, 
     bvx_volume_view half[2];
     bvx_mesh part[2] = {{0}, {0}}, merged = {0};
     int32_t at;
+
     if (size[axis] < 3) return;
     at = fuzz_range(in, 1, size[axis] - 2);
     o.report = NULL;
@@ -265,16 +295,20 @@ static void fuzz_halves(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v, 
 }
 
 /* As many vertices and triangles as the set of the samples inside foretells. */
-static void fuzz_foretold(bvx_context *ctx, const fuzz_volume *v, const bvx_scalar_options *o, const bvx_mesh *mesh)
+static void fuzz_foretold(bvx_context *ctx, const fuzz_volume *v, const bvx_scalar_options *o,
+                          const bvx_mesh *mesh)
 {
     bvx_extract_options e;
     bvx_grid inside = {0};
     uint64_t vertices = 0, triangles = 0;
+
     bvx_extract_options_init(&e, sizeof e);
     e.face_rule = o->face_rule;
-    fuzz_must(ctx, bvx_threshold(ctx, &v->view, o->below ? -HUGE_VAL : o->level, o->below ? o->level : HUGE_VAL, NULL, &inside));
+    fuzz_must(ctx, bvx_threshold(ctx, &v->view, o->below ? -HUGE_VAL : o->level,
+                                 o->below ? o->level : HUGE_VAL, NULL, &inside));
     fuzz_must(ctx, bvx_extract_count(ctx, &inside, &e, &vertices, &triangles));
-    fuzz_require(mesh->vertex_count == vertices && mesh->triangle_count == triangles, "a surface of another size than its voxels'");
+    fuzz_require(mesh->vertex_count == vertices && mesh->triangle_count == triangles,
+                 "a surface of another size than its voxels'");
     bvx_grid_free(ctx, &inside);
 }
 
@@ -284,6 +318,7 @@ static void fuzz_scalar(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     bvx_volume_report report;
     bvx_mesh mesh = {0}, twin = {0};
     uint64_t inside = 0;
+
     bvx_scalar_options_init(&o, sizeof o);
     o.level = fuzz_range(in, -80, 80) / 4.0;
     o.below = fuzz_range(in, 0, 1);
@@ -295,7 +330,8 @@ static void fuzz_scalar(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     fuzz_must(ctx, bvx_extract_scalar(ctx, &v->view, &o, &mesh));
     fuzz_good_calls++;
     fuzz_certified(ctx, &mesh, "a level's surface that is not certified");
-    for (size_t i = 0; i < fuzz_sample_count(v); i++) inside += fuzz_finite(v->value[i]) && (o.below ? v->value[i] <= o.level : v->value[i] >= o.level);
+    for (size_t i = 0; i < fuzz_sample_count(v); i++)
+        inside += fuzz_finite(v->value[i]) && (o.below ? v->value[i] <= o.level : v->value[i] >= o.level);
     fuzz_report(v, &report, inside);
     fuzz_foretold(ctx, v, &o, &mesh);
     o.report = NULL;
@@ -310,10 +346,14 @@ static void fuzz_scalar(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
 
 static void fuzz_raw_file(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v)
 {
-    size_t const count = fuzz_sample_count(v), before = (size_t)fuzz_range(in, 0, 9), bytes = (size_t)v->bytes, size = before + count * bytes;
+    size_t const count = fuzz_sample_count(v);
+    size_t const before = (size_t)fuzz_range(in, 0, 9);
+    size_t const bytes = (size_t)v->bytes;
+    size_t const size = before + count * bytes;
     uint8_t *const file = malloc(size);
     bvx_read_volume_options o;
     bvx_volume read = {0};
+
     bvx_read_volume_options_init(&o, sizeof o);
     o.sample_type = v->view.sample_type;
     o.big_endian = fuzz_range(in, 0, 1);
@@ -326,7 +366,8 @@ static void fuzz_raw_file(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v
         file[before + i] = (uint8_t)(v->bits[i / bytes] >> 8 * (o.big_endian ? bytes - 1 - k : k) & 0xff);
     }
     fuzz_must(ctx, bvx_read_volume(ctx, file, size, BVX_FORMAT_RAW, &o, &read));
-    fuzz_require(memcmp(read.view.size, o.size, sizeof o.size) == 0 && read.view.sample_type == o.sample_type, "a file of another shape or type");
+    fuzz_require(memcmp(read.view.size, o.size, sizeof o.size) == 0 && read.view.sample_type == o.sample_type,
+                 "a file of another shape or type");
     for (size_t i = 0; i < count; i++) {
         const uint8_t *const at = (const uint8_t *)read.view.samples + i * bytes;
         uint64_t bits = 0;
@@ -335,7 +376,8 @@ static void fuzz_raw_file(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v
     }
     bvx_volume_free(ctx, &read);
     if (size > before + bytes) {
-        fuzz_require(bvx_read_volume(ctx, file, size - 1, BVX_FORMAT_RAW, &o, &read) == BVX_ERR_FORMAT, "a file that is cut off");
+        fuzz_require(bvx_read_volume(ctx, file, size - 1, BVX_FORMAT_RAW, &o, &read) == BVX_ERR_FORMAT,
+                     "a file that is cut off");
         fuzz_require(read.view.samples == NULL, "a volume behind an error");
     }
     free(file);
@@ -344,7 +386,9 @@ static void fuzz_raw_file(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v
 static void fuzz_one(fuzz_input *in)
 {
     static fuzz_volume v;
-    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE), *const other = fuzz_context_with(3, BVX_CPU_BEST);
+    bvx_context *const ctx = fuzz_context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const other = fuzz_context_with(3, BVX_CPU_BEST);
+
     fuzz_take_volume(in, ctx, &v);
     fuzz_threshold(ctx, other, in, &v);
     fuzz_labels(ctx, &v);

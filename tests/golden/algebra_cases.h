@@ -1,4 +1,5 @@
-/* algebra_cases.h - golden cases of set algebra, blocks, other lattices and booleans of meshes; read in by golden.c. */
+/* algebra_cases.h - golden cases of set algebra, blocks, other lattices and
+ * booleans of meshes; read in by golden.c. */
 #ifndef ALGEBRA_CASES_H
 #define ALGEBRA_CASES_H
 
@@ -14,8 +15,11 @@ static void block_values(golden *g, const bvx_grid *a)
     static uint32_t counts[20000];
     uint64_t count = 0, h = 0;
     bvx_grid made = {0};
-    for (int32_t r = BVX_REDUCE_ANY; r <= BVX_REDUCE_MAJORITY; r++) combined(g, rule[r], bvx_grid_downsample(g->context, a, factor, r, &made), &made);
-    if (golden_good(g, bvx_grid_coverage(g->context, a, factor, counts, sizeof counts / sizeof counts[0], &count))) {
+
+    for (int32_t r = BVX_REDUCE_ANY; r <= BVX_REDUCE_MAJORITY; r++)
+        combined(g, rule[r], bvx_grid_downsample(g->context, a, factor, r, &made), &made);
+    if (golden_good(
+            g, bvx_grid_coverage(g->context, a, factor, counts, sizeof counts / sizeof counts[0], &count))) {
         for (uint64_t i = 0; i < count; i++) h = mixed_word(h, counts[i]);
         golden_hex(g, "coverage", h);
     }
@@ -29,7 +33,9 @@ static void moved_values(golden *g, const bvx_grid *a)
     bvx_grid made = {0};
     static const double origin[3] = {-2.5, -2, -1}, spacing[3] = {0.07, 0.05, 0.03};
     static const int32_t dims[3] = {70, 80, 66};
-    if (golden_good(g, bvx_grid_content(g->context, a, &content))) combined(g, "crop", bvx_grid_crop(g->context, a, &content, &made), &made);
+
+    if (golden_good(g, bvx_grid_content(g->context, a, &content)))
+        combined(g, "crop", bvx_grid_crop(g->context, a, &content, &made), &made);
     combined(g, "pad", bvx_grid_pad(g->context, a, low, high, &made), &made);
     combined(g, "permute", bvx_grid_permute(g->context, a, axes, flips, &made), &made);
     if (golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &other)))
@@ -70,7 +76,8 @@ static void algebra_cases(golden *g)
         bvx_boolean_options_init(&o, sizeof o);
         o.resolution = 40;
         o.sharp = operation & 1;
-        mesh_value(g, name[operation], bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
+        mesh_value(g, name[operation], bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh),
+                   &mesh);
     }
     golden_end(g);
 
@@ -82,7 +89,8 @@ static void algebra_cases(golden *g)
         bvx_mesh mesh = {0};
         bvx_boolean_options_init(&o, sizeof o);
         o.resolution = 40;
-        mesh_value(g, operation == 0 ? "union" : "difference", bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
+        mesh_value(g, operation == 0 ? "union" : "difference",
+                   bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
     }
     golden_end(g);
 }

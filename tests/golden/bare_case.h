@@ -1,5 +1,5 @@
-/* bare_case.h - the one golden case that machines without an operating system compute too: a dented torus at 32 voxels,
- * its solid and the solid's surface. Read in by golden.c and by tests/bare/main.c. */
+/* bare_case.h - the one golden case that machines without an operating system compute too: a dented torus at
+ * 32 voxels, its solid and the solid's surface. Read in by golden.c and by tests/bare/main.c. */
 #ifndef BARE_CASE_H
 #define BARE_CASE_H
 
@@ -17,6 +17,7 @@ static bvx_status bare_case(bvx_context *ctx, shape *s, bare_result *r)
     bvx_grid solid = {0};
     bvx_mesh surface = {0};
     bvx_status status;
+
     shape_torus(s, 24, 12, 0.25, 5);
     view.positions = s->v;
     view.indices = s->t;

@@ -10,6 +10,7 @@ static void part_values(golden *g, const bvx_grid *grid)
     static bvx_component parts[PART_LIST];
     static uint32_t labels[PART_LABELS];
     uint64_t const voxels = (uint64_t)grid->size[0] * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+
     for (int k = 0; k < 3; k++) {
         uint64_t count = 0, h = 0;
         bvx_keep_options o;
@@ -32,7 +33,8 @@ static void part_values(golden *g, const bvx_grid *grid)
         o.at_least = 2;
         o.largest = 5;
         if (golden_good(g, bvx_grid_keep(g->context, grid, &o, &kept))) grid_value(g, "kept", &kept);
-        if (golden_good(g, bvx_grid_fill_cavities(g->context, grid, kinds[k], 0, &kept, NULL))) grid_value(g, "filled", &kept);
+        if (golden_good(g, bvx_grid_fill_cavities(g->context, grid, kinds[k], 0, &kept, NULL)))
+            grid_value(g, "filled", &kept);
     }
     for (int k = 0; k < 3; k += 2) {
         bvx_topology t;
@@ -50,12 +52,14 @@ static void noise_case(golden *g, const char *name, int32_t percent)
     uint64_t state = 7;
     bvx_lattice lattice;
     bvx_grid grid = {0};
+
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &lattice)) &&
         golden_good(g, bvx_grid_create(g->context, &lattice, NULL, &grid))) {
         for (int32_t z = 0; z < dims[2]; z++)
             for (int32_t y = 0; y < dims[1]; y++)
-                for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&grid, x, y, z, (int32_t)((shape_random(&state) >> 33) % 100) < percent);
+                for (int32_t x = 0; x < dims[0]; x++)
+                    bvx_grid_set(&grid, x, y, z, (int32_t)((shape_random(&state) >> 33) % 100) < percent);
         part_values(g, &grid);
     }
     golden_end(g);
@@ -76,7 +80,8 @@ static void lattice_value(golden *g, const char *key, const bvx_lattice *lattice
     bvx_grid voxel = {0};
     uint64_t hash;
 
-    if (golden_good(g, bvx_grid_create(g->context, lattice, &first, &voxel)) && golden_good(g, bvx_grid_hash(g->context, &voxel, &hash)))
+    if (golden_good(g, bvx_grid_create(g->context, lattice, &first, &voxel)) &&
+        golden_good(g, bvx_grid_hash(g->context, &voxel, &hash)))
         golden_hex(g, key, hash);
     bvx_grid_free(g->context, &voxel);
 }
@@ -90,12 +95,15 @@ static void box_case(golden *g)
     bvx_lattice_options_init(&fit, sizeof fit);
     golden_begin(g, "box_lattice");
     fit.resolution = 100;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "cubic", &lattice);
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+        lattice_value(g, "cubic", &lattice);
     fit.padding = 3;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "padded", &lattice);
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+        lattice_value(g, "padded", &lattice);
     fit.resolution = 0;
     fit.spacing[0] = fit.spacing[1] = fit.spacing[2] = 0.03;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice))) lattice_value(g, "spacing", &lattice);
+    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+        lattice_value(g, "spacing", &lattice);
     golden_end(g);
 }
 
@@ -110,6 +118,7 @@ static void cloud_cases(golden *g)
     bvx_grid grid = {0};
     bvx_mesh points = {0};
     uint64_t hash = 0;
+
     box_case(g);
     shape_ball(&golden_shape, 40);
     shape_view(&golden_shape, &view);
@@ -120,11 +129,13 @@ static void cloud_cases(golden *g)
     golden_begin(g, "ball_cloud");
     if (golden_good(g, bvx_lattice_fit_points(g->context, &view, &fit, &lattice))) {
         for (o.minimum = 1; o.minimum <= 3; o.minimum++)
-            if (golden_good(g, bvx_voxelize_points(g->context, &view, &lattice, &o, &grid))) grid_value(g, "voxels", &grid);
+            if (golden_good(g, bvx_voxelize_points(g->context, &view, &lattice, &o, &grid)))
+                grid_value(g, "voxels", &grid);
         o.minimum = 1;
         o.body = 1;
         o.close_gaps = 5;
-        if (golden_good(g, bvx_voxelize_points(g->context, &view, &lattice, &o, &grid))) grid_value(g, "body", &grid);
+        if (golden_good(g, bvx_voxelize_points(g->context, &view, &lattice, &o, &grid)))
+            grid_value(g, "body", &grid);
         golden_u64(g, "filled", r.filled);
         golden_u64(g, "pockets", r.pockets);
     }

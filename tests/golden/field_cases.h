@@ -5,7 +5,8 @@
 static void mesh_value(golden *g, const char *key, bvx_status status, bvx_mesh *mesh)
 {
     uint64_t hash = 0;
-    if (golden_good(g, status) && golden_good(g, bvx_mesh_hash(g->context, mesh, &hash))) golden_hex(g, key, hash);
+    if (golden_good(g, status) && golden_good(g, bvx_mesh_hash(g->context, mesh, &hash)))
+        golden_hex(g, key, hash);
     bvx_mesh_free(g->context, mesh);
 }
 
@@ -16,6 +17,7 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
     static const char *const edge[] = {"vector", "scalar", "middle", "paper", "tangent"};
     bvx_lattice_options fit;
     bvx_lattice lattice;
+
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = resolution;
     fit.padding = 3;
@@ -39,7 +41,8 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
                 so.interpolation = e % 5;
                 so.sharp = e / 5;
                 if (so.sharp) golden_text(g, "sharp", "1");
-                mesh_value(g, edge[e % 5], bvx_extract_field_surface(g->context, &field, view, &so, &mesh), &mesh);
+                mesh_value(g, edge[e % 5], bvx_extract_field_surface(g->context, &field, view, &so, &mesh),
+                           &mesh);
             }
             bvx_field_free(g->context, &field);
         }
@@ -57,7 +60,8 @@ static void field_cases(golden *g)
     field_values(g, "soup_24", &view, 24);
 }
 
-static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution, int32_t sign, int32_t thin)
+static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution,
+                             int32_t sign, int32_t thin)
 {
     golden_begin(g, name);
     for (int32_t sharp = 0; sharp < 2; sharp++) {
@@ -76,6 +80,7 @@ static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *v
 static void repair_cases(golden *g)
 {
     bvx_mesh_view view;
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     view.triangle_count -= 700;

@@ -1,14 +1,20 @@
 /* golden.c - recompute the golden values and compare them with fixtures/golden/.
  *
- *   golden [--threads N]                 compare; one line a difference; the last line is "N passed, N failed"
- *   golden --portable, --avx2           by this code alone; a processor that has none of it ends with status 77
- *   golden --print                      and print every line as computed (make matrix compares these between builds)
- *   golden --flush                      with denormal numbers flushed to zero, as games set it (x86 with SSE, aarch64)
- *   golden --write                      store what is computed now (make golden, which also shows the difference)
+ *   golden [--threads N]                 compare; one line a difference; the last line is "N passed, N
+ *   failed"
+ *   golden --portable, --avx2           by this code alone; a processor that has none of it ends with status
+ *   77
+ *   golden --print                      and print every line as computed (make matrix compares these between
+ *   builds)
+ *   golden --flush                      with denormal numbers flushed to zero, as games set it (x86 with SSE,
+ *   aarch64)
+ *   golden --write                      store what is computed now (make golden, which also shows the
+ *   difference)
  *
- * A golden file holds one line a case: its name, then key=value pairs. A case computes its values and hands them to
- * golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one function and one
- * file. The same values must come out on every machine, compiler and thread count, so a value depends on none. */
+ * A golden file holds one line a case: its name, then key=value pairs. A case computes its values and hands
+ * them to golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one
+ * function and one file. The same values must come out on every machine, compiler and thread count, so a
+ * value depends on none. */
 #include "bitvox.h"
 #include "bare_case.h"
 #include "shapes.h"
@@ -26,13 +32,13 @@ enum { MAX_LINE = 2048, MAX_LINES = 1024 };
 
 typedef struct golden {
     bvx_context *context;
-    FILE *out;                /* where lines go with --write; NULL: compare */
-    char *stored[MAX_LINES];  /* lines of the file, in order */
-    int used[MAX_LINES];      /* 1: a case has met this line */
+    FILE *out;               /* where lines go with --write; NULL: compare */
+    char *stored[MAX_LINES]; /* lines of the file, in order */
+    int used[MAX_LINES];     /* 1: a case has met this line */
     int stored_count;
-    char line[MAX_LINE];      /* the case being made */
+    char line[MAX_LINE]; /* the case being made */
     int passed, failed;
-    int print;                /* 1: every line is shown as computed */
+    int print; /* 1: every line is shown as computed */
 } golden;
 
 /* 1 when this processor was told to take denormal numbers for zero and to make none. */
@@ -98,6 +104,7 @@ static int same_name(const char *a, const char *b)
 static void golden_end(golden *g)
 {
     int at = 0;
+
     if (g->out != NULL) {
         fprintf(g->out, "%s\n", g->line);
         return;
@@ -118,7 +125,8 @@ static void golden_end(golden *g)
     }
 }
 
-/* A call that fails is a difference too: the line then holds the status and why. Returns 1 when the call was good. */
+/* A call that fails is a difference too: the line then holds the status and
+ * why. Returns 1 when the call was good. */
 static int golden_good(golden *g, bvx_status status)
 {
     if (status == BVX_OK) return 1;
@@ -132,6 +140,7 @@ static int golden_good(golden *g, bvx_status status)
 static void hash_cases(golden *g)
 {
     static const char digits[] = "123456789";
+
     golden_begin(g, "empty");
     golden_hex(g, "hash", bvx_hash(digits, 0, 0));
     golden_end(g);
@@ -153,6 +162,7 @@ static void grid_cases(golden *g)
     bvx_lattice lattice;
     bvx_grid grid = {0};
     uint64_t count = 0, hash = 0;
+
     golden_begin(g, "pattern_in_window");
     if (golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &lattice)) &&
         golden_good(g, bvx_grid_create(g->context, &lattice, &window, &grid))) {
@@ -179,10 +189,12 @@ typedef struct solid_case {
     bvx_window window;
 } solid_case;
 
-static void surface_values(golden *g, const bvx_grid *solid, const char *key, const bvx_extract_options *options)
+static void surface_values(golden *g, const bvx_grid *solid, const char *key,
+                           const bvx_extract_options *options)
 {
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
+
     if (golden_good(g, bvx_extract_surface(g->context, solid, options, &mesh)) &&
         golden_good(g, bvx_mesh_hash(g->context, &mesh, &hash))) {
         if (strcmp(key, "surface") == 0) golden_u64(g, "triangles", mesh.triangle_count);
@@ -194,6 +206,7 @@ static void surface_values(golden *g, const bvx_grid *solid, const char *key, co
 static void surfaces_of(golden *g, const bvx_grid *solid)
 {
     bvx_extract_options options;
+
     bvx_extract_options_init(&options, sizeof options);
     surface_values(g, solid, "surface", &options);
     options.face_rule = BVX_FACE_JOIN;
@@ -207,7 +220,9 @@ static void surfaces_of(golden *g, const bvx_grid *solid)
 static void levels_of(golden *g, const bvx_grid *solid)
 {
     static const int32_t resolutions[3] = {24, 13, 6};
-    static const char *const keys[2][3] = {{"ratio24", "ratio13", "ratio6"}, {"coverage24", "coverage13", "coverage6"}};
+    static const char *const keys[2][3] = {{"ratio24", "ratio13", "ratio6"},
+                                           {"coverage24", "coverage13", "coverage6"}};
+
     for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++) {
         bvx_mesh levels[3] = {{0}};
         bvx_lod_options options;
@@ -217,7 +232,8 @@ static void levels_of(golden *g, const bvx_grid *solid)
         if (!golden_good(g, bvx_build_lods(g->context, solid, &options, 3, levels))) return;
         for (int32_t l = 0; l < 3; l++) {
             uint64_t hash = 0;
-            if (golden_good(g, bvx_mesh_hash(g->context, &levels[l], &hash))) golden_hex(g, keys[method - 1][l], hash);
+            if (golden_good(g, bvx_mesh_hash(g->context, &levels[l], &hash)))
+                golden_hex(g, keys[method - 1][l], hash);
             bvx_mesh_free(g->context, &levels[l]);
         }
     }
@@ -229,6 +245,7 @@ static void collapsed_of(golden *g, const bvx_grid *solid)
     bvx_mesh level = {0};
     bvx_lod_options options;
     uint64_t hash = 0;
+
     bvx_lod_options_init(&options, sizeof options);
     options.target_triangles = &target;
     options.collapse = 2.5;
@@ -246,6 +263,7 @@ static void solid_values(golden *g, const solid_case *c)
     bvx_lattice lattice;
     bvx_grid solid = {0};
     uint64_t count = 0, hash = 0;
+
     shape_view(&golden_shape, &view);
     bvx_voxelize_options_init(&options, sizeof options);
     options.fill = c->fill;
@@ -254,8 +272,10 @@ static void solid_values(golden *g, const solid_case *c)
     golden_begin(g, c->name);
     if (golden_good(g, bvx_lattice_fit(g->context, &view, c->resolution, &lattice)) &&
         golden_good(g, bvx_voxelize_solid(g->context, &view, &lattice, &options, &solid)) &&
-        golden_good(g, bvx_grid_count(g->context, &solid, &count)) && golden_good(g, bvx_grid_hash(g->context, &solid, &hash))) {
-        for (int32_t a = 0; a < 3; a++) golden_u64(g, a == 0 ? "nx" : a == 1 ? "ny" : "nz", (uint64_t)lattice.dims[a]);
+        golden_good(g, bvx_grid_count(g->context, &solid, &count)) &&
+        golden_good(g, bvx_grid_hash(g->context, &solid, &hash))) {
+        for (int32_t a = 0; a < 3; a++)
+            golden_u64(g, a == 0 ? "nx" : a == 1 ? "ny" : "nz", (uint64_t)lattice.dims[a]);
         golden_u64(g, "set", count);
         golden_hex(g, "bits", hash);
         golden_u64(g, "crossings", report.crossings);
@@ -283,6 +303,7 @@ static void solid_cases(golden *g)
         {"soup_65_nonzero", 65, BVX_FILL_NONZERO, {{0, 0, 0}, {0, 0, 0}}},
         {"soup_65_auto", 65, BVX_FILL_AUTO, {{0, 0, 0}, {0, 0, 0}}},
     };
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     for (size_t i = 0; i < sizeof torus / sizeof torus[0]; i++) solid_values(g, &torus[i]);
     shape_ball(&golden_shape, 20);
@@ -295,6 +316,7 @@ static void solid_cases(golden *g)
 static void bare_cases(golden *g)
 {
     bare_result r = {0, 0, 0, 0};
+
     golden_begin(g, "torus_32_bare");
     if (golden_good(g, bare_case(g->context, &golden_shape, &r))) {
         golden_u64(g, "set", r.set);
@@ -347,6 +369,7 @@ static void read_stored(golden *g, const char *path)
 {
     char line[MAX_LINE];
     FILE *const file = fopen(path, "r");
+
     g->stored_count = 0;
     if (file == NULL) return;
     while (fgets(line, sizeof line, file) != NULL && g->stored_count < MAX_LINES) {
@@ -405,6 +428,7 @@ int main(int argc, char **argv)
     static golden g;
     bvx_context_options options;
     int write = 0, result;
+
     bvx_context_options_init(&options, sizeof options);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--write") == 0) {
@@ -423,7 +447,8 @@ int main(int argc, char **argv)
         } else if (strcmp(argv[i], "--threads") == 0 && i + 1 < argc) {
             options.threads = (int32_t)strtol(argv[++i], NULL, 10);
         } else {
-            fprintf(stderr, "usage: golden [--write | --print] [--threads N] [--portable | --avx2] [--flush]\n");
+            fprintf(stderr,
+                    "usage: golden [--write | --print] [--threads N] [--portable | --avx2] [--flush]\n");
             return 2;
         }
     }

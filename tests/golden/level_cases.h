@@ -1,10 +1,12 @@
-/* level_cases.h - golden cases of levels of detail, of meshes as they are and of measured surfaces; read in by golden.c. */
+/* level_cases.h - golden cases of levels of detail, of meshes as they are
+ * and of measured surfaces; read in by golden.c. */
 #ifndef LEVEL_CASES_H
 #define LEVEL_CASES_H
 
 static void level_values(golden *g, bvx_mesh *levels, const bvx_level_report *reports)
 {
     static const char *const keys[2] = {"fine", "coarse"};
+
     for (int i = 0; i < 2; i++) {
         uint64_t hash = 0;
         golden_u64(g, "triangles", levels[i].triangle_count);
@@ -15,12 +17,14 @@ static void level_values(golden *g, bvx_mesh *levels, const bvx_level_report *re
     }
 }
 
-static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even, int32_t open)
+static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even,
+                            int32_t open)
 {
     static const uint64_t targets[2] = {900, 120};
     bvx_level_report reports[2];
     bvx_mesh levels[2] = {{0}};
     bvx_simplify_options o;
+
     bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = targets;
     o.position_type = type;
@@ -32,8 +36,10 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     golden_end(g);
 }
 
-/* Measured on a lattice of that many voxels; 0: as it is, where it is sound. By errors where no targets are given. */
-static void built_levels(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, int32_t resolution, int32_t sharp, const double *errors)
+/* Measured on a lattice of that many voxels; 0: as it is, where it is
+ * sound. By errors where no targets are given. */
+static void built_levels(golden *g, const char *name, const bvx_mesh_view *view, int32_t type,
+                         int32_t resolution, int32_t sharp, const double *errors)
 {
     static const uint64_t targets[2] = {1500, 100};
     bvx_level_report reports[2];
@@ -41,6 +47,7 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     bvx_mesh levels[2] = {{0}};
     bvx_levels_options o;
     int32_t planned = 0;
+
     bvx_levels_options_init(&o, sizeof o);
     if (errors == NULL) o.target_triangles = targets;
     else o.target_errors = errors;
@@ -50,7 +57,8 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     o.reports = reports;
     o.report = &report;
     golden_begin(g, name);
-    if (golden_good(g, bvx_plan_levels(g->context, view, &o, 2, &planned)) && golden_good(g, bvx_build_levels(g->context, view, &o, 2, levels))) {
+    if (golden_good(g, bvx_plan_levels(g->context, view, &o, 2, &planned)) &&
+        golden_good(g, bvx_build_levels(g->context, view, &o, 2, levels))) {
         golden_u64(g, "planned", (uint64_t)planned);
         golden_u64(g, "source", (uint64_t)report.source);
         golden_u64(g, "surface", report.triangles);
@@ -68,12 +76,14 @@ static void knot_levels(golden *g)
     bvx_mesh knot = {0};
     bvx_mesh_view view;
     size_t size = 0;
+
     if (file != NULL) {
         size = fread(bytes, 1, sizeof bytes, file);
         fclose(file);
     }
     golden_begin(g, "knot_read");
-    if (golden_good(g, bvx_read_mesh(g->context, bytes, size, BVX_FORMAT_PLY, &knot))) golden_u64(g, "triangles", knot.triangle_count);
+    if (golden_good(g, bvx_read_mesh(g->context, bytes, size, BVX_FORMAT_PLY, &knot)))
+        golden_u64(g, "triangles", knot.triangle_count);
     golden_end(g);
     bvx_mesh_view_of(&knot, &view);
     simplified_mesh(g, "knot_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
@@ -98,7 +108,8 @@ static void planned_samples(golden *g, const bvx_mesh_view *view)
     }
     o.resolutions = NULL;
     o.target_triangles = targets;
-    if (golden_good(g, bvx_plan_lods(g->context, view, &o, 2, 0, &by_triangles, NULL))) golden_u64(g, "by_triangles", (uint64_t)by_triangles);
+    if (golden_good(g, bvx_plan_lods(g->context, view, &o, 2, 0, &by_triangles, NULL)))
+        golden_u64(g, "by_triangles", (uint64_t)by_triangles);
     golden_end(g);
 }
 
@@ -106,6 +117,7 @@ static void level_cases(golden *g)
 {
     static const double errors[2] = {0.02, 0.08};
     bvx_mesh_view view;
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     simplified_mesh(g, "torus_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
@@ -127,7 +139,8 @@ static void level_cases(golden *g)
     }
     simplified_mesh(g, "torus_turned", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
     built_levels(g, "torus_flipped", &view, 0, 50, -1, NULL);
-    for (uint32_t t = 0; t < golden_shape.triangles; t += 97) golden_shape.t[t][0] = golden_shape.t[golden_shape.triangles - 1 - t][0];
+    for (uint32_t t = 0; t < golden_shape.triangles; t += 97)
+        golden_shape.t[t][0] = golden_shape.t[golden_shape.triangles - 1 - t][0];
     simplified_mesh(g, "joints_cut", &view, BVX_F64, 0.000001, BVX_OPEN_CUT);
     shape_soup(&golden_shape, 60, 11);
     shape_view(&golden_shape, &view);

@@ -1,4 +1,5 @@
-/* morph_cases.h - golden cases of morphology and distances between voxels, cubic and stretched; read in by golden.c. */
+/* morph_cases.h - golden cases of morphology and distances between voxels,
+ * cubic and stretched; read in by golden.c. */
 #ifndef MORPH_CASES_H
 #define MORPH_CASES_H
 
@@ -14,6 +15,7 @@ static int pitted_torus(golden *g, int32_t stretched, bvx_grid *grid)
     bvx_lattice_options fit;
     bvx_lattice lattice;
     uint64_t state = 3;
+
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
     bvx_lattice_options_init(&fit, sizeof fit);
@@ -26,7 +28,8 @@ static int pitted_torus(golden *g, int32_t stretched, bvx_grid *grid)
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             for (int32_t x = 0; x < grid->size[0]; x++)
-                if ((shape_random(&state) >> 40) % 40 == 0) bvx_grid_set(grid, x, y, z, !bvx_grid_get(grid, x, y, z));
+                if ((shape_random(&state) >> 40) % 40 == 0)
+                    bvx_grid_set(grid, x, y, z, !bvx_grid_get(grid, x, y, z));
     return 1;
 }
 
@@ -38,12 +41,14 @@ static int few_specks(golden *g, int32_t stretched, bvx_grid *grid)
     static const bvx_window window = {{3, 0, 2}, {301, 27, 21}};
     uint64_t state = 17;
     bvx_lattice lattice;
+
     if (!golden_good(g, bvx_lattice_make(g->context, origin, spacing[stretched], dims, &lattice)) ||
         !golden_good(g, bvx_grid_create(g->context, &lattice, &window, grid)))
         return 0;
     for (int i = 0; i < 4; i++) {
         int32_t at[3];
-        for (int a = 0; a < 3; a++) at[a] = (int32_t)((shape_random(&state) >> 40) % (uint64_t)window.size[a]);
+        for (int a = 0; a < 3; a++)
+            at[a] = (int32_t)((shape_random(&state) >> 40) % (uint64_t)window.size[a]);
         bvx_grid_set(grid, at[0], at[1], at[2], 1);
     }
     return 1;
@@ -51,18 +56,25 @@ static int few_specks(golden *g, int32_t stretched, bvx_grid *grid)
 
 /* ---- Morphology ---- */
 
-typedef bvx_status morph_call(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options, bvx_grid *result);
+typedef bvx_status morph_call(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                              bvx_grid *result);
 
 static const struct {
     const char *name;
     morph_call *call;
-} morph_calls[4] = {{"dilate", bvx_grid_dilate}, {"erode", bvx_grid_erode}, {"open", bvx_grid_open}, {"close", bvx_grid_close}};
+} morph_calls[4] = {{"dilate", bvx_grid_dilate},
+                    {"erode", bvx_grid_erode},
+                    {"open", bvx_grid_open},
+                    {"close", bvx_grid_close}};
 
-/* One neighbourhood, or a ball of radius times the least spacing, by all four; what shrinks takes the second grid. */
-static void morphed(golden *g, const bvx_grid *grid, const bvx_grid *second, int32_t neighbourhood, int32_t steps, double radius)
+/* One neighbourhood, or a ball of radius times the least spacing, by all
+ * four; what shrinks takes the second grid. */
+static void morphed(golden *g, const bvx_grid *grid, const bvx_grid *second, int32_t neighbourhood,
+                    int32_t steps, double radius)
 {
     const double *const s = grid->lattice.spacing;
     double const least = s[0] < s[1] ? (s[0] < s[2] ? s[0] : s[2]) : (s[1] < s[2] ? s[1] : s[2]);
+
     for (int32_t i = 0; i < 4; i++) {
         char key[24];
         bvx_morph_options o;
@@ -72,7 +84,8 @@ static void morphed(golden *g, const bvx_grid *grid, const bvx_grid *second, int
         o.steps = steps;
         o.radius = radius * least;
         o.beyond = second == grid ? (i + steps) & 1 : i == 1 || i == 2;
-        snprintf(key, sizeof key, "%s%d", morph_calls[i].name, neighbourhood != 0 ? (int)neighbourhood : (int)radius);
+        snprintf(key, sizeof key, "%s%d", morph_calls[i].name,
+                 neighbourhood != 0 ? (int)neighbourhood : (int)radius);
         combined(g, key, morph_calls[i].call(g->context, i == 1 || i == 2 ? second : grid, &o, &made), &made);
     }
 }
@@ -90,7 +103,9 @@ static void hollowed(golden *g, const bvx_grid *grid)
         o.drain_side = drain == 2 ? BVX_OPEN_X_HIGH : BVX_OPEN_Z_LOW;
         o.report = &report;
         combined(g, key[drain], bvx_grid_hollow(g->context, grid, &o, &made), &made);
-        golden_hex(g, "report", mixed_doubles(mixed_word(mixed_word(0, report.hollowed), report.drained), report.drain, 3));
+        golden_hex(
+            g, "report",
+            mixed_doubles(mixed_word(mixed_word(0, report.hollowed), report.drained), report.drain, 3));
     }
 }
 
@@ -103,6 +118,7 @@ static void distances_of(golden *g, const bvx_grid *grid)
     static uint64_t nearest[MORPH_VOXELS];
     float *const floats = (float *)malloc(MORPH_VOXELS * sizeof *floats);
     uint64_t const voxels = (uint64_t)grid->size[0] * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
+
     if (floats == NULL) exit(2);
     for (int32_t side = BVX_DISTANCE_OUTSIDE; side <= BVX_DISTANCE_SIGNED; side++) {
         bvx_distance_options o;
@@ -134,7 +150,9 @@ static void squares_of(golden *g, const bvx_grid *grid)
 
 static void morph_cases(golden *g)
 {
-    static const char *const name[2][2] = {{"torus_cubic", "torus_stretched"}, {"specks_cubic", "specks_stretched"}};
+    static const char *const name[2][2] = {{"torus_cubic", "torus_stretched"},
+                                           {"specks_cubic", "specks_stretched"}};
+
     for (int32_t stretched = 0; stretched < 2; stretched++) {
         bvx_grid grid = {0}, specks = {0}, rest = {0};
         golden_begin(g, name[0][stretched]);
@@ -149,7 +167,8 @@ static void morph_cases(golden *g)
         }
         golden_end(g);
         golden_begin(g, name[1][stretched]);
-        if (few_specks(g, stretched, &specks) && golden_good(g, bvx_grid_complement(g->context, &specks, &rest))) {
+        if (few_specks(g, stretched, &specks) &&
+            golden_good(g, bvx_grid_complement(g->context, &specks, &rest))) {
             morphed(g, &specks, &rest, 6, 30, 0);
             morphed(g, &specks, &rest, 0, 1, 15);
             morphed(g, &specks, &rest, 0, 1, 37);

@@ -1,4 +1,5 @@
-/* query_cases.h - golden cases of questions to grids, meshes, octrees and fields, of files and of pictures; read in by golden.c. */
+/* query_cases.h - golden cases of questions to grids, meshes, octrees and
+ * fields, of files and of pictures; read in by golden.c. */
 #ifndef QUERY_CASES_H
 #define QUERY_CASES_H
 
@@ -42,7 +43,8 @@ enum { QUERY_COUNT = 200, QUERY_PAIRS = 20000 };
 static void query_numbers(double *numbers, uint64_t count)
 {
     uint64_t state = 99;
-    for (uint64_t i = 0; i < count; i++) numbers[i] = (double)(shape_random(&state) >> 40) / 16777216.0 * 7.0 - 3.5;
+    for (uint64_t i = 0; i < count; i++)
+        numbers[i] = (double)(shape_random(&state) >> 40) / 16777216.0 * 7.0 - 3.5;
 }
 
 static void grid_questions(golden *g, const bvx_grid *a, const bvx_grid *b)
@@ -51,6 +53,7 @@ static void grid_questions(golden *g, const bvx_grid *a, const bvx_grid *b)
     static bvx_ray_hit hits[QUERY_COUNT];
     bvx_grid_difference d;
     uint64_t h = 0;
+
     query_numbers(rays, 6 * QUERY_COUNT);
     if (golden_good(g, bvx_grid_cast(g->context, a, rays, QUERY_COUNT, 1e9, hits))) {
         for (int i = 0; i < QUERY_COUNT; i++) {
@@ -60,7 +63,8 @@ static void grid_questions(golden *g, const bvx_grid *a, const bvx_grid *b)
         golden_hex(g, "cast", h);
     }
     if (golden_good(g, bvx_grid_sample(g->context, a, rays, QUERY_COUNT, values, gradients)))
-        golden_hex(g, "sample", mixed_doubles(mixed_doubles(0, values, QUERY_COUNT), gradients, 3 * QUERY_COUNT));
+        golden_hex(g, "sample",
+                   mixed_doubles(mixed_doubles(0, values, QUERY_COUNT), gradients, 3 * QUERY_COUNT));
     if (golden_good(g, bvx_grid_compare(g->context, a, b, &d))) {
         golden_u64(g, "only_a", d.only_a);
         golden_u64(g, "only_b", d.only_b);
@@ -78,13 +82,15 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
     bvx_distance_report r;
     bvx_mesh_view other, loose = *view;
     uint64_t h = 0, crossings = 0;
+
     query_numbers(points, 3 * QUERY_COUNT);
     bvx_mesh_view_of(surface, &other);
     if (golden_good(g, bvx_closest_create(g->context, view, &closest)) &&
         golden_good(g, bvx_closest_find(g->context, closest, points, QUERY_COUNT, found))) {
         for (int i = 0; i < QUERY_COUNT; i++) {
             h = mixed_doubles(mixed_doubles(h, found[i].position, 3), found[i].weight, 3);
-            h = mixed_word(mixed_doubles(h, &found[i].distance, 1), found[i].triangle * 8u + (uint32_t)found[i].feature);
+            h = mixed_word(mixed_doubles(h, &found[i].distance, 1),
+                           found[i].triangle * 8u + (uint32_t)found[i].feature);
         }
         golden_hex(g, "closest", h);
     }
@@ -93,7 +99,8 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
         golden_u64(g, "edges", c.edges);
         golden_hex(g, "volume", mixed_doubles(mixed_doubles(0, &c.volume, 1), &c.area, 1));
     }
-    for (uint32_t i = 0; i < 3 * QUERY_COUNT; i++) corners[i] = i * 37 % (uint32_t)view->vertex_count; /* across the body */
+    /* across the body */
+    for (uint32_t i = 0; i < 3 * QUERY_COUNT; i++) corners[i] = i * 37 % (uint32_t)view->vertex_count;
     loose.indices = corners;
     loose.index_type = BVX_U32;
     loose.index_stride = 0;
@@ -104,7 +111,8 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
         golden_u64(g, "crossings", crossings);
         golden_hex(g, "pairs", h);
     }
-    if (golden_good(g, bvx_mesh_distance(g->context, view, &other, 500, 3, &r))) golden_hex(g, "distance", mixed_doubles(0, &r.mean_a_to_b, 6));
+    if (golden_good(g, bvx_mesh_distance(g->context, view, &other, 500, 3, &r)))
+        golden_hex(g, "distance", mixed_doubles(0, &r.mean_a_to_b, 6));
 }
 
 static void question_cases(golden *g)
@@ -117,6 +125,7 @@ static void question_cases(golden *g)
     bvx_seed seed;
     int32_t pocket[3] = {0, 0, 0};
     uint64_t pockets = 0, vertices = 0, triangles = 0;
+
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
     golden_begin(g, "torus_40");
@@ -126,10 +135,14 @@ static void question_cases(golden *g)
         golden_good(g, bvx_extract_surface(g->context, &parity, NULL, &surface))) {
         grid_questions(g, &parity, &conservative);
         mesh_questions(g, &view, &surface);
-        if (golden_good(g, bvx_extract_count(g->context, &parity, NULL, &vertices, &triangles))) golden_u64(g, "vertices", vertices);
-        if (golden_good(g, bvx_faces_count(g->context, &parity, NULL, &vertices, &triangles))) golden_u64(g, "faces", triangles);
-        if (golden_good(g, bvx_compare_fills(g->context, &view, &lattice, NULL, &fills))) golden_u64(g, "lost", fills.lost_voxels);
-        if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed))) golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
+        if (golden_good(g, bvx_extract_count(g->context, &parity, NULL, &vertices, &triangles)))
+            golden_u64(g, "vertices", vertices);
+        if (golden_good(g, bvx_faces_count(g->context, &parity, NULL, &vertices, &triangles)))
+            golden_u64(g, "faces", triangles);
+        if (golden_good(g, bvx_compare_fills(g->context, &view, &lattice, NULL, &fills)))
+            golden_u64(g, "lost", fills.lost_voxels);
+        if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed)))
+            golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
         if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&
             golden_good(g, bvx_grid_fill(g->context, &conservative, pocket, pockets, 6, &filled)))
             grid_value(g, "pocket", &filled);
@@ -151,22 +164,28 @@ static void tree_questions(golden *g, const bvx_octree *tree)
     uint64_t h = 0, beside = 0;
     bvx_lattice lattice;
     int32_t const first[3] = {0, 0, 0};
+
     query_numbers(rays, 6 * QUERY_COUNT);
     if (golden_good(g, bvx_octree_find(g->context, tree, rays, QUERY_COUNT, leaves))) {
-        for (int i = 0; i < QUERY_COUNT; i++) h = mixed_word(mixed_integers(h, leaves[i].ijk, 3), leaves[i].level * 8u + leaves[i].state);
+        for (int i = 0; i < QUERY_COUNT; i++)
+            h = mixed_word(mixed_integers(h, leaves[i].ijk, 3), leaves[i].level * 8u + leaves[i].state);
         golden_hex(g, "find", h);
     }
     h = 0;
     if (golden_good(g, bvx_octree_cast(g->context, tree, 0, rays, QUERY_COUNT, 1e9, hits))) {
-        for (int i = 0; i < QUERY_COUNT; i++) h = mixed_integers(mixed_doubles(h, hits[i].position, 3), hits[i].leaf.ijk, 3);
+        for (int i = 0; i < QUERY_COUNT; i++)
+            h = mixed_integers(mixed_doubles(h, hits[i].position, 3), hits[i].leaf.ijk, 3);
         golden_hex(g, "cast", h);
     }
     if (golden_good(g, bvx_octree_at(g->context, tree, first, 1, leaves)) &&
         golden_good(g, bvx_octree_neighbours(g->context, tree, &leaves[0], 3, NULL, 0, &beside)))
         golden_u64(g, "beside", beside);
-    if (golden_good(g, bvx_octree_count(g->context, tree, level, 8))) golden_u64(g, "inside", level[bvx_octree_levels(tree)].inside);
-    if (golden_good(g, bvx_octree_lattice(g->context, tree, 0, &lattice))) golden_hex(g, "base", mixed_doubles(0, lattice.spacing, 3));
-    if (golden_good(g, bvx_octree_leaves(g->context, tree, 0, NULL, 0, &beside))) golden_u64(g, "leaves", beside);
+    if (golden_good(g, bvx_octree_count(g->context, tree, level, 8)))
+        golden_u64(g, "inside", level[bvx_octree_levels(tree)].inside);
+    if (golden_good(g, bvx_octree_lattice(g->context, tree, 0, &lattice)))
+        golden_hex(g, "base", mixed_doubles(0, lattice.spacing, 3));
+    if (golden_good(g, bvx_octree_leaves(g->context, tree, 0, NULL, 0, &beside)))
+        golden_u64(g, "leaves", beside);
 }
 
 static void file_value(golden *g, const char *key, bvx_status status, bvx_buffer *file)
@@ -183,14 +202,17 @@ static void tree_question_cases(golden *g)
     bvx_octree *tree = NULL, *back = NULL;
     bvx_buffer file = {0};
     bvx_grid grid = {0};
+
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
     bvx_refine_options_init(&o, sizeof o);
     golden_begin(g, "torus_60");
-    if (golden_good(g, bvx_refine_choose(g->context, &view, 60, &o, &base)) && golden_good(g, bvx_refine(g->context, &view, &base, &o, &tree))) {
+    if (golden_good(g, bvx_refine_choose(g->context, &view, 60, &o, &base)) &&
+        golden_good(g, bvx_refine(g->context, &view, &base, &o, &tree))) {
         golden_u64(g, "levels", (uint64_t)o.levels);
         tree_questions(g, tree);
-        if (golden_good(g, bvx_octree_expand(g->context, tree, o.levels, 0, NULL, &grid))) grid_value(g, "expanded", &grid);
+        if (golden_good(g, bvx_octree_expand(g->context, tree, o.levels, 0, NULL, &grid)))
+            grid_value(g, "expanded", &grid);
         file_value(g, "vtu", bvx_write_octree(g->context, tree, 0, BVX_FORMAT_VTU, &file), &file);
         if (golden_good(g, bvx_write_octree(g->context, tree, 0, BVX_FORMAT_BVX, &file)) &&
             golden_good(g, bvx_read_octree(g->context, file.bytes, file.size, &back))) {
@@ -210,8 +232,8 @@ static void grid_files(golden *g, const bvx_grid *grid)
     static const struct {
         const char *name;
         int32_t format;
-    } formats[] = {{"npy", BVX_FORMAT_NPY}, {"binvox", BVX_FORMAT_BINVOX}, {"vox", BVX_FORMAT_VOX},
-                   {"nrrd", BVX_FORMAT_NRRD}, {"vti", BVX_FORMAT_VTI}, {"bvx", BVX_FORMAT_BVX}};
+    } formats[] = {{"npy", BVX_FORMAT_NPY},   {"binvox", BVX_FORMAT_BINVOX}, {"vox", BVX_FORMAT_VOX},
+                   {"nrrd", BVX_FORMAT_NRRD}, {"vti", BVX_FORMAT_VTI},       {"bvx", BVX_FORMAT_BVX}};
     bvx_buffer side = {0}, head = {0}, slices = {0};
     golden_begin(g, "grids");
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
@@ -220,7 +242,8 @@ static void grid_files(golden *g, const bvx_grid *grid)
         uint64_t set = 0;
         if (!golden_good(g, bvx_write_grid(g->context, grid, formats[i].format, &file))) continue;
         golden_hex(g, formats[i].name, bvx_hash(file.bytes, (size_t)file.size, 0));
-        if (golden_good(g, bvx_read_grid(g->context, file.bytes, file.size, formats[i].format, NULL, &back)) &&
+        if (golden_good(g,
+                        bvx_read_grid(g->context, file.bytes, file.size, formats[i].format, NULL, &back)) &&
             golden_good(g, bvx_grid_count(g->context, &back, &set)))
             golden_u64(g, "set", set);
         bvx_grid_free(g->context, &back);
@@ -245,14 +268,19 @@ static void mesh_files(golden *g, bvx_mesh *mesh)
     static const struct {
         const char *name;
         int32_t format;
-    } formats[] = {{"stl", BVX_FORMAT_STL}, {"obj", BVX_FORMAT_OBJ}, {"ply", BVX_FORMAT_PLY}, {"off", BVX_FORMAT_OFF}, {"glb", BVX_FORMAT_GLB}};
+    } formats[] = {{"stl", BVX_FORMAT_STL},
+                   {"obj", BVX_FORMAT_OBJ},
+                   {"ply", BVX_FORMAT_PLY},
+                   {"off", BVX_FORMAT_OFF},
+                   {"glb", BVX_FORMAT_GLB}};
     golden_begin(g, "meshes");
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
         bvx_buffer file = {0};
         bvx_mesh back = {0};
         if (!golden_good(g, bvx_write_mesh(g->context, mesh, formats[i].format, &file))) continue;
         golden_hex(g, formats[i].name, bvx_hash(file.bytes, (size_t)file.size, 0));
-        if (formats[i].format != BVX_FORMAT_GLB && golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, formats[i].format, &back)))
+        if (formats[i].format != BVX_FORMAT_GLB &&
+            golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, formats[i].format, &back)))
             mesh_value(g, "back", BVX_OK, &back);
         bvx_buffer_free(g->context, &file);
     }
@@ -265,12 +293,16 @@ static void finite_mesh(golden *g, const bvx_mesh *mesh)
     bvx_buffer file = {0};
     bvx_mesh spoilt = {0};
     uint64_t dropped = 0;
+
     golden_begin(g, "finite");
     if (golden_good(g, bvx_write_mesh(g->context, mesh, BVX_FORMAT_OBJ, &file)) &&
-        golden_good(g, bvx_read_mesh_finite(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &dropped, &spoilt))) {
+        golden_good(
+            g, bvx_read_mesh_finite(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &dropped, &spoilt))) {
         golden_u64(g, "of_finite", dropped);
-        for (uint64_t v = 0; v < spoilt.vertex_count; v += 7) ((double *)spoilt.positions)[v * 3 + v % 3] = HUGE_VAL;
-        if (golden_good(g, bvx_mesh_drop_nonfinite(g->context, &spoilt, &dropped))) golden_u64(g, "dropped", dropped);
+        for (uint64_t v = 0; v < spoilt.vertex_count; v += 7)
+            ((double *)spoilt.positions)[v * 3 + v % 3] = HUGE_VAL;
+        if (golden_good(g, bvx_mesh_drop_nonfinite(g->context, &spoilt, &dropped)))
+            golden_u64(g, "dropped", dropped);
         mesh_value(g, "remains", BVX_OK, &spoilt);
     }
     bvx_buffer_free(g->context, &file);
@@ -295,6 +327,7 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
     bvx_mesh levels[2];
     bvx_write_options o;
     bvx_buffer file = {0};
+
     golden_begin(g, "meshes_with");
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
@@ -311,6 +344,7 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
 static void carried(golden *g, bvx_mesh *source, bvx_mesh *target)
 {
     static uint8_t colours[4 * 20000];
+
     if (source->vertex_count > 20000) return;
     for (uint64_t i = 0; i < source->vertex_count * 4; i++) colours[i] = (uint8_t)(i * 37 % 251);
     golden_begin(g, "carried");
@@ -326,13 +360,16 @@ static void dense_values(golden *g, const bvx_mesh_view *view, const bvx_lattice
     static float values[1 << 16];
     bvx_field_options o;
     bvx_field field = {0};
+
     golden_begin(g, "dense");
     bvx_field_options_init(&o, sizeof o);
     o.features = 1;
     o.half_width = 1;
     if (golden_good(g, bvx_measure_field(g->context, view, lattice, &o, &field))) {
-        uint64_t const voxels = (uint64_t)field.band.size[0] * (uint64_t)field.band.size[1] * (uint64_t)field.band.size[2];
-        if (voxels <= sizeof values / sizeof values[0] && golden_good(g, bvx_field_dense(g->context, &field, view, BVX_FAR_PROPAGATED, 0, values))) {
+        uint64_t const voxels = (uint64_t)field.band.size[0] * (uint64_t)field.band.size[1] *
+                                (uint64_t)field.band.size[2];
+        if (voxels <= sizeof values / sizeof values[0] &&
+            golden_good(g, bvx_field_dense(g->context, &field, view, BVX_FAR_PROPAGATED, 0, values))) {
             uint64_t h = 0;
             for (uint64_t i = 0; i < voxels; i++) {
                 double const v = (double)values[i];
@@ -357,6 +394,7 @@ static void file_cases(golden *g)
     bvx_grid solid = {0};
     bvx_extract_options o;
     bvx_mesh parts[1] = {{0}}, merged = {0};
+
     shape_torus(&golden_shape, 24, 12, 0.25, 5);
     shape_view(&golden_shape, &view);
     bvx_lattice_options_init(&fit, sizeof fit);
@@ -364,7 +402,8 @@ static void file_cases(golden *g)
     fit.padding = 1;
     bvx_extract_options_init(&o, sizeof o);
     o.keys = 1;
-    if (bvx_lattice_fit_with(g->context, &view, &fit, &lattice) == BVX_OK && bvx_voxelize_solid(g->context, &view, &lattice, NULL, &solid) == BVX_OK &&
+    if (bvx_lattice_fit_with(g->context, &view, &fit, &lattice) == BVX_OK &&
+        bvx_voxelize_solid(g->context, &view, &lattice, NULL, &solid) == BVX_OK &&
         bvx_extract_surface(g->context, &solid, &o, &parts[0]) == BVX_OK) {
         grid_files(g, &solid);
         dense_values(g, &view, &lattice);
@@ -401,6 +440,7 @@ static void picture_cases(golden *g)
     bvx_render_options o;
     bvx_surface_options s;
     bvx_image image = {0};
+
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
     bvx_render_options_init(&o, sizeof o);

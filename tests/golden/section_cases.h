@@ -10,6 +10,7 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
 {
     static const char *const key[] = {"exact", "paper", "classic"};
     bvx_sections_report report;
+
     for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
         for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
             bvx_sections_options o;
@@ -34,10 +35,12 @@ static void contour_file_values(golden *g, const char *key, const bvx_sections *
 {
     bvx_buffer file = {0};
     bvx_sections read;
+
     memset(&read, 0, sizeof read);
     if (golden_good(g, bvx_write_sections(g->context, sections, format, &file))) {
         golden_hex(g, key, bvx_hash(file.bytes, (size_t)file.size, 0));
-        if (format != BVX_FORMAT_SVG && golden_good(g, bvx_read_sections(g->context, file.bytes, file.size, format, NULL, &read)))
+        if (format != BVX_FORMAT_SVG &&
+            golden_good(g, bvx_read_sections(g->context, file.bytes, file.size, format, NULL, &read)))
             golden_hex(g, "read", mixed_doubles(0, read.points, 3 * read.point_count));
     }
     bvx_sections_free(g->context, &read);
@@ -48,6 +51,7 @@ static void contour_file_values(golden *g, const char *key, const bvx_sections *
 static void normal_values(golden *g, const char *name, const bvx_mesh_view *view)
 {
     static float vertex[3 * SHAPE_MAX], facet[3 * SHAPE_MAX];
+
     golden_begin(g, name);
     for (int averaged = 0; averaged < 2; averaged++)
         if (golden_good(g, bvx_mesh_normals(g->context, view, averaged, vertex, facet))) {
@@ -62,6 +66,7 @@ static void slice_values(golden *g, const char *name, const bvx_mesh_view *view,
 {
     bvx_slice_options o;
     bvx_sections sections;
+
     memset(&sections, 0, sizeof sections);
     bvx_slice_options_init(&o, sizeof o);
     o.normal[0] = x;
@@ -81,7 +86,8 @@ static void slice_values(golden *g, const char *name, const bvx_mesh_view *view,
     bvx_sections_free(g->context, &sections);
 }
 
-/* Walls that lean by more than their thickness, each level blended for itself; a wall too thin for its cells at the top. */
+/* Walls that lean by more than their thickness, each level blended for
+ * itself; a wall too thin for its cells at the top. */
 static void wall_values(golden *g)
 {
     stack_clear(&golden_stack);
@@ -110,7 +116,8 @@ static void mended_values(golden *g)
     for (int k = 0; k < 3; k++) {
         uint32_t const s = stack_section(&golden_stack, k);
         stack_loop(&golden_stack, s);
-        for (size_t i = 0; i < sizeof keyhole / sizeof *keyhole; i += 2) stack_point(&golden_stack, keyhole[i], keyhole[i + 1]);
+        for (size_t i = 0; i < sizeof keyhole / sizeof *keyhole; i += 2)
+            stack_point(&golden_stack, keyhole[i], keyhole[i + 1]);
         stack_loop(&golden_stack, s);
         for (size_t i = 0; i < 8; i += 2) stack_point(&golden_stack, bow[i], bow[i + 1]);
         stack_loop(&golden_stack, s);
@@ -127,10 +134,12 @@ static void mended_values(golden *g)
 
 static void section_cases(golden *g)
 {
-    static const char *const name[] = {"random_1", "random_2", "random_3", "random_4", "random_5", "random_6"};
+    static const char *const name[] = {"random_1", "random_2", "random_3",
+                                       "random_4", "random_5", "random_6"};
     bvx_sections_options o;
     bvx_mesh_view view;
     uint64_t seed = 99;
+
     bvx_sections_options_init(&o, sizeof o);
     for (int i = 0; i < 6; i++) {
         bvx_status status;

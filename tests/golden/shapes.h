@@ -61,7 +61,10 @@ static inline void shape_torus(shape *s, int32_t n, int32_t m, double dent, uint
     }
     for (int32_t i = 0; i < n; i++) {
         for (int32_t j = 0; j < m; j++) {
-            uint32_t const i1 = (uint32_t)((i + 1) % n * m), j1 = (uint32_t)((j + 1) % m), i0 = (uint32_t)(i * m), j0 = (uint32_t)j;
+            uint32_t const i1 = (uint32_t)((i + 1) % n * m);
+            uint32_t const j1 = (uint32_t)((j + 1) % m);
+            uint32_t const i0 = (uint32_t)(i * m);
+            uint32_t const j0 = (uint32_t)j;
             shape_triangle(s, i0 + j0, i1 + j0, i1 + j1);
             shape_triangle(s, i0 + j0, i1 + j1, i0 + j1);
         }
@@ -73,7 +76,9 @@ static inline void shape_ball(shape *s, int32_t n)
 {
     s->vertices = s->triangles = 0;
     for (int32_t face = 0; face < 8; face++) {
-        double const sx = (face & 1) != 0 ? -1 : 1, sy = (face & 2) != 0 ? -1 : 1, sz = (face & 4) != 0 ? -1 : 1;
+        double const sx = (face & 1) != 0 ? -1 : 1;
+        double const sy = (face & 2) != 0 ? -1 : 1;
+        double const sz = (face & 4) != 0 ? -1 : 1;
         int const flip = ((face & 1) + (face >> 1 & 1) + (face >> 2 & 1)) % 2;
         uint32_t const first = s->vertices;
         for (int32_t i = 0; i <= n; i++) {
@@ -87,7 +92,10 @@ static inline void shape_ball(shape *s, int32_t n)
         }
         for (int32_t i = 0, row = 0; i < n; row += n - i + 1, i++) {
             for (int32_t j = 0; j < n - i; j++) {
-                uint32_t const a = first + (uint32_t)(row + j), b = a + (uint32_t)(n - i + 1), c = a + 1, d = b + 1;
+                uint32_t const a = first + (uint32_t)(row + j);
+                uint32_t const b = a + (uint32_t)(n - i + 1);
+                uint32_t const c = a + 1;
+                uint32_t const d = b + 1;
                 shape_triangle(s, a, flip ? c : b, flip ? b : c);
                 if (j + 1 < n - i) shape_triangle(s, b, flip ? c : d, flip ? d : c);
             }
@@ -114,6 +122,7 @@ static inline void shape_soup(shape *s, int32_t n, uint64_t seed)
 static inline void shape_view(const shape *s, bvx_mesh_view *view)
 {
     bvx_mesh_view const empty = {0};
+
     *view = empty;
     view->positions = s->v;
     view->indices = s->t;

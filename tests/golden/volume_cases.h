@@ -1,10 +1,18 @@
-/* volume_cases.h - golden cases of scalar volumes: thresholds, surfaces of levels, labels and files; read in by golden.c. */
+/* volume_cases.h - golden cases of scalar volumes: thresholds, surfaces of
+ * levels, labels and files; read in by golden.c. */
 #ifndef VOLUME_CASES_H
 #define VOLUME_CASES_H
 
-enum { VOLUME_X = 37, VOLUME_Y = 21, VOLUME_Z = 19, VOLUME_SAMPLES = VOLUME_X * VOLUME_Y * VOLUME_Z, VOLUME_TYPES = 10 };
+enum {
+    VOLUME_X = 37,
+    VOLUME_Y = 21,
+    VOLUME_Z = 19,
+    VOLUME_SAMPLES = VOLUME_X * VOLUME_Y * VOLUME_Z,
+    VOLUME_TYPES = 10
+};
 
-static const char *const sample_names[1 + VOLUME_TYPES] = {"", "u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
+static const char *const sample_names[1 + VOLUME_TYPES] = {"",    "u8",  "i8",  "u16", "i16", "u32",
+                                                           "i32", "u64", "i64", "f32", "f64"};
 static const int sample_bytes[1 + VOLUME_TYPES] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 
 /* ---- Samples: a ragged bowl of whole numbers from 0 to 2078, spread over each type ---- */
@@ -12,10 +20,13 @@ static const int sample_bytes[1 + VOLUME_TYPES] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4,
 static int32_t bowl_sample(int32_t i)
 {
     static int32_t bowl[VOLUME_SAMPLES];
+
     if (bowl[VOLUME_SAMPLES - 1] == 0) {
         uint64_t state = 23;
         for (int32_t n = 0; n < VOLUME_SAMPLES; n++) {
-            int32_t const x = n % VOLUME_X - 18, y = n / VOLUME_X % VOLUME_Y - 10, z = n / VOLUME_X / VOLUME_Y - 9;
+            int32_t const x = n % VOLUME_X - 18;
+            int32_t const y = n / VOLUME_X % VOLUME_Y - 10;
+            int32_t const z = n / VOLUME_X / VOLUME_Y - 9;
             bowl[n] = 3 * x * x + 5 * y * y + 7 * z * z + (int32_t)((shape_random(&state) >> 40) % 40);
         }
     }
@@ -31,6 +42,7 @@ static uint64_t sample_bits(int32_t type, int32_t i)
     uint64_t bits = 0;
     uint32_t half = 0;
     int const odd = i % 211 == 5 ? 1 + i / 211 % 3 : 0; /* NaN, infinity, -infinity */
+
     switch (type) {
     case BVX_SAMPLE_U8: return (uint64_t)(v / 9);
     case BVX_SAMPLE_I8: return (uint64_t)(v / 9 - 115);
@@ -45,7 +57,10 @@ static uint64_t sample_bits(int32_t type, int32_t i)
         memcpy(&half, &f, sizeof half);
         return half;
     default:
-        if (odd != 0) return odd == 1 ? UINT64_C(0x7ff8000000000000) : odd == 2 ? UINT64_C(0x7ff0000000000000) : UINT64_C(0xfff0000000000000);
+        if (odd != 0)
+            return odd == 1   ? UINT64_C(0x7ff8000000000000)
+                   : odd == 2 ? UINT64_C(0x7ff0000000000000)
+                              : UINT64_C(0xfff0000000000000);
         memcpy(&bits, &d, sizeof bits);
         return bits;
     }
@@ -65,13 +80,15 @@ static int this_machine_is_big(void)
     return first == 0;
 }
 
-/* All samples in this machine's order: packed with x fastest, or (turned) z fastest and all axes backwards. The memory holds 8
- * bytes for each. */
+/* All samples in this machine's order: packed with x fastest, or (turned) z
+ * fastest and all axes backwards. The memory holds 8 bytes for each. */
 static void volume_of(golden *g, int32_t type, int turned, uint8_t *memory, bvx_volume_view *view)
 {
     static const double origin[3] = {-3.25, 10.5, 0.1}, spacing[3] = {0.5, 0.75, 1.3};
-    static const int32_t dims[3] = {VOLUME_X + 3, VOLUME_Y, VOLUME_Z + 1}, size[3] = {VOLUME_X, VOLUME_Y, VOLUME_Z};
+    static const int32_t dims[3] = {VOLUME_X + 3, VOLUME_Y, VOLUME_Z + 1};
+    static const int32_t size[3] = {VOLUME_X, VOLUME_Y, VOLUME_Z};
     int64_t const bytes = sample_bytes[type];
+
     memset(view, 0, sizeof *view);
     if (!golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &view->lattice))) return;
     view->sample_type = type;
@@ -84,7 +101,8 @@ static void volume_of(golden *g, int32_t type, int turned, uint8_t *memory, bvx_
     for (int32_t i = 0; i < VOLUME_SAMPLES; i++) {
         int64_t const x = i % VOLUME_X, y = i / VOLUME_X % VOLUME_Y, z = i / VOLUME_X / VOLUME_Y;
         uint8_t *const first = memory + (turned ? bytes * (VOLUME_SAMPLES - 1) : 0);
-        put_bytes(first + x * view->strides[0] + y * view->strides[1] + z * view->strides[2], sample_bits(type, i), (int)bytes, this_machine_is_big());
+        put_bytes(first + x * view->strides[0] + y * view->strides[1] + z * view->strides[2],
+                  sample_bits(type, i), (int)bytes, this_machine_is_big());
     }
 }
 
@@ -92,8 +110,18 @@ static void volume_of(golden *g, int32_t type, int turned, uint8_t *memory, bvx_
 
 static void threshold_values(golden *g, uint8_t *memory)
 {
-    static const double range[1 + VOLUME_TYPES][2] = {{0, 0}, {20, 99.5}, {-100, -20}, {1000, 20000}, {-15000, -2000.5}, {1e8, 1.5e9}, {-9e8, 5e8},
-                                                      {4503599627370497.0, 9007199254740992e3}, {-4e18, 1e18}, {-100, 100.25}, {-1e300, 150}};
+    static const double range[1 + VOLUME_TYPES][2] = {{0, 0},
+                                                      {20, 99.5},
+                                                      {-100, -20},
+                                                      {1000, 20000},
+                                                      {-15000, -2000.5},
+                                                      {1e8, 1.5e9},
+                                                      {-9e8, 5e8},
+                                                      {4503599627370497.0, 9007199254740992e3},
+                                                      {-4e18, 1e18},
+                                                      {-100, 100.25},
+                                                      {-1e300, 150}};
+
     golden_begin(g, "threshold");
     for (int32_t type = 1; type <= VOLUME_TYPES; type++) {
         bvx_volume_view view;
@@ -101,7 +129,8 @@ static void threshold_values(golden *g, uint8_t *memory)
         bvx_grid grid = {0};
         uint64_t h;
         volume_of(g, type, type & 1, memory, &view);
-        if (!golden_good(g, bvx_threshold(g->context, &view, range[type][0], range[type][1], &r, &grid))) continue;
+        if (!golden_good(g, bvx_threshold(g->context, &view, range[type][0], range[type][1], &r, &grid)))
+            continue;
         h = mixed_word(mixed_word(mixed_word(0, r.nan), r.infinite), r.inside);
         golden_u64(g, sample_names[type], r.inside);
         golden_hex(g, "report", mixed_doubles(mixed_doubles(h, &r.least, 1), &r.greatest, 1));
@@ -113,9 +142,12 @@ static void threshold_values(golden *g, uint8_t *memory)
 static void keyed_value(golden *g, const char *key, bvx_status status, bvx_mesh *mesh)
 {
     uint64_t h = 0;
+
     if (golden_good(g, status) && golden_good(g, bvx_mesh_hash(g->context, mesh, &h))) {
-        for (uint64_t i = 0; mesh->vertex_keys != NULL && i < mesh->vertex_count; i++) h = mixed_word(h, mesh->vertex_keys[i]);
-        for (uint64_t i = 0; mesh->triangle_keys != NULL && i < mesh->triangle_count; i++) h = mixed_word(h, mesh->triangle_keys[i]);
+        for (uint64_t i = 0; mesh->vertex_keys != NULL && i < mesh->vertex_count; i++)
+            h = mixed_word(h, mesh->vertex_keys[i]);
+        for (uint64_t i = 0; mesh->triangle_keys != NULL && i < mesh->triangle_count; i++)
+            h = mixed_word(h, mesh->triangle_keys[i]);
         golden_u64(g, key, mesh->triangle_count);
         golden_hex(g, "mesh", h);
     }
@@ -129,9 +161,12 @@ static void scalar_values(golden *g, uint8_t *memory)
         int32_t type, below, join, f64, open, keys, local;
         double level;
     } cases[] = {
-        {"u8", BVX_SAMPLE_U8, 1, 0, 0, 0, 1, 0, 70},        {"i16", BVX_SAMPLE_I16, 1, 1, 1, 63, 1, 1, -4000},
-        {"u64", BVX_SAMPLE_U64, 0, 0, 1, 0, 0, 0, 3e18},    {"f32", BVX_SAMPLE_F32, 0, 0, 0, 0, 1, 0, 0},
-        {"below", BVX_SAMPLE_F32, 1, 1, 1, 21, 0, 0, 33.5}, {"f64", BVX_SAMPLE_F64, 1, 0, 1, 0, 1, 1, 1.0 / 3.0},
+        {"u8", BVX_SAMPLE_U8, 1, 0, 0, 0, 1, 0, 70},
+        {"i16", BVX_SAMPLE_I16, 1, 1, 1, 63, 1, 1, -4000},
+        {"u64", BVX_SAMPLE_U64, 0, 0, 1, 0, 0, 0, 3e18},
+        {"f32", BVX_SAMPLE_F32, 0, 0, 0, 0, 1, 0, 0},
+        {"below", BVX_SAMPLE_F32, 1, 1, 1, 21, 0, 0, 33.5},
+        {"f64", BVX_SAMPLE_F64, 1, 0, 1, 0, 1, 1, 1.0 / 3.0},
         {"local", BVX_SAMPLE_F64, 0, 1, 0, 42, 1, 1, -77},
     };
     golden_begin(g, "surface");
@@ -156,6 +191,7 @@ static void scalar_values(golden *g, uint8_t *memory)
 static void label_values(golden *g, uint8_t *memory)
 {
     static bvx_label labels[VOLUME_SAMPLES];
+
     golden_begin(g, "labels");
     for (int32_t type = 1; type <= BVX_SAMPLE_I64; type++) {
         bvx_volume_view view;
@@ -179,13 +215,17 @@ static uint64_t mixed_volume(const bvx_volume_view *v)
 {
     int const bytes = sample_bytes[v->sample_type], big = this_machine_is_big();
     int64_t const packed[3] = {bytes, (int64_t)bytes * v->size[0], (int64_t)bytes * v->size[0] * v->size[1]};
-    const int64_t *const step = v->strides[0] == 0 && v->strides[1] == 0 && v->strides[2] == 0 ? packed : v->strides;
-    uint64_t h = mixed_doubles(mixed_doubles((uint64_t)v->sample_type, v->lattice.origin, 3), v->lattice.spacing, 3);
+    const int64_t *const step = v->strides[0] == 0 && v->strides[1] == 0 && v->strides[2] == 0 ? packed
+                                                                                               : v->strides;
+    uint64_t h = mixed_doubles(mixed_doubles((uint64_t)v->sample_type, v->lattice.origin, 3),
+                               v->lattice.spacing, 3);
+
     h = mixed_integers(mixed_integers(h, v->lattice.dims, 3), v->size, 3);
     for (int32_t z = 0; z < v->size[2]; z++)
         for (int32_t y = 0; y < v->size[1]; y++)
             for (int32_t x = 0; x < v->size[0]; x++) {
-                const uint8_t *const at = (const uint8_t *)v->samples + x * step[0] + y * step[1] + z * step[2];
+                const uint8_t *const at = (const uint8_t *)v->samples + x * step[0] + y * step[1] +
+                                          z * step[2];
                 uint64_t bits = 0;
                 for (int k = 0; k < bytes; k++) bits |= (uint64_t)at[big ? bytes - 1 - k : k] << 8 * k;
                 h = mixed_word(h, bits);
@@ -194,7 +234,8 @@ static uint64_t mixed_volume(const bvx_volume_view *v)
 }
 
 /* "Packed" data that is what it stands for. */
-static int32_t unpack_as_it_is(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size)
+static int32_t unpack_as_it_is(void *user, const void *packed, uint64_t packed_size, void *plain,
+                               uint64_t plain_size)
 {
     (void)user;
     if (packed_size != plain_size) return 1;
@@ -202,10 +243,12 @@ static int32_t unpack_as_it_is(void *user, const void *packed, uint64_t packed_s
     return 0;
 }
 
-static void read_value(golden *g, const char *key, const uint8_t *file, size_t size, int32_t format, int32_t raw_type)
+static void read_value(golden *g, const char *key, const uint8_t *file, size_t size, int32_t format,
+                       int32_t raw_type)
 {
     bvx_read_volume_options o;
     bvx_volume volume = {0};
+
     bvx_read_volume_options_init(&o, sizeof o);
     o.inflate = unpack_as_it_is;
     if (format == BVX_FORMAT_RAW) {
@@ -218,27 +261,32 @@ static void read_value(golden *g, const char *key, const uint8_t *file, size_t s
         o.origin[1] = 0.1;
         o.spacing[2] = 1.7;
     }
-    if (golden_good(g, bvx_read_volume(g->context, file, size, format, &o, &volume))) golden_hex(g, key, mixed_volume(&volume.view));
+    if (golden_good(g, bvx_read_volume(g->context, file, size, format, &o, &volume)))
+        golden_hex(g, key, mixed_volume(&volume.view));
     bvx_volume_free(g->context, &volume);
 }
 
 /* The samples behind a head, as bytes of either order or as a text of thousandths. */
 static size_t put_samples(uint8_t *file, size_t at, int32_t type, int big)
 {
-    for (int32_t i = 0; i < VOLUME_SAMPLES; i++, at += (size_t)sample_bytes[type]) put_bytes(file + at, sample_bits(type, i), sample_bytes[type], big);
+    for (int32_t i = 0; i < VOLUME_SAMPLES; i++, at += (size_t)sample_bytes[type])
+        put_bytes(file + at, sample_bits(type, i), sample_bytes[type], big);
     return at;
 }
 
 static size_t put_text(uint8_t *file, size_t at, const char *end)
 {
-    for (int32_t i = 0; i < VOLUME_SAMPLES; i++) at += (size_t)sprintf((char *)file + at, "%de-3%s", (int)bowl_sample(i) - 900, i % 7 == 6 ? "\n" : " ");
+    for (int32_t i = 0; i < VOLUME_SAMPLES; i++)
+        at += (size_t)sprintf((char *)file + at, "%de-3%s", (int)bowl_sample(i) - 900,
+                              i % 7 == 6 ? "\n" : " ");
     return at + (size_t)sprintf((char *)file + at, "%s", end);
 }
 
 static size_t put_npy_head(uint8_t *file, const char *type, int fortran)
 {
     char dict[119];
-    snprintf(dict, sizeof dict, "{'descr': '%s', 'fortran_order': %s, 'shape': (%d, %d, %d), }", type, fortran ? "True" : "False", VOLUME_X, VOLUME_Y, VOLUME_Z);
+    snprintf(dict, sizeof dict, "{'descr': '%s', 'fortran_order': %s, 'shape': (%d, %d, %d), }", type,
+             fortran ? "True" : "False", VOLUME_X, VOLUME_Y, VOLUME_Z);
     memcpy(file, "\x93NUMPY\x01\x00\x76\x00", 10); /* 118 bytes of head */
     sprintf((char *)file + 10, "%-117s\n", dict);
     return 128;
@@ -248,11 +296,19 @@ static void nrrd_values(golden *g, uint8_t *file)
 {
     static const char head[] = "NRRD0004\ndimension: 3\nsizes: 37 21 19\n";
     size_t n;
-    n = (size_t)sprintf((char *)file, "%stype: int16\nencoding: raw\nendian: big\nspacings: 0.5 0.25 2\naxis mins: 1 2 3\n\n", head);
+
+    n = (size_t)sprintf(
+        (char *)file, "%stype: int16\nencoding: raw\nendian: big\nspacings: 0.5 0.25 2\naxis mins: 1 2 3\n\n",
+        head);
     read_value(g, "nrrd_i16_big", file, put_samples(file, n, BVX_SAMPLE_I16, 1), BVX_FORMAT_NRRD, 0);
-    n = (size_t)sprintf((char *)file, "%stype: int16\nencoding: raw\nendian: little\nspacings: 0.5 0.25 2\naxis mins: 1 2 3\n\n", head);
+    n = (size_t)sprintf(
+        (char *)file,
+        "%stype: int16\nencoding: raw\nendian: little\nspacings: 0.5 0.25 2\naxis mins: 1 2 3\n\n", head);
     read_value(g, "nrrd_i16_little", file, put_samples(file, n, BVX_SAMPLE_I16, 0), BVX_FORMAT_NRRD, 0);
-    n = (size_t)sprintf((char *)file, "%stype: double\nencoding: gzip\nendian: big\nspace: left-posterior-superior\nspace directions: (0.1,0,0) (0,0.3,0) (0,0,7)\n\n", head);
+    n = (size_t)sprintf(
+        (char *)file,
+        "%stype: double\nencoding: gzip\nendian: big\nspace: left-posterior-superior\nspace directions: (0.1,0,0) (0,0.3,0) (0,0,7)\n\n",
+        head);
     read_value(g, "nrrd_f64_packed", file, put_samples(file, n, BVX_SAMPLE_F64, 1), BVX_FORMAT_NRRD, 0);
     n = (size_t)sprintf((char *)file, "%stype: float\nencoding: ascii\n\n", head);
     read_value(g, "nrrd_f32_text", file, put_text(file, n, ""), BVX_FORMAT_NRRD, 0);
@@ -262,11 +318,15 @@ static void nrrd_values(golden *g, uint8_t *file)
 
 static void data_names(golden *g)
 {
-    static const char head[] = "NRRD0004\ndimension: 3\nsizes: 2 2 4\ntype: uint8\nencoding: raw\ndata file: part.%03d.raw 8 2 -2 2\n";
+    static const char head[] =
+        "NRRD0004\ndimension: 3\nsizes: 2 2 4\ntype: uint8\nencoding: raw\ndata file: part.%03d.raw 8 2 -2 2\n";
     uint64_t count = 0, h = 0;
+
     for (uint64_t i = 0; i < 4; i++) {
         char name[32] = "";
-        if (golden_good(g, bvx_volume_data_name(g->context, head, sizeof head - 1, i, name, sizeof name, &count))) h = bvx_hash(name, strlen(name), h);
+        if (golden_good(
+                g, bvx_volume_data_name(g->context, head, sizeof head - 1, i, name, sizeof name, &count)))
+            h = bvx_hash(name, strlen(name), h);
     }
     golden_u64(g, "names", count);
     golden_hex(g, "text", h);
@@ -276,6 +336,7 @@ static void read_values(golden *g)
 {
     uint8_t *const file = malloc(16 * VOLUME_SAMPLES + 4096);
     size_t n;
+
     if (file == NULL) exit(2);
     golden_begin(g, "files");
     nrrd_values(g, file);
@@ -286,10 +347,13 @@ static void read_values(golden *g)
     read_value(g, "npy_u8_fortran", file, put_samples(file, n, BVX_SAMPLE_U64, 0), BVX_FORMAT_NPY, 0);
     n = put_npy_head(file, "<f2", 1);
     read_value(g, "npy_half", file, put_samples(file, n, BVX_SAMPLE_U16, 0), BVX_FORMAT_NPY, 0);
-    n = (size_t)sprintf((char *)file,
-                        "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"0 37 0 21 0 19\" Origin=\"0.1 0 0\" Spacing=\"1 0.3 1\">"
-                        "<Piece Extent=\"0 37 0 21 0 19\"><CellData Scalars=\"d\"><DataArray type=\"Float32\" Name=\"d\" format=\"ascii\">\n");
-    read_value(g, "vti_text", file, put_text(file, n, "</DataArray></CellData></Piece></ImageData></VTKFile>\n"), BVX_FORMAT_VTI, 0);
+    n = (size_t)sprintf(
+        (char *)file,
+        "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"0 37 0 21 0 19\" Origin=\"0.1 0 0\" Spacing=\"1 0.3 1\">"
+        "<Piece Extent=\"0 37 0 21 0 19\"><CellData Scalars=\"d\"><DataArray type=\"Float32\" Name=\"d\" format=\"ascii\">\n");
+    read_value(g, "vti_text", file,
+               put_text(file, n, "</DataArray></CellData></Piece></ImageData></VTKFile>\n"), BVX_FORMAT_VTI,
+               0);
     memcpy(file, "abc", 3);
     read_value(g, "raw_i64", file, put_samples(file, 3, BVX_SAMPLE_I64, 1), BVX_FORMAT_RAW, BVX_SAMPLE_I64);
     golden_end(g);

@@ -6,6 +6,7 @@
 static void attached_value(golden *g, const char *key, const bvx_attached *a)
 {
     uint64_t hash = bvx_hash(a->triangles, (size_t)a->triangle_count * 4, a->voxel_count);
+
     golden_u64(g, key, a->triangle_count);
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
     hash = 0;
@@ -30,9 +31,11 @@ static void faces_value(golden *g, const bvx_grid *grid, int32_t merged)
     bvx_faces_options o;
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
+
     bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
-    if (golden_good(g, bvx_extract_faces(g->context, grid, &o, &mesh)) && golden_good(g, bvx_mesh_hash(g->context, &mesh, &hash)))
+    if (golden_good(g, bvx_extract_faces(g->context, grid, &o, &mesh)) &&
+        golden_good(g, bvx_mesh_hash(g->context, &mesh, &hash)))
         golden_hex(g, merged ? "merged" : "faces", hash);
     bvx_mesh_free(g->context, &mesh);
 }
@@ -41,6 +44,7 @@ static void surface_modes(golden *g, const char *name, const bvx_mesh_view *view
 {
     static const char *const mode[3] = {"conservative", "thin", "sampled"};
     bvx_lattice lattice;
+
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
         for (int32_t m = BVX_SURFACE_CONSERVATIVE; m <= BVX_SURFACE_SAMPLED; m++) {
@@ -63,6 +67,7 @@ static void surface_modes(golden *g, const char *name, const bvx_mesh_view *view
 static void voxel_surface_cases(golden *g)
 {
     bvx_mesh_view view;
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     surface_modes(g, "torus_130", &view, 130);
@@ -78,6 +83,7 @@ static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, i
 {
     static const char *const rule[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding"};
     bvx_lattice lattice;
+
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
         for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_WINDING; fill++) {
@@ -88,7 +94,8 @@ static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, i
             o.fill = fill;
             o.close_gaps = fill == BVX_FILL_FLOOD;
             status = bvx_voxelize_solid(g->context, view, &lattice, &o, &grid);
-            if (status == BVX_ERR_EMPTY) golden_text(g, rule[fill], "empty"); /* a flood that got in everywhere */
+            /* a flood that got in everywhere */
+            if (status == BVX_ERR_EMPTY) golden_text(g, rule[fill], "empty");
             else if (golden_good(g, status)) grid_value(g, rule[fill], &grid);
         }
     golden_end(g);
@@ -97,6 +104,7 @@ static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, i
 static void fill_cases(golden *g)
 {
     bvx_mesh_view view;
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     fill_rules(g, "torus_90", &view, 90);
@@ -113,8 +121,8 @@ static void fill_cases(golden *g)
 
 /* ---- Octrees ---- */
 
-static void octree_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t base_voxels, int32_t levels, double tolerance,
-                          const bvx_window *window)
+static void octree_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t base_voxels,
+                          int32_t levels, double tolerance, const bvx_window *window)
 {
     bvx_refine_options o;
     bvx_lattice base;
@@ -122,6 +130,7 @@ static void octree_values(golden *g, const char *name, const bvx_mesh_view *view
     bvx_buffer file = {0};
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
+
     bvx_refine_options_init(&o, sizeof o);
     o.levels = levels;
     o.tolerance = tolerance;
@@ -146,6 +155,7 @@ static void octree_cases(golden *g)
 {
     static const bvx_window window = {{100, 60, 20}, {64, 48, 32}};
     bvx_mesh_view view;
+
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     octree_values(g, "torus_8_by_5", &view, 8, 5, 0, NULL);

@@ -272,6 +272,7 @@ check 'core compiles for Windows' compiles_for_windows
 check 'core is freestanding' freestanding
 check 'no processor detection where it is turned off' no_cpu_detection
 check 'core includes' includes
+check 'sources are formatted' sh tests/tools/format.sh check
 check 'rooms use what the map allows' sh tests/tools/check_rooms.sh
 check 'case table is what its generator prints' tables_as_generated
 check 'file names are unique' file_names_unique

@@ -1,5 +1,5 @@
-/* consumer.c - the smallest program of another project that shows the library linked: a tetrahedron's voxels, counted.
- * packaging.sh and test_install.sh build it outside this tree. */
+/* consumer.c - the smallest program of another project that shows the library linked: a tetrahedron's voxels,
+ * counted. packaging.sh and test_install.sh build it outside this tree. */
 #include <bitvox.h>
 #include <stdio.h>
 int main(void)
@@ -11,8 +11,10 @@ int main(void)
     bvx_lattice lattice;
     bvx_grid solid = {0};
     uint64_t set = 0;
+
     if (bvx_context_create(NULL, &ctx) != BVX_OK) return 1;
-    if (bvx_lattice_fit(ctx, &view, 64, &lattice) != BVX_OK || bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK)
+    if (bvx_lattice_fit(ctx, &view, 64, &lattice) != BVX_OK ||
+        bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK)
         return 1;
     bvx_grid_count(ctx, &solid, &set);
     printf("%u\n", (unsigned)set);

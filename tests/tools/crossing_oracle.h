@@ -1,7 +1,9 @@
-/* crossing_oracle.h - do triangles of a mesh cross or touch beyond what they share? All pairs, in whole numbers.
+/* crossing_oracle.h - do triangles of a mesh cross or touch beyond what they share? All pairs, in whole
+ * numbers.
  *
- * Coordinates are multiples of 1/scale, scale a power of two, below 2^57 in these units (2^52 serves doubles in [1, 16)), so
- * that volumes stay below 2^180 and exact.h holds them. A filter in doubles answers what is far from zero. */
+ * Coordinates are multiples of 1/scale, scale a power of two, below 2^57 in these units (2^52 serves doubles
+ * in [1, 16)), so that volumes stay below 2^180 and exact.h holds them. A filter in doubles answers what is
+ * far from zero. */
 #ifndef CROSSING_ORACLE_H
 #define CROSSING_ORACLE_H
 
@@ -19,11 +21,14 @@ typedef struct crossing_mesh {
 static inline crossing_mesh crossing_open(const bvx_mesh *m, double scale)
 {
     crossing_mesh c = {NULL, m->triangles, m->triangle_count, NULL};
+
     c.q = maker_grow(NULL, (size_t)(m->vertex_count + 1) * 3 * sizeof *c.q);
     for (uint64_t i = 0; i < 3 * m->vertex_count; i++) {
-        double const p = m->position_type == BVX_F32 ? (double)((const float *)m->positions)[i] : ((const double *)m->positions)[i];
+        double const p = m->position_type == BVX_F32 ? (double)((const float *)m->positions)[i]
+                                                     : ((const double *)m->positions)[i];
         c.q[i] = 0;
-        if (!(p * scale < 144115188075855872.0 && p * scale > -144115188075855872.0)) c.wrong = "a coordinate too large";
+        if (!(p * scale < 144115188075855872.0 && p * scale > -144115188075855872.0))
+            c.wrong = "a coordinate too large";
         else c.q[i] = (int64_t)(p * scale);
         if (c.wrong == NULL && (double)c.q[i] != p * scale) c.wrong = "a coordinate that is no multiple";
     }
@@ -41,6 +46,7 @@ static inline int crossing_volume(const int64_t *a, const int64_t *b, const int6
     int64_t u[3], v[3], w[3];
     double sum = 0, size = 0;
     exact_number total;
+
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];
         v[k] = c[k] - a[k];
@@ -48,7 +54,8 @@ static inline int crossing_volume(const int64_t *a, const int64_t *b, const int6
     }
     for (int k = 0; k < 3; k++) {
         int const l = (k + 1) % 3, m = (k + 2) % 3;
-        double const x = (double)u[l] * (double)v[m] * (double)w[k], y = (double)u[m] * (double)v[l] * (double)w[k];
+        double const x = (double)u[l] * (double)v[m] * (double)w[k];
+        double const y = (double)u[m] * (double)v[l] * (double)w[k];
         sum += x - y;
         size += (x < 0 ? -x : x) + (y < 0 ? -y : y);
     }
@@ -56,7 +63,8 @@ static inline int crossing_volume(const int64_t *a, const int64_t *b, const int6
     total = exact_of(0);
     for (int k = 0; k < 3; k++) {
         int const l = (k + 1) % 3, m = (k + 2) % 3;
-        exact_number const minor = crossing_sub(exact_mul(exact_of(u[l]), exact_of(v[m])), exact_mul(exact_of(u[m]), exact_of(v[l])));
+        exact_number const minor = crossing_sub(exact_mul(exact_of(u[l]), exact_of(v[m])),
+                                                exact_mul(exact_of(u[m]), exact_of(v[l])));
         total = exact_add(total, exact_mul(minor, exact_of(w[k])));
     }
     return exact_sign(total);
@@ -79,7 +87,9 @@ static inline int crossing_axis(const int64_t *const t[3])
 
 static inline int crossing_in_triangle(const int64_t *p, const int64_t *const t[3], int axis)
 {
-    int const a = crossing_area(t[0], t[1], p, axis), b = crossing_area(t[1], t[2], p, axis), c = crossing_area(t[2], t[0], p, axis);
+    int const a = crossing_area(t[0], t[1], p, axis);
+    int const b = crossing_area(t[1], t[2], p, axis);
+    int const c = crossing_area(t[2], t[0], p, axis);
     return !((a > 0 || b > 0 || c > 0) && (a < 0 || b < 0 || c < 0));
 }
 
@@ -91,7 +101,8 @@ static inline int crossing_between(const int64_t *p, const int64_t *a, const int
     return 1;
 }
 
-static inline int crossing_segments(const int64_t *p, const int64_t *q, const int64_t *a, const int64_t *b, int axis)
+static inline int crossing_segments(const int64_t *p, const int64_t *q, const int64_t *a, const int64_t *b,
+                                    int axis)
 {
     int const pa = crossing_area(p, q, a, axis), pb = crossing_area(p, q, b, axis);
     int const ap = crossing_area(a, b, p, axis), aq = crossing_area(a, b, q, axis);
@@ -105,6 +116,7 @@ static inline int crossing_segment(const int64_t *p, const int64_t *q, const int
 {
     int const sp = crossing_volume(t[0], t[1], t[2], p), sq = crossing_volume(t[0], t[1], t[2], q);
     int a, b, c, axis;
+
     if (sp * sq > 0) return 0;
     if (sp == 0 && sq == 0) {
         axis = crossing_axis(t);
@@ -123,6 +135,7 @@ static inline int crossing_segment(const int64_t *p, const int64_t *q, const int
 static inline int crossing_pair(const int64_t *const s[3], const int64_t *const t[3])
 {
     int shared = 0, one = -1, two = -1, free_one = 3, free_two = 3;
+
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             if (s[i] == t[k]) {
@@ -140,13 +153,15 @@ static inline int crossing_pair(const int64_t *const s[3], const int64_t *const 
         return crossing_area(a, b, s[free_one], axis) * crossing_area(a, b, t[free_two], axis) > 0;
     }
     if (shared == 1) /* what they share besides would reach a side that is opposite to the shared vertex */
-        return crossing_segment(s[(one + 1) % 3], s[(one + 2) % 3], t) || crossing_segment(t[(two + 1) % 3], t[(two + 2) % 3], s);
+        return crossing_segment(s[(one + 1) % 3], s[(one + 2) % 3], t) ||
+               crossing_segment(t[(two + 1) % 3], t[(two + 2) % 3], s);
     for (int i = 0; i < 3; i++)
         if (crossing_segment(s[i], s[(i + 1) % 3], t) || crossing_segment(t[i], t[(i + 1) % 3], s)) return 1;
     return 0;
 }
 
-static inline void crossing_corners(const crossing_mesh *c, uint64_t n, const int64_t *t[3], int64_t low[3], int64_t high[3])
+static inline void crossing_corners(const crossing_mesh *c, uint64_t n, const int64_t *t[3], int64_t low[3],
+                                    int64_t high[3])
 {
     for (int i = 0; i < 3; i++) {
         t[i] = c->q + 3 * (size_t)c->t[3 * n + (uint64_t)i];
@@ -157,10 +172,12 @@ static inline void crossing_corners(const crossing_mesh *c, uint64_t n, const in
     }
 }
 
-/* The number of pairs that cross, triangles without area counted too; *wrong says why the mesh could not be asked. */
+/* The number of pairs that cross, triangles without area counted too;
+ * *wrong says why the mesh could not be asked. */
 static inline uint64_t crossing_count(const bvx_mesh *m, double scale, const char **wrong)
 {
     crossing_mesh c = crossing_open(m, scale);
+
     int64_t(*const boxes)[6] = maker_grow(NULL, (size_t)(c.triangles + 1) * sizeof *boxes);
     uint64_t found = 0;
     *wrong = c.wrong;
@@ -171,7 +188,8 @@ static inline uint64_t crossing_count(const bvx_mesh *m, double scale, const cha
         if (crossing_axis(s) < 0) found++;
         for (uint64_t k = 0; k < i; k++) {
             const int64_t *const a = boxes[i], *const b = boxes[k];
-            if (a[0] > b[3] || b[0] > a[3] || a[1] > b[4] || b[1] > a[4] || a[2] > b[5] || b[2] > a[5]) continue;
+            if (a[0] > b[3] || b[0] > a[3] || a[1] > b[4] || b[1] > a[4] || a[2] > b[5] || b[2] > a[5])
+                continue;
             crossing_corners(&c, k, t, low, high);
             found += (uint64_t)crossing_pair(s, t);
         }

@@ -1,11 +1,13 @@
-/* defect_maker.h - good shapes, spoilt in one way or several, and between which bounds the volume of what repairs them must lie.
+/* defect_maker.h - good shapes, spoilt in one way or several, and between which bounds the volume of what
+ * repairs them must lie.
  *
- * low and high say what the defect leaves open. The hole of a patch P: inside is then wrong only where P fills more than half of all
- * directions, which nowhere beyond its convex hull can be; the hull is kept in a disc over its plane. A vertex moved by d beside a
- * side of a triangle: the tetrahedron between. Triangles torn apart or lying double by d: area times d. Shells: thickness times area and half a
- * pipe along the rim.
- * The lattice takes its share besides, defect_share: marching cubes cut the edge of two planes that meet at an angle t by a chord
- * of at most sqrt(2) h, so by h^2 / 2 tan(t / 2) times its length at most; a fiftieth of a voxel of the area is left for the rest. */
+ * low and high say what the defect leaves open. The hole of a patch P: inside is then wrong only where P
+ * fills more than half of all directions, which nowhere beyond its convex hull can be; the hull is kept in a
+ * disc over its plane. A vertex moved by d beside a side of a triangle: the tetrahedron between. Triangles
+ * torn apart or lying double by d: area times d. Shells: thickness times area and half a pipe along the rim.
+ * The lattice takes its share besides, defect_share: marching cubes cut the edge of two planes that meet at
+ * an angle t by a chord of at most sqrt(2) h, so by h^2 / 2 tan(t / 2) times its length at most; a fiftieth
+ * of a voxel of the area is left for the rest. */
 #ifndef DEFECT_MAKER_H
 #define DEFECT_MAKER_H
 
@@ -17,13 +19,14 @@
 
 typedef struct defect_shape {
     maker_mesh mesh;
-    double volume;       /* of the good shape */
-    double low, high;    /* the right volume lies between */
-    double area;         /* of all surfaces that are to be found */
-    double edges;        /* sum of length times tan(t / 2) */
-    double shell, rim;   /* area and rim of sheets that become shells */
-    int32_t only_shell;  /* 1: nothing else is there, so the shell's volume is no more than that and no less */
-    double voxel;        /* about what will be used, for defects that are smaller */
+    double volume;     /* of the good shape */
+    double low, high;  /* the right volume lies between */
+    double area;       /* of all surfaces that are to be found */
+    double edges;      /* sum of length times tan(t / 2) */
+    double shell, rim; /* area and rim of sheets that become shells */
+    /* 1: nothing else is there, so the shell's volume is no more than that and no less */
+    int32_t only_shell;
+    double voxel; /* about what will be used, for defects that are smaller */
 } defect_shape;
 
 /* ---- Good shapes ---- */
@@ -62,11 +65,15 @@ static inline double defect_distance(const double a[3], const double b[3])
 }
 
 /* Volume, area and edges of the triangles from first on, which are closed and share their vertices. */
-static inline void defect_measure(const maker_mesh *m, size_t first, double *volume, double *area, double *edges)
+static inline void defect_measure(const maker_mesh *m, size_t first, double *volume, double *area,
+                                  double *edges)
 {
     static const double origin[3] = {8, 8, 8};
+
     for (size_t t = first; t < m->triangles; t++) {
-        const double *const a = defect_corner(m, t, 0), *const b = defect_corner(m, t, 1), *const c = defect_corner(m, t, 2);
+        const double *const a = defect_corner(m, t, 0);
+        const double *const b = defect_corner(m, t, 1);
+        const double *const c = defect_corner(m, t, 2);
         double const from[3] = {a[0] - origin[0], a[1] - origin[1], a[2] - origin[2]};
         double n[3], o[3];
         defect_normal(a, b, c, n);
@@ -78,9 +85,11 @@ static inline void defect_measure(const maker_mesh *m, size_t first, double *vol
                 double cross[3], along;
                 if (m->t[3 * u + i % 3] != q || m->t[3 * u + (i + 1) % 3] != p) continue;
                 defect_normal(defect_corner(m, u, 0), defect_corner(m, u, 1), defect_corner(m, u, 2), o);
-                for (int k = 0; k < 3; k++) cross[k] = n[(k + 1) % 3] * o[(k + 2) % 3] - n[(k + 2) % 3] * o[(k + 1) % 3];
+                for (int k = 0; k < 3; k++)
+                    cross[k] = n[(k + 1) % 3] * o[(k + 2) % 3] - n[(k + 2) % 3] * o[(k + 1) % 3];
                 along = defect_length(n) * defect_length(o) + defect_dot(n, o);
-                *edges += defect_distance(m->p + 3 * (size_t)p, m->p + 3 * (size_t)q) * defect_length(cross) / along;
+                *edges += defect_distance(m->p + 3 * (size_t)p, m->p + 3 * (size_t)q) * defect_length(cross) /
+                          along;
             }
     }
 }
@@ -90,7 +99,7 @@ static inline void defect_add_ring(maker_mesh *m, uint64_t *seed, const double a
 {
     static const int32_t n[3] = {6, 6, 3};
     uint8_t solid[108];
-    for (int i = 0; i < 108; i++) solid[i] = (uint8_t)!(i % 6 / 2 == 1 && i / 6 % 6 / 2 == 1);
+    for (int i = 0; i < 108; i++) solid[i] = (uint8_t) !(i % 6 / 2 == 1 && i / 6 % 6 / 2 == 1);
     maker_cubes(m, seed, solid, n, at);
 }
 
@@ -105,6 +114,7 @@ static inline void defect_begin(defect_shape *s, int32_t shape, uint64_t *seed, 
 {
     static const double at[3] = {5.03125, 4.9375, 6.40625};
     maker_mesh const memory = s->mesh;
+
     memset(s, 0, sizeof *s);
     s->mesh = memory;
     maker_clear(&s->mesh);
@@ -152,10 +162,12 @@ static inline size_t defect_any(const maker_mesh *m, uint64_t *seed)
     return (size_t)maker_below(seed, (int32_t)m->triangles);
 }
 
-/* At most what the hull of the triangles round a vertex has: a disc of their reach, as high as they are over their mean plane. */
+/* At most what the hull of the triangles round a vertex has: a disc of
+ * their reach, as high as they are over their mean plane. */
 static inline double defect_patch(const maker_mesh *m, uint32_t v, double *reach)
 {
     double sum[3] = {0, 0, 0}, low = 0, high = 0;
+
     *reach = 0;
     for (int pass = 0; pass < 2; pass++)
         for (size_t t = 0; t < m->triangles; t++) {
@@ -183,12 +195,14 @@ static inline void defect_holes(defect_shape *s, uint64_t *seed)
     uint32_t taken[6];
     double reach[6];
     int32_t count = 0;
+
     for (int tries = 0; tries < 60 && count < 6; tries++) {
         uint32_t const v = m->t[3 * defect_any(m, seed)];
         double const most = defect_patch(m, v, &reach[count]);
         int free = most < 0.02 * s->volume;
         for (int32_t i = 0; i < count; i++)
-            free &= defect_distance(m->p + 3 * (size_t)v, m->p + 3 * (size_t)taken[i]) > 1.5 * (reach[i] + reach[count]);
+            free &= defect_distance(m->p + 3 * (size_t)v, m->p + 3 * (size_t)taken[i]) >
+                    1.5 * (reach[i] + reach[count]);
         if (!free) continue;
         taken[count++] = v;
         s->low -= most;
@@ -196,7 +210,8 @@ static inline void defect_holes(defect_shape *s, uint64_t *seed)
     }
     for (int32_t i = 0; i < count; i++)
         for (size_t t = m->triangles; t-- > 0;)
-            if (m->t[3 * t] == taken[i] || m->t[3 * t + 1] == taken[i] || m->t[3 * t + 2] == taken[i]) maker_remove(m, t);
+            if (m->t[3 * t] == taken[i] || m->t[3 * t + 1] == taken[i] || m->t[3 * t + 2] == taken[i])
+                maker_remove(m, t);
 }
 
 static inline void defect_flips(defect_shape *s, uint64_t *seed)
@@ -235,9 +250,11 @@ static inline void defect_junctions_off(defect_shape *s, uint64_t *seed, double 
 {
     for (int i = 0; i < 60; i++) {
         size_t const t = defect_any(&s->mesh, seed);
-        double const off[3] = {defect_jitter(seed, most), defect_jitter(seed, most), defect_jitter(seed, most)};
+        double const off[3] = {defect_jitter(seed, most), defect_jitter(seed, most),
+                               defect_jitter(seed, most)};
         double n[3];
-        defect_normal(defect_corner(&s->mesh, t, 0), defect_corner(&s->mesh, t, 1), defect_corner(&s->mesh, t, 2), n);
+        defect_normal(defect_corner(&s->mesh, t, 0), defect_corner(&s->mesh, t, 1),
+                      defect_corner(&s->mesh, t, 2), n);
         s->low -= defect_length(n) * defect_length(off) / 6;
         s->high += defect_length(n) * defect_length(off) / 6;
         defect_split(&s->mesh, t, 0.25 + 0.125 * maker_below(seed, 5), off);
@@ -268,24 +285,28 @@ static inline double defect_common_rings(double x, double y, double z)
     for (int i = 0; i < 108; i++)
         for (int k = 0; k < 108; k++) {
             if ((i % 6 / 2 == 1 && i / 6 % 6 / 2 == 1) || (k % 6 / 2 == 1 && k / 6 % 6 / 2 == 1)) continue;
-            sum += defect_common(i % 6, k % 6 + x) * defect_common(i / 6 % 6, k / 6 % 6 + y) * defect_common(i / 36, k / 36 + z);
+            sum += defect_common(i % 6, k % 6 + x) * defect_common(i / 6 % 6, k / 6 % 6 + y) *
+                   defect_common(i / 36, k / 36 + z);
         }
     return sum;
 }
 
-/* The volume that two round balls share whose centres lie d apart, and what the makers' balls may differ from it. */
+/* The volume that two round balls share whose centres lie d apart, and what
+ * the makers' balls may differ from it. */
 static inline double defect_common_balls(double radius, double d)
 {
     return d < 2 * radius ? DEFECT_PI / 12 * (4 * radius + d) * (2 * radius - d) * (2 * radius - d) : 0;
 }
 
-/* Surfaces of the same way that lie a fraction of a voxel apart: the inner one draws the cut, so far at most. */
+/* Surfaces of the same way that lie a fraction of a voxel apart: the inner one draws the cut, so far at
+ * most. */
 static inline double defect_draw(double voxel, double apart)
 {
     return apart < voxel ? apart : 0;
 }
 
-/* A second one in the same mesh, moved by some voxels or by a fraction of one. They cross in creases: as many as they have edges. */
+/* A second one in the same mesh, moved by some voxels or by a fraction of
+ * one. They cross in creases: as many as they have edges. */
 static inline void defect_copy(defect_shape *s, uint64_t *seed, double most)
 {
     double const x = defect_jitter(seed, most), y = defect_jitter(seed, most), z = defect_jitter(seed, most);
@@ -293,10 +314,14 @@ static inline void defect_copy(defect_shape *s, uint64_t *seed, double most)
     size_t const triangles = m->triangles, vertices = m->vertices;
     int const ring = m->vertices == 7 * 7 * 4;
     double const round = 4 * DEFECT_PI / 3 * 64, off = ring ? 0 : s->volume / round;
-    double const both = ring ? defect_common_rings(x, y, z) : off * defect_common_balls(4, sqrt(x * x + y * y + z * z));
-    for (size_t i = 0; i < vertices; i++) maker_vertex(m, m->p[3 * i] + x, m->p[3 * i + 1] + y, m->p[3 * i + 2] + z);
+    double const both = ring ? defect_common_rings(x, y, z)
+                             : off * defect_common_balls(4, sqrt(x * x + y * y + z * z));
+
+    for (size_t i = 0; i < vertices; i++)
+        maker_vertex(m, m->p[3 * i] + x, m->p[3 * i + 1] + y, m->p[3 * i + 2] + z);
     for (size_t t = 0; t < triangles; t++)
-        maker_triangle(m, m->t[3 * t] + (uint32_t)vertices, m->t[3 * t + 1] + (uint32_t)vertices, m->t[3 * t + 2] + (uint32_t)vertices);
+        maker_triangle(m, m->t[3 * t] + (uint32_t)vertices, m->t[3 * t + 1] + (uint32_t)vertices,
+                       m->t[3 * t + 2] + (uint32_t)vertices);
     s->low = s->high = 2 * s->volume - both;
     if (!ring) { /* not quite round: what they share lies between two lenses */
         double const shift = sqrt(x * x + y * y + z * z), thin = 0.06 * (shift < 4 ? shift / 4 : 1);
@@ -323,6 +348,7 @@ static inline void defect_torn(defect_shape *s, uint64_t *seed)
 {
     maker_mesh *const m = &s->mesh;
     double const most = 0.2 * s->voxel;
+
     for (size_t i = 0; i < 3 * m->triangles; i++) {
         double const p[3] = {m->p[3 * m->t[i]], m->p[3 * m->t[i] + 1], m->p[3 * m->t[i] + 2]};
         double const x = p[0] + defect_jitter(seed, most), y = p[1] + defect_jitter(seed, most);
@@ -369,6 +395,7 @@ static inline void defect_overlap(defect_shape *s, uint64_t *seed)
     maker_mesh *const m = &s->mesh;
     size_t const n = m->triangles;
     double const by = 0.3 * s->voxel;
+
     (void)seed;
     for (size_t t = 0; t < n; t++) {
         int const second = defect_is_right(m, t, 7);
@@ -385,8 +412,9 @@ static inline void defect_sheet(defect_shape *s, uint64_t *seed)
 {
     maker_mesh *const m = &s->mesh;
     double const tilt = defect_jitter(seed, 1);
-    uint32_t const a = maker_vertex(m, 7, 6, 8 + tilt), b = maker_vertex(m, 13.5, 6, 8), c = maker_vertex(m, 13.5, 10, 8),
-                   d = maker_vertex(m, 7, 10, 8 + tilt);
+    uint32_t const a = maker_vertex(m, 7, 6, 8 + tilt), b = maker_vertex(m, 13.5, 6, 8),
+                   c = maker_vertex(m, 13.5, 10, 8), d = maker_vertex(m, 7, 10, 8 + tilt);
+
     maker_triangle(m, a, b, c);
     maker_triangle(m, a, c, d);
     s->shell = 4 * sqrt(6.5 * 6.5 + tilt * tilt);
@@ -403,7 +431,10 @@ static inline void defect_moebius(defect_shape *s, uint64_t *seed)
     maker_clear(m);
     for (int i = 0; i < PARTS; i++) {
         double const turn = (double)i / PARTS;
-        double const c = maker_wave(turn), d = maker_wave(turn + 0.75), e = maker_wave(turn / 2), f = maker_wave(turn / 2 + 0.75);
+        double const c = maker_wave(turn);
+        double const d = maker_wave(turn + 0.75);
+        double const e = maker_wave(turn / 2);
+        double const f = maker_wave(turn / 2 + 0.75);
         for (int side = -1; side <= 1; side += 2)
             maker_vertex(m, 8 + (4 + side * 1.5 * e) * c, 8 + (4 + side * 1.5 * e) * d, 8 + side * 1.5 * f);
     }
@@ -412,7 +443,8 @@ static inline void defect_moebius(defect_shape *s, uint64_t *seed)
         uint32_t const a = 2 * i, b = 2 * i + 1, c = last ? 1 : 2 * i + 2, d = last ? 0 : 2 * i + 3;
         maker_triangle(m, a, b, d);
         maker_triangle(m, a, d, c);
-        s->rim += defect_distance(m->p + 3 * (size_t)a, m->p + 3 * (size_t)c) + defect_distance(m->p + 3 * (size_t)b, m->p + 3 * (size_t)d);
+        s->rim += defect_distance(m->p + 3 * (size_t)a, m->p + 3 * (size_t)c) +
+                  defect_distance(m->p + 3 * (size_t)b, m->p + 3 * (size_t)d);
     }
     for (size_t t = 0; t < m->triangles; t++) {
         defect_normal(defect_corner(m, t, 0), defect_corner(m, t, 1), defect_corner(m, t, 2), n);
@@ -428,6 +460,7 @@ static inline void defect_nest_turned(defect_shape *s, uint64_t *seed, int32_t t
     static const double radius[2] = {2.75, 1.5};
     maker_mesh *const m = &s->mesh;
     double volume = 0;
+
     maker_clear(m);
     s->area = s->edges = 0;
     defect_add_ball(m, seed, 4);
@@ -465,13 +498,15 @@ static inline void defect_inside_out(defect_shape *s, uint64_t *seed)
 static inline void defect_needles(defect_shape *s, uint64_t *seed)
 {
     maker_mesh *const m = &s->mesh;
+
     for (int i = 0; i < 100; i++) {
         size_t const t = defect_any(m, seed);
         uint32_t const a = m->t[3 * t], b = m->t[3 * t + 1], c = m->t[3 * t + 2];
         double q[3];
         uint32_t v;
         for (int k = 0; k < 3; k++)
-            q[k] = 0.5 * (m->p[3 * (size_t)a + (size_t)k] + m->p[3 * (size_t)b + (size_t)k]) * (1 - 1e-7) + m->p[3 * (size_t)c + (size_t)k] * 1e-7;
+            q[k] = 0.5 * (m->p[3 * (size_t)a + (size_t)k] + m->p[3 * (size_t)b + (size_t)k]) * (1 - 1e-7) +
+                   m->p[3 * (size_t)c + (size_t)k] * 1e-7;
         v = maker_vertex(m, q[0], q[1], q[2]);
         m->t[3 * t + 2] = v;
         maker_triangle(m, b, c, v);
@@ -483,8 +518,11 @@ static inline void defect_needles(defect_shape *s, uint64_t *seed)
 static inline void defect_degenerate(defect_shape *s, uint64_t *seed)
 {
     maker_mesh *const m = &s->mesh;
+
     for (int i = 0; i < 40; i++) {
-        double const x = maker_between(seed, 5.5, 10, 1024), y = maker_between(seed, 5.5, 10, 1024), step = maker_below(seed, 4) / 16.0;
+        double const x = maker_between(seed, 5.5, 10, 1024);
+        double const y = maker_between(seed, 5.5, 10, 1024);
+        double const step = maker_below(seed, 4) / 16.0;
         size_t const t = defect_any(m, seed);
         uint32_t const u = maker_vertex(m, x, y, 7), v = maker_vertex(m, x + step, y + step, 7 + step);
         maker_triangle(m, u, maker_vertex(m, x + 2 * step, y + 2 * step, 7 + 2 * step), v);

@@ -1,16 +1,17 @@
-/* fail_calls.c - runs a program whose calls to the system fail where it is told, or do a part of what they are asked.
+/* fail_calls.c - runs a program whose calls to the system fail where it is told, or do a part of what they
+ * are asked.
  *
  *   fail_calls SEEN CALL WAY FIRST LAST PROGRAM ARGUMENTS...
  *
  * CALL: read, write, open, close, rename, link, remove, look (stat), memory (mmap), thread.
- * WAY: an error by its name, which the calls FIRST to LAST return (LAST 0: all from FIRST on); a signal by its name, which
- * the program gets when it makes them; or "short": they are asked for a third of their bytes, one at least. Calls are
- * numbered from the moment when the program looks at its standard streams, so that the loader's are left alone; writes to
- * standard error are not counted. SEEN is a file that gets the number of calls. Exit status: the program's, 128 and the
- * signal's number when one ended it, 125 when nothing ran.
+ * WAY: an error by its name, which the calls FIRST to LAST return (LAST 0: all from FIRST on); a signal by
+ * its name, which the program gets when it makes them; or "short": they are asked for a third of their bytes,
+ * one at least. Calls are numbered from the moment when the program looks at its standard streams, so that
+ * the loader's are left alone; writes to standard error are not counted. SEEN is a file that gets the number
+ * of calls. Exit status: the program's, 128 and the signal's number when one ended it, 125 when nothing ran.
  *
- * It traces the program (ptrace), because calls inside the C library cannot be replaced by preloading. Linux on x86-64
- * alone; elsewhere it says so with status 77. */
+ * It traces the program (ptrace), because calls inside the C library cannot be replaced by preloading. Linux
+ * on x86-64 alone; elsewhere it says so with status 77. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,8 +51,9 @@ static const struct kind {
 static const struct error {
     const char *name;
     int number;
-} errors[] = {{"EINTR", EINTR}, {"EIO", EIO}, {"ENOSPC", ENOSPC}, {"EAGAIN", EAGAIN}, {"ENOENT", ENOENT}, {"EACCES", EACCES},
-              {"EROFS", EROFS}, {"EMFILE", EMFILE}, {"ENOMEM", ENOMEM}, {"EPERM", EPERM}, {"EXDEV", EXDEV}, {"ENOSYS", ENOSYS}};
+} errors[] = {{"EINTR", EINTR},   {"EIO", EIO},       {"ENOSPC", ENOSPC}, {"EAGAIN", EAGAIN},
+              {"ENOENT", ENOENT}, {"EACCES", EACCES}, {"EROFS", EROFS},   {"EMFILE", EMFILE},
+              {"ENOMEM", ENOMEM}, {"EPERM", EPERM},   {"EXDEV", EXDEV},   {"ENOSYS", ENOSYS}};
 
 static const struct sent {
     const char *name;
@@ -100,6 +102,7 @@ static int is_counted(long call, const struct user_regs_struct *r)
 static void enter_call(thread *t, struct user_regs_struct *r)
 {
     long const call = (long)r->orig_rax;
+
     if (call == SYS_fcntl && r->rdi == 0 && r->rsi == F_GETFD) fault.counting = 1;
     if (!is_counted(call, r)) return;
     fault.seen++;
@@ -164,6 +167,7 @@ static int run_traced(char **words)
 {
     int status;
     pid_t const program = fork();
+
     if (program == 0) {
         if (ptrace(PTRACE_TRACEME, 0, NULL, NULL) != 0) _exit(NOT_RUN);
         raise(SIGSTOP);
@@ -172,7 +176,8 @@ static int run_traced(char **words)
     }
     if (program < 0 || waitpid(program, &status, 0) != program || !WIFSTOPPED(status)) return NOT_RUN;
     if (ptrace(PTRACE_SETOPTIONS, program, NULL,
-               (void *)(long)(PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC | PTRACE_O_EXITKILL)) != 0) {
+               (void *)(long)(PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC |
+                              PTRACE_O_EXITKILL)) != 0) {
         kill(program, SIGKILL);
         return NOT_RUN;
     }
@@ -198,6 +203,7 @@ int main(int count, char **words)
 {
     int status;
     FILE *seen;
+
     if (count < 7 || !take_words(words)) {
         fprintf(stderr, "usage: fail_calls SEEN CALL WAY FIRST LAST PROGRAM ARGUMENTS...\n");
         return NOT_RUN;

@@ -1,12 +1,14 @@
-/* fault.h - an allocator that fails where it is told to and watches what comes back, and loops over every place where
- * a call can fail. For tests of any framework: a check returns NULL when all is well, else what was wrong in a line.
+/* fault.h - an allocator that fails where it is told to and watches what comes back, and loops over every
+ * place where a call can fail. For tests of any framework: a check returns NULL when all is well, else what
+ * was wrong in a line.
  *
- *   static bvx_status fill(void *user, bvx_context *ctx) { ... call, free the results, return the call's status ... }
+ *   static bvx_status fill(void *user, bvx_context *ctx) { ... call, free the results, return the call's
+ *   status ... }
  *   assert_null(fault_every_allocation(fill, &data, NULL, &allocations));
  *   assert_null(fault_every_cancel(fill, &data, NULL, &calls));
  *
- * The operation is run again and again, so it must leave its inputs alone. It frees what it got on success only: what
- * a failed call left behind counts as a leak, as it should. */
+ * The operation is run again and again, so it must leave its inputs alone. It frees what it got on success
+ * only: what a failed call left behind counts as a leak, as it should. */
 #ifndef FAULT_H
 #define FAULT_H
 
@@ -27,13 +29,13 @@ typedef struct fault_block {
 
 /* Zeroed, it is an allocator that never fails. */
 typedef struct fault_heap {
-    uint64_t fail_at;      /* this allocation returns NULL, 1 being the first; 0: none */
-    int for_ever;          /* and so does each one after it */
-    uint64_t asked;        /* allocations asked for */
-    uint64_t failed;       /* allocations refused */
+    uint64_t fail_at; /* this allocation returns NULL, 1 being the first; 0: none */
+    int for_ever;     /* and so does each one after it */
+    uint64_t asked;   /* allocations asked for */
+    uint64_t failed;  /* allocations refused */
     uint64_t live_blocks, live_bytes, peak_bytes;
-    fault_block *blocks;   /* the live ones, youngest first */
-    char error[160];       /* the first wrong thing seen, or "" */
+    fault_block *blocks; /* the live ones, youngest first */
+    char error[160];     /* the first wrong thing seen, or "" */
 } fault_heap;
 
 static inline void fault_note(fault_heap *heap, const char *what, size_t a, size_t b)
@@ -47,11 +49,13 @@ static inline void *fault_alloc(void *user, size_t size, size_t align)
 {
     fault_heap *const heap = user;
     fault_block *block;
+
     heap->asked++;
     if (align == 0 || align > 64 || (align & (align - 1)) != 0)
         fault_note(heap, "an alignment that is none (align, size)", align, size);
     if (size == 0) fault_note(heap, "an allocation of nothing (align, size)", align, size);
-    if (heap->asked == heap->fail_at || (heap->for_ever && heap->fail_at != 0 && heap->asked > heap->fail_at)) {
+    if (heap->asked == heap->fail_at ||
+        (heap->for_ever && heap->fail_at != 0 && heap->asked > heap->fail_at)) {
         heap->failed++;
         return NULL;
     }
@@ -97,6 +101,7 @@ static inline void fault_free(void *user, void *memory, size_t size, size_t alig
     fault_heap *const heap = user;
     fault_block **link = &heap->blocks;
     fault_block *block;
+
     if (memory == NULL) {
         fault_note(heap, "NULL was freed (size, align)", size, align);
         return;
@@ -108,7 +113,8 @@ static inline void fault_free(void *user, void *memory, size_t size, size_t alig
         return;
     }
     if (block->size != size) fault_note(heap, "freed with another size (given, freed)", block->size, size);
-    if (block->align != align) fault_note(heap, "freed with another alignment (given, freed)", block->align, align);
+    if (block->align != align)
+        fault_note(heap, "freed with another alignment (given, freed)", block->align, align);
     fault_check_guards(heap, block);
     *link = block->next;
     heap->live_blocks--;
@@ -118,13 +124,16 @@ static inline void fault_free(void *user, void *memory, size_t size, size_t alig
     free(block);
 }
 
-/* Everything came back and nothing wrong was seen: NULL, else what. Takes back what leaked, ready for the next run. */
+/* Everything came back and nothing wrong was seen: NULL, else what. Takes
+ * back what leaked, ready for the next run. */
 static inline const char *fault_end(fault_heap *heap)
 {
     static char text[200];
     uint64_t const leaked = heap->live_blocks;
     size_t const first = heap->blocks != NULL ? heap->blocks->size : 0;
-    while (heap->blocks != NULL) fault_free(heap, heap->blocks->payload, heap->blocks->size, heap->blocks->align);
+
+    while (heap->blocks != NULL)
+        fault_free(heap, heap->blocks->payload, heap->blocks->size, heap->blocks->align);
     snprintf(text, sizeof text, "%s", heap->error);
     if (text[0] == 0 && leaked != 0)
         snprintf(text, sizeof text, "%lu blocks leaked, the youngest of %lu bytes", (unsigned long)leaked,
@@ -154,15 +163,17 @@ static inline const char *fault_after(bvx_context *context, bvx_status status, b
 {
     static char text[700];
     const char *const message = bvx_last_message(context);
+
     if (status != expected) {
-        snprintf(text, sizeof text, "status %d (%s: %s) in place of %d", (int)status, bvx_status_text(status), message,
-                 (int)expected);
+        snprintf(text, sizeof text, "status %d (%s: %s) in place of %d", (int)status, bvx_status_text(status),
+                 message, (int)expected);
         return text;
     }
     if (status != BVX_OK && message[0] == 0) return "a failure without a message";
     if (strchr(message, '\n') != NULL) return "a message of several lines";
     if (bvx_memory_used(context) != 0) {
-        snprintf(text, sizeof text, "%lu bytes still counted as used", (unsigned long)bvx_memory_used(context));
+        snprintf(text, sizeof text, "%lu bytes still counted as used",
+                 (unsigned long)bvx_memory_used(context));
         return text;
     }
     return NULL;
@@ -172,22 +183,24 @@ static inline const char *fault_after(bvx_context *context, bvx_status status, b
 static inline const char *fault_at(uint64_t n, const char *place, int again, const char *what)
 {
     static char text[1000];
-    snprintf(text, sizeof text, "%s%s %lu: %.700s", again ? "a good run after " : "", place, (unsigned long)n, what);
+    snprintf(text, sizeof text, "%s%s %lu: %.700s", again ? "a good run after " : "", place, (unsigned long)n,
+             what);
     return text;
 }
 
-/* Is the context to do its work once more after failure n? It is after each, and with BVX_QUICK, which is for rows that are
- * several times slower, after the first few and each eighth. */
+/* Is the context to do its work once more after failure n? It is after each, and with BVX_QUICK, which is for
+ * rows that are several times slower, after the first few and each eighth. */
 static inline int fault_works_again(uint64_t n)
 {
     return getenv("BVX_QUICK") == NULL || n <= 8 || n % 8 == 0;
 }
 
 /* One run with allocation n failing, alone or with all that follow. *failed: there is such an allocation. */
-static inline const char *fault_allocation(fault_operation_fn *operation, void *user, bvx_context *context, fault_heap *heap,
-                                           uint64_t n, int for_ever, int *failed)
+static inline const char *fault_allocation(fault_operation_fn *operation, void *user, bvx_context *context,
+                                           fault_heap *heap, uint64_t n, int for_ever, int *failed)
 {
     bvx_status status;
+
     heap->asked = heap->failed = 0;
     heap->fail_at = n;
     heap->for_ever = for_ever;
@@ -197,9 +210,9 @@ static inline const char *fault_allocation(fault_operation_fn *operation, void *
     return fault_after(context, status, *failed ? BVX_ERR_MEMORY : BVX_OK);
 }
 
-/* Run with allocation n and all that follow failing, then with it alone, n = 1, 2, ... until a run asks for fewer. Each failure
- * gives BVX_ERR_MEMORY with a message, leaks nothing, and the same context does the work afterwards. *allocations: how many
- * places there are. */
+/* Run with allocation n and all that follow failing, then with it alone, n = 1, 2, ... until a run asks for
+ * fewer. Each failure gives BVX_ERR_MEMORY with a message, leaks nothing, and the same context does the work
+ * afterwards. *allocations: how many places there are. */
 static inline const char *fault_every_allocation(fault_operation_fn *operation, void *user,
                                                  const bvx_context_options *base, uint64_t *allocations)
 {
@@ -231,9 +244,10 @@ static inline const char *fault_every_allocation(fault_operation_fn *operation, 
 }
 
 typedef struct fault_progress {
-    uint64_t calls, cancel_at; /* calls that can cancel; the report of 1 ends a public call and is not one of them */
-    uint64_t ends;             /* reports of 1 */
-    double last;               /* fraction of the report before; 0 after an end */
+    /* calls that can cancel; the report of 1 ends a public call and is not one of them */
+    uint64_t calls, cancel_at;
+    uint64_t ends; /* reports of 1 */
+    double last;   /* fraction of the report before; 0 after an end */
     const char *wrong;
 } fault_progress;
 
@@ -241,6 +255,7 @@ typedef struct fault_progress {
 static inline int32_t fault_on_progress(void *user, const char *stage, double fraction)
 {
     fault_progress *const p = user;
+
     if (stage == NULL || stage[0] == 0) p->wrong = "a stage without a name";
     if (!(fraction >= 0.0 && fraction <= 1.0)) p->wrong = "a fraction outside 0..1";
     if (fraction < p->last) p->wrong = "a fraction that falls";
@@ -250,10 +265,10 @@ static inline int32_t fault_on_progress(void *user, const char *stage, double fr
     return fraction < 1.0 && ++p->calls == p->cancel_at;
 }
 
-/* Run with progress call n asking to stop, n = 1, 2, ... until a run makes fewer. Each gives BVX_CANCELLED, leaks
- * nothing, and the same context does the work afterwards. *calls: how many progress calls there are. */
-static inline const char *fault_every_cancel(fault_operation_fn *operation, void *user, const bvx_context_options *base,
-                                             uint64_t *calls)
+/* Run with progress call n asking to stop, n = 1, 2, ... until a run makes fewer. Each gives BVX_CANCELLED,
+ * leaks nothing, and the same context does the work afterwards. *calls: how many progress calls there are. */
+static inline const char *fault_every_cancel(fault_operation_fn *operation, void *user,
+                                             const bvx_context_options *base, uint64_t *calls)
 {
     for (uint64_t n = 1;; n++) {
         fault_heap heap = {0};
@@ -289,12 +304,14 @@ static inline const char *fault_every_cancel(fault_operation_fn *operation, void
 }
 
 /* What the operation takes at most when nothing is in its way; NULL and *need, else what was wrong. */
-static inline const char *fault_peak(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t *need)
+static inline const char *fault_peak(fault_operation_fn *operation, void *user,
+                                     const bvx_context_options *base, uint64_t *need)
 {
     fault_heap heap = {0};
     bvx_context_options const o = fault_options(base, &heap);
     bvx_context *context = NULL;
     const char *wrong, *left;
+
     if (bvx_context_create(&o, &context) != BVX_OK) return "no context";
     bvx_memory_reset_peak(context);
     wrong = fault_after(context, operation(user, context), BVX_OK);
@@ -304,12 +321,14 @@ static inline const char *fault_peak(fault_operation_fn *operation, void *user, 
     return wrong != NULL ? wrong : left;
 }
 
-/* Run under steps memory limits spread over 1 .. peak - 1, each of which gives BVX_ERR_BUDGET and is kept, and under the peak
- * itself, which is enough. */
-static inline const char *fault_every_limit(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t steps)
+/* Run under steps memory limits spread over 1 .. peak - 1, each of which gives BVX_ERR_BUDGET and is kept,
+ * and under the peak itself, which is enough. */
+static inline const char *fault_every_limit(fault_operation_fn *operation, void *user,
+                                            const bvx_context_options *base, uint64_t steps)
 {
     uint64_t need = 0;
     const char *const first = fault_peak(operation, user, base, &need);
+
     if (first != NULL) return first;
     if (need < 2) return "an operation that takes no memory";
     for (uint64_t n = 0; n <= steps; n++) {
@@ -318,9 +337,11 @@ static inline const char *fault_every_limit(fault_operation_fn *operation, void 
         bvx_context *context = NULL;
         const char *wrong, *left;
         o.memory_limit = n == steps ? need : 1 + (need - 2) * n / (steps - 1);
-        if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(o.memory_limit, "limit", 0, "no context");
+        if (bvx_context_create(&o, &context) != BVX_OK)
+            return fault_at(o.memory_limit, "limit", 0, "no context");
         wrong = fault_after(context, operation(user, context), n == steps ? BVX_OK : BVX_ERR_BUDGET);
-        if (wrong == NULL && n < steps && strstr(bvx_last_message(context), "limit") == NULL) wrong = "a message that names no limit";
+        if (wrong == NULL && n < steps && strstr(bvx_last_message(context), "limit") == NULL)
+            wrong = "a message that names no limit";
         if (wrong == NULL && bvx_memory_peak(context) > o.memory_limit) wrong = "more memory than the limit";
         bvx_context_destroy(context);
         left = fault_end(&heap);
@@ -330,13 +351,14 @@ static inline const char *fault_every_limit(fault_operation_fn *operation, void 
     return NULL;
 }
 
-/* Run twice in each of steps arenas of up to most bytes, small ones closer together: both times the same, BVX_OK or
- * BVX_ERR_MEMORY, and the largest arena is enough. */
-static inline const char *fault_every_arena(fault_operation_fn *operation, void *user, const bvx_context_options *base, uint64_t most,
-                                            uint64_t steps)
+/* Run twice in each of steps arenas of up to most bytes, small ones closer together: both times the same,
+ * BVX_OK or BVX_ERR_MEMORY, and the largest arena is enough. */
+static inline const char *fault_every_arena(fault_operation_fn *operation, void *user,
+                                            const bvx_context_options *base, uint64_t most, uint64_t steps)
 {
     unsigned char *const memory = malloc((size_t)most);
     const char *wrong = memory == NULL ? "no memory for the arena" : NULL;
+
     for (uint64_t n = 1; n <= steps && wrong == NULL; n++) {
         bvx_context_options o;
         bvx_context *context = NULL;
@@ -348,8 +370,10 @@ static inline const char *fault_every_arena(fault_operation_fn *operation, void 
             wrong = "no context";
         } else {
             bvx_status const first = operation(user, context);
-            wrong = fault_after(context, first, first == BVX_ERR_MEMORY && n < steps ? BVX_ERR_MEMORY : BVX_OK);
-            if (wrong == NULL) wrong = fault_after(context, operation(user, context), first); /* all of it came back */
+            wrong = fault_after(context, first,
+                                first == BVX_ERR_MEMORY && n < steps ? BVX_ERR_MEMORY : BVX_OK);
+            /* all of it came back */
+            if (wrong == NULL) wrong = fault_after(context, operation(user, context), first);
         }
         bvx_context_destroy(context);
         if (wrong != NULL) wrong = fault_at(o.arena_size, "arena", 0, wrong);

@@ -1,4 +1,5 @@
-/* field_maker.h - distance fields for tests: of meshes by asking every centre, and of noise. The memory is the caller's. */
+/* field_maker.h - distance fields for tests: of meshes by asking every
+ * centre, and of noise. The memory is the caller's. */
 #ifndef FIELD_MAKER_H
 #define FIELD_MAKER_H
 
@@ -13,11 +14,13 @@ static inline void field_maker_open(bvx_field *f, int32_t value_type)
     uint64_t const rows = (uint64_t)f->band.size[1] * (uint64_t)f->band.size[2];
     size_t const bytes = value_type == BVX_F32 ? 4 : 8;
     uint64_t n = 0;
+
     f->row_values = maker_grow(NULL, (size_t)(rows + 1) * sizeof *f->row_values);
     for (uint64_t r = 0; r < rows; r++) {
         f->row_values[r] = n;
         for (int32_t x = 0; x < f->band.size[0]; x++)
-            n += (uint64_t)bvx_grid_get(&f->band, x, (int32_t)(r % (uint64_t)f->band.size[1]), (int32_t)(r / (uint64_t)f->band.size[1]));
+            n += (uint64_t)bvx_grid_get(&f->band, x, (int32_t)(r % (uint64_t)f->band.size[1]),
+                                        (int32_t)(r / (uint64_t)f->band.size[1]));
     }
     f->row_values[rows] = f->value_count = n;
     f->value_type = value_type;
@@ -26,7 +29,8 @@ static inline void field_maker_open(bvx_field *f, int32_t value_type)
     f->triangles = maker_grow(NULL, (size_t)(n + 1) * sizeof *f->triangles);
 }
 
-static inline void field_maker_put(bvx_field *f, uint64_t n, const double vector[3], double distance, uint32_t triangle)
+static inline void field_maker_put(bvx_field *f, uint64_t n, const double vector[3], double distance,
+                                   uint32_t triangle)
 {
     for (uint64_t a = 0; a < 3; a++) {
         if (f->value_type == BVX_F32) ((float *)f->vectors)[3 * n + a] = (float)vector[a];
@@ -40,13 +44,16 @@ static inline void field_maker_put(bvx_field *f, uint64_t n, const double vector
 static inline void field_maker_centre(const bvx_grid *g, int32_t x, int32_t y, int32_t z, double p[3])
 {
     int32_t const at[3] = {x, y, z};
-    for (int a = 0; a < 3; a++) p[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
+    for (int a = 0; a < 3; a++)
+        p[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
 }
 
 /* The closest point of a mesh: the least distance, then the least triangle. */
-static inline double field_maker_closest(const maker_mesh *m, const double p[3], double q[3], uint32_t *triangle)
+static inline double field_maker_closest(const maker_mesh *m, const double p[3], double q[3],
+                                         uint32_t *triangle)
 {
     double best = INFINITY;
+
     *triangle = 0;
     for (size_t i = 0; i < m->triangles; i++) {
         double t[3][3], on[3], d2;
@@ -61,17 +68,20 @@ static inline double field_maker_closest(const maker_mesh *m, const double p[3],
 }
 
 /* The field of a closed mesh on all centres of a lattice no further than half_width [Units: world]. */
-static inline void field_maker_measure(bvx_context *ctx, const maker_mesh *m, const bvx_lattice *lattice, double half_width,
-                                       int32_t value_type, bvx_field *f)
+static inline void field_maker_measure(bvx_context *ctx, const maker_mesh *m, const bvx_lattice *lattice,
+                                       double half_width, int32_t value_type, bvx_field *f)
 {
     bvx_mesh_view const view = maker_view(m);
-    double *const near = maker_grow(NULL, (size_t)lattice->dims[0] * (size_t)lattice->dims[1] * (size_t)lattice->dims[2] * 5 * sizeof *near);
+    double *const near = maker_grow(NULL, (size_t)lattice->dims[0] * (size_t)lattice->dims[1] *
+                                              (size_t)lattice->dims[2] * 5 * sizeof *near);
     double *at = near;
     uint64_t n = 0;
+
     memset(f, 0, sizeof *f);
     f->half_width = half_width;
     f->sign = BVX_SIGN_EXACT;
-    if (bvx_voxelize_solid(ctx, &view, lattice, NULL, &f->inside) != BVX_OK || bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {
+    if (bvx_voxelize_solid(ctx, &view, lattice, NULL, &f->inside) != BVX_OK ||
+        bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {
         fprintf(stderr, "field_maker: %s\n", bvx_last_message(ctx));
         exit(1);
     }
@@ -93,15 +103,17 @@ static inline void field_maker_measure(bvx_context *ctx, const maker_mesh *m, co
     free(near);
 }
 
-/* Noise: full of 16 centres inside, known of 16 with values, vectors of up to 2^spread spacings in any direction, triangles below
- * triangle_count. */
-static inline void field_maker_noise(bvx_context *ctx, uint64_t *seed, const bvx_lattice *lattice, int32_t full, int32_t known,
-                                     int32_t spread, uint32_t triangle_count, int32_t value_type, bvx_field *f)
+/* Noise: full of 16 centres inside, known of 16 with values, vectors of up to 2^spread spacings in any
+ * direction, triangles below triangle_count. */
+static inline void field_maker_noise(bvx_context *ctx, uint64_t *seed, const bvx_lattice *lattice,
+                                     int32_t full, int32_t known, int32_t spread, uint32_t triangle_count,
+                                     int32_t value_type, bvx_field *f)
 {
     memset(f, 0, sizeof *f);
     f->sign = BVX_SIGN_EXACT;
     f->half_width = INFINITY;
-    if (bvx_grid_create(ctx, lattice, NULL, &f->inside) != BVX_OK || bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {
+    if (bvx_grid_create(ctx, lattice, NULL, &f->inside) != BVX_OK ||
+        bvx_grid_create(ctx, lattice, NULL, &f->band) != BVX_OK) {
         fprintf(stderr, "field_maker: %s\n", bvx_last_message(ctx));
         exit(1);
     }

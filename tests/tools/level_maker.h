@@ -1,8 +1,9 @@
-/* level_maker.h - closed, manifold, oriented meshes that do not cross themselves, for tests of levels of detail.
+/* level_maker.h - closed, manifold, oriented meshes that do not cross themselves, for tests of levels of
+ * detail.
  *
- * All lie within [1, 16), so that crossing_oracle.h takes any doubles of their levels at a scale of 2^52. Where a shape is made of
- * planes its corners are whole sixteenths or the like and all its vertices lie in these planes exactly, so that the fewest triangles
- * that have its corners are known. */
+ * All lie within [1, 16), so that crossing_oracle.h takes any doubles of their levels at a scale of 2^52.
+ * Where a shape is made of planes its corners are whole sixteenths or the like and all its vertices lie in
+ * these planes exactly, so that the fewest triangles that have its corners are known. */
 #ifndef LEVEL_MAKER_H
 #define LEVEL_MAKER_H
 
@@ -25,6 +26,7 @@ static inline void level_drop_unused(maker_mesh *m)
 {
     uint32_t *const to = maker_grow(NULL, (m->vertices + 1) * sizeof *to);
     size_t kept = 0;
+
     for (size_t v = 0; v < m->vertices; v++) to[v] = 0;
     for (size_t i = 0; i < 3 * m->triangles; i++) to[m->t[i]] = 1;
     for (size_t v = 0; v < m->vertices; v++) {
@@ -39,14 +41,17 @@ static inline void level_drop_unused(maker_mesh *m)
 
 typedef int level_inside(int32_t x, int32_t y, int32_t z);
 
-/* The cubes of a box that are inside, from (4, 4, 4) on, each of one unit, divided into part along every axis. */
-static inline void level_cubes(maker_mesh *m, uint64_t *seed, int32_t x, int32_t y, int32_t z, int32_t part, level_inside *inside)
+/* The cubes of a box that are inside, from (4, 4, 4) on, each of one unit,
+ * divided into part along every axis. */
+static inline void level_cubes(maker_mesh *m, uint64_t *seed, int32_t x, int32_t y, int32_t z, int32_t part,
+                               level_inside *inside)
 {
     static const double at[3] = {0, 0, 0};
     static uint8_t solid[LEVEL_CUBES * LEVEL_CUBES * LEVEL_CUBES];
     int32_t const n[3] = {x * part, y * part, z * part};
     size_t const first = m->vertices;
     uint8_t *to = solid;
+
     for (int32_t k = 0; k < n[2]; k++)
         for (int32_t j = 0; j < n[1]; j++)
             for (int32_t i = 0; i < n[0]; i++) *to++ = (uint8_t)inside(i / part, j / part, k / part);
@@ -55,16 +60,50 @@ static inline void level_cubes(maker_mesh *m, uint64_t *seed, int32_t x, int32_t
     level_drop_unused(m);
 }
 
-static inline int level_all(int32_t x, int32_t y, int32_t z) { (void)x; (void)y; (void)z; return 1; }
-static inline int level_in_l(int32_t x, int32_t y, int32_t z) { (void)z; return x < 3 || y < 3; }
-static inline int level_in_frame(int32_t x, int32_t y, int32_t z) { (void)z; return x < 2 || x > 3 || y < 2 || y > 3; }
-static inline int level_in_shell(int32_t x, int32_t y, int32_t z) { return x == 0 || x == 5 || y == 0 || y == 5 || z == 0 || z == 5; }
-static inline int level_in_pair(int32_t x, int32_t y, int32_t z) { (void)x; (void)y; return z != 1; }
+static inline int level_all(int32_t x, int32_t y, int32_t z)
+{
+    (void)x;
+    (void)y;
+    (void)z;
+    return 1;
+}
+static inline int level_in_l(int32_t x, int32_t y, int32_t z)
+{
+    (void)z;
+    return x < 3 || y < 3;
+}
+static inline int level_in_frame(int32_t x, int32_t y, int32_t z)
+{
+    (void)z;
+    return x < 2 || x > 3 || y < 2 || y > 3;
+}
+static inline int level_in_shell(int32_t x, int32_t y, int32_t z)
+{
+    return x == 0 || x == 5 || y == 0 || y == 5 || z == 0 || z == 5;
+}
+static inline int level_in_pair(int32_t x, int32_t y, int32_t z)
+{
+    (void)x;
+    (void)y;
+    return z != 1;
+}
 
-static inline void level_cube(maker_mesh *m, uint64_t *seed) { level_cubes(m, seed, 8, 8, 8, 1, level_all); }
-static inline void level_l_shape(maker_mesh *m, uint64_t *seed) { level_cubes(m, seed, 7, 6, 4, 2, level_in_l); }
-static inline void level_frame(maker_mesh *m, uint64_t *seed) { level_cubes(m, seed, 6, 6, 2, 2, level_in_frame); }
-static inline void level_shells(maker_mesh *m, uint64_t *seed) { level_cubes(m, seed, 6, 6, 6, 2, level_in_shell); }
+static inline void level_cube(maker_mesh *m, uint64_t *seed)
+{
+    level_cubes(m, seed, 8, 8, 8, 1, level_all);
+}
+static inline void level_l_shape(maker_mesh *m, uint64_t *seed)
+{
+    level_cubes(m, seed, 7, 6, 4, 2, level_in_l);
+}
+static inline void level_frame(maker_mesh *m, uint64_t *seed)
+{
+    level_cubes(m, seed, 6, 6, 2, 2, level_in_frame);
+}
+static inline void level_shells(maker_mesh *m, uint64_t *seed)
+{
+    level_cubes(m, seed, 6, 6, 6, 2, level_in_shell);
+}
 
 /* Layers of vertices get other heights. */
 static inline void level_set_heights(maker_mesh *m, const double *height)
@@ -80,7 +119,8 @@ static inline void level_plates(maker_mesh *m, uint64_t *seed)
     level_set_heights(m, height);
 }
 
-/* A wave along x and a bend along y, the same for all heights: nothing gets nearer than it was, as z tells. */
+/* A wave along x and a bend along y, the same for all heights: nothing gets nearer than it was, as z
+ * tells. */
 static inline void level_bend(maker_mesh *m)
 {
     for (size_t v = 0; v < m->vertices; v++) {
@@ -116,12 +156,15 @@ static inline void level_thin_plate(maker_mesh *m, uint64_t *seed)
 
 enum { LEVEL_OUTLINE = 256 };
 
-static inline void level_prism(maker_mesh *m, double (*outline)[2], int32_t points, const double centre[2], double low, double high, int32_t layers)
+static inline void level_prism(maker_mesh *m, double (*outline)[2], int32_t points, const double centre[2],
+                               double low, double high, int32_t layers)
 {
     uint32_t const first = (uint32_t)m->vertices, n = (uint32_t)points;
     uint32_t bottom, top;
+
     for (int32_t k = 0; k <= layers; k++)
-        for (int32_t i = 0; i < points; i++) maker_vertex(m, outline[i][0], outline[i][1], low + (high - low) * k / layers);
+        for (int32_t i = 0; i < points; i++)
+            maker_vertex(m, outline[i][0], outline[i][1], low + (high - low) * k / layers);
     bottom = maker_vertex(m, centre[0], centre[1], low);
     top = maker_vertex(m, centre[0], centre[1], high);
     for (uint32_t i = 0; i < n; i++) {
@@ -136,7 +179,8 @@ static inline void level_prism(maker_mesh *m, double (*outline)[2], int32_t poin
 }
 
 /* Sides of a polygon, each divided into part. */
-static inline int32_t level_outline(double (*outline)[2], const double (*corner)[2], int32_t corners, int32_t part)
+static inline int32_t level_outline(double (*outline)[2], const double (*corner)[2], int32_t corners,
+                                    int32_t part)
 {
     for (int32_t i = 0; i < corners * part; i++)
         for (int k = 0; k < 2; k++) {
@@ -148,7 +192,8 @@ static inline int32_t level_outline(double (*outline)[2], const double (*corner)
 
 static inline void level_octagon(maker_mesh *m, uint64_t *seed)
 {
-    static const double corner[8][2] = {{12, 7}, {12, 9}, {9, 12}, {7, 12}, {4, 9}, {4, 7}, {7, 4}, {9, 4}}, centre[2] = {8, 8};
+    static const double corner[8][2] = {{12, 7}, {12, 9}, {9, 12}, {7, 12}, {4, 9}, {4, 7}, {7, 4}, {9, 4}};
+    static const double centre[2] = {8, 8};
     double outline[LEVEL_OUTLINE][2];
     int32_t const points = level_outline(outline, corner, 8, 8);
     (void)seed;
@@ -178,6 +223,7 @@ static inline void level_cylinder(maker_mesh *m, uint64_t *seed)
 {
     static const double centre[2] = {8, 8};
     double outline[LEVEL_OUTLINE][2];
+
     (void)seed;
     for (int32_t i = 0; i < 100; i++) {
         level_circle(i, 100, &outline[i][0], &outline[i][1]);
@@ -195,8 +241,14 @@ static inline void level_round(maker_mesh *m, uint64_t *seed, double radius, dou
     maker_star(m, seed, centre, r, jitter, rings, rings + rings / 2, 65536);
 }
 
-static inline void level_sphere(maker_mesh *m, uint64_t *seed) { level_round(m, seed, 5, 0, 24); }
-static inline void level_spikes(maker_mesh *m, uint64_t *seed) { level_round(m, seed, 3.5, 0.75, 18); }
+static inline void level_sphere(maker_mesh *m, uint64_t *seed)
+{
+    level_round(m, seed, 5, 0, 24);
+}
+static inline void level_spikes(maker_mesh *m, uint64_t *seed)
+{
+    level_round(m, seed, 3.5, 0.75, 18);
+}
 
 /* Two spheres a hundredth of a unit apart, the inner one turned: the wall of a balloon. */
 static inline void level_balloon(maker_mesh *m, uint64_t *seed)
@@ -221,13 +273,22 @@ static inline void level_tube(maker_mesh *m, uint64_t *seed, int32_t n, int32_t 
         }
     for (int32_t i = 0; i < n; i++)
         for (int32_t j = 0; j < k; j++) {
-            uint32_t const a = (uint32_t)(i * k), b = (uint32_t)((i + 1) % n * k), c = (uint32_t)j, d = (uint32_t)((j + 1) % k);
+            uint32_t const a = (uint32_t)(i * k);
+            uint32_t const b = (uint32_t)((i + 1) % n * k);
+            uint32_t const c = (uint32_t)j;
+            uint32_t const d = (uint32_t)((j + 1) % k);
             maker_quad(m, a + c, b + c, b + d, a + d, 0);
         }
 }
 
-static inline void level_torus(maker_mesh *m, uint64_t *seed) { level_tube(m, seed, 60, 28, 0); }
-static inline void level_dented_torus(maker_mesh *m, uint64_t *seed) { level_tube(m, seed, 48, 24, 0.35); }
+static inline void level_torus(maker_mesh *m, uint64_t *seed)
+{
+    level_tube(m, seed, 60, 28, 0);
+}
+static inline void level_dented_torus(maker_mesh *m, uint64_t *seed)
+{
+    level_tube(m, seed, 48, 24, 0.35);
+}
 
 static const level_shape level_shapes[] = {
     {"cube", level_cube, 2, 1, 12},

@@ -2,10 +2,11 @@
  *
  *   make_fixture OUT.ply
  *
- * Only + - * / and sqrt are used, so every machine writes the same bytes (compile with -ffp-contract=off). Circles come
- * from halving a right angle and turning on; multiples of an angle from products of complex numbers.
- * The knot runs twice round the axis and three times round a torus. The rope is a grid of rings and spokes closed in
- * both directions, so every edge has two triangles; each quad is split along its shorter diagonal. */
+ * Only + - * / and sqrt are used, so every machine writes the same bytes (compile with -ffp-contract=off).
+ * Circles come from halving a right angle and turning on; multiples of an angle from products of complex
+ * numbers. The knot runs twice round the axis and three times round a torus. The rope is a grid of rings and
+ * spokes closed in both directions, so every edge has two triangles; each quad is split along its shorter
+ * diagonal. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -13,11 +14,11 @@
 #include <string.h>
 
 enum {
-    RINGS = 480,  /* along the knot */
-    SPOKES = 40,  /* round the tube */
-    STRANDS = 4,  /* of the rope */
-    TWIST = 10,   /* turns of the strands along the knot */
-    CIRCLE = 480  /* least common multiple of RINGS and SPOKES: angles are counted in its parts */
+    RINGS = 480, /* along the knot */
+    SPOKES = 40, /* round the tube */
+    STRANDS = 4, /* of the rope */
+    TWIST = 10,  /* turns of the strands along the knot */
+    CIRCLE = 480 /* least common multiple of RINGS and SPOKES: angles are counted in its parts */
 };
 
 static const double MAJOR = 2.5, MINOR = 1.0, TUBE = 0.56, GROOVE = 0.3;
@@ -46,6 +47,7 @@ static turn smallest_turn(void)
     double const c5 = (sqrt(5.0) - 1.0) / 4.0; /* cosine of 72 degrees */
     turn const fifth = {c5, sqrt(1.0 - c5 * c5)}, third_back = {-0.5, -sqrt(0.75)};
     turn t = multiply(multiply(fifth, fifth), third_back);
+
     for (int i = 0; i < 5; i++) {
         double const c = sqrt((1.0 + t.c) / 2.0);
         turn const half = {c, t.s / (2.0 * c)};
@@ -73,8 +75,8 @@ static turn angle(long n)
     return circle[(n % CIRCLE + CIRCLE) % CIRCLE];
 }
 
-/* A vertex: ring i, spoke j. The tube's cross section stands square to the knot, between the torus' normal and the
- * direction square to that and to the knot. */
+/* A vertex: ring i, spoke j. The tube's cross section stands square to the knot, between the torus' normal
+ * and the direction square to that and to the knot. */
 static void place(int i, int j, float out[3])
 {
     long const t = (long)i * (CIRCLE / RINGS), u = (long)j * (CIRCLE / SPOKES);
@@ -83,9 +85,10 @@ static void place(int i, int j, float out[3])
     double const r = MAJOR + MINOR * b.c;
     double const centre[3] = {r * a.c, r * a.s, MINOR * b.s};
     double const normal[3] = {b.c * a.c, b.c * a.s, b.s};
-    double const speed[3] = {-3.0 * MINOR * b.s * a.c - 2.0 * r * a.s, -3.0 * MINOR * b.s * a.s + 2.0 * r * a.c,
-                             3.0 * MINOR * b.c};
-    double const across[3] = {speed[1] * normal[2] - speed[2] * normal[1], speed[2] * normal[0] - speed[0] * normal[2],
+    double const speed[3] = {-3.0 * MINOR * b.s * a.c - 2.0 * r * a.s,
+                             -3.0 * MINOR * b.s * a.s + 2.0 * r * a.c, 3.0 * MINOR * b.c};
+    double const across[3] = {speed[1] * normal[2] - speed[2] * normal[1],
+                              speed[2] * normal[0] - speed[0] * normal[2],
                               speed[0] * normal[1] - speed[1] * normal[0]};
     double const length = sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
     double const carved = 0.5 + 0.5 * groove.c, deep = carved * carved; /* round strands, narrow grooves */
@@ -125,7 +128,10 @@ static void build(void)
         for (int j = 0; j < SPOKES; j++) place(i, j, vertex[number(i, j)]);
     for (int i = 0; i < RINGS; i++)
         for (int j = 0; j < SPOKES; j++) {
-            int32_t const a = number(i, j), b = number(i, j + 1), c = number(i + 1, j + 1), d = number(i + 1, j);
+            int32_t const a = number(i, j);
+            int32_t const b = number(i, j + 1);
+            int32_t const c = number(i + 1, j + 1);
+            int32_t const d = number(i + 1, j);
             int32_t *const t = triangle[2 * (i * SPOKES + j)];
             if (distance2(a, c) <= distance2(b, d)) {
                 set(t, a, b, c);
@@ -154,8 +160,8 @@ static void put(const void *bytes, size_t n)
 
 static void put_u32(uint32_t v)
 {
-    unsigned char const b[4] = {(unsigned char)(v & 255), (unsigned char)(v >> 8 & 255), (unsigned char)(v >> 16 & 255),
-                                (unsigned char)(v >> 24)};
+    unsigned char const b[4] = {(unsigned char)(v & 255), (unsigned char)(v >> 8 & 255),
+                                (unsigned char)(v >> 16 & 255), (unsigned char)(v >> 24)};
     put(b, 4);
 }
 
@@ -163,6 +169,7 @@ static void write_ply(void)
 {
     static const unsigned char three = 3;
     char head[512];
+
     snprintf(head, sizeof head,
              "ply\nformat binary_little_endian 1.0\ncomment rope knot by tests/tools/make_fixture.c\n"
              "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
@@ -184,6 +191,7 @@ static void write_ply(void)
 int main(int count, char **word)
 {
     FILE *out;
+
     if (count != 2) {
         fprintf(stderr, "usage: make_fixture OUT.ply\n");
         return 2;

@@ -1,10 +1,11 @@
-/* make_terrain.c - the bundled terrains: hills of 800 m x 600 m as an open TIN, and the same after a quarry was dug and its
- * spoil heaped up beside it.
+/* make_terrain.c - the bundled terrains: hills of 800 m x 600 m as an open TIN, and the same after a quarry
+ * was dug and its spoil heaped up beside it.
  *
  *   make_terrain before|after OUT.ply
  *
- * Only + - * / and sqrt are used, so every machine writes the same bytes (compile with -ffp-contract=off). Hills are round
- * humps and noise of four octaves; the quarry goes down in benches of 22 m, the heap is a cone cut flat. */
+ * Only + - * / and sqrt are used, so every machine writes the same bytes (compile with -ffp-contract=off).
+ * Hills are round humps and noise of four octaves; the quarry goes down in benches of 22 m, the heap is a
+ * cone cut flat. */
 #include <stdint.h>
 #include <math.h>
 #include <stdio.h>
@@ -46,8 +47,11 @@ static double hump(double x, double y, double at_x, double at_y, double wide, do
 
 static double hills(double x, double y)
 {
-    double z = 40.0 + hump(x, y, 240.0, 380.0, 210.0, 150.0) + hump(x, y, 640.0, 150.0, 160.0, 70.0), size = 190.0, high = 34.0;
-    for (uint32_t o = 0; o < OCTAVES; o++, size *= 0.47, high *= 0.45) z += high * (noise(x / size, y / size, o) - 0.5);
+    double z = 40.0 + hump(x, y, 240.0, 380.0, 210.0, 150.0) + hump(x, y, 640.0, 150.0, 160.0, 70.0);
+    double size = 190.0;
+    double high = 34.0;
+    for (uint32_t o = 0; o < OCTAVES; o++, size *= 0.47, high *= 0.45)
+        z += high * (noise(x / size, y / size, o) - 0.5);
     return z;
 }
 
@@ -89,8 +93,8 @@ static void put(const void *bytes, size_t n)
 
 static void put_u32(uint32_t v)
 {
-    unsigned char const b[4] = {(unsigned char)(v & 255), (unsigned char)(v >> 8 & 255), (unsigned char)(v >> 16 & 255),
-                                (unsigned char)(v >> 24)};
+    unsigned char const b[4] = {(unsigned char)(v & 255), (unsigned char)(v >> 8 & 255),
+                                (unsigned char)(v >> 16 & 255), (unsigned char)(v >> 24)};
     put(b, 4);
 }
 
@@ -145,15 +149,17 @@ int main(int count, char **word)
     int const after = count == 3 && strcmp(word[1], "after") == 0;
     char head[512];
     FILE *out;
+
     if (count != 3 || (!after && strcmp(word[1], "before") != 0)) {
         fprintf(stderr, "usage: make_terrain before|after OUT.ply\n");
         return 2;
     }
-    snprintf(head, sizeof head,
-             "ply\nformat binary_little_endian 1.0\ncomment terrain %s digging, in metres, by tests/tools/make_terrain.c\n"
-             "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
-             "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
-             word[1], COLUMNS * ROWS, 2 * (COLUMNS - 1) * (ROWS - 1));
+    snprintf(
+        head, sizeof head,
+        "ply\nformat binary_little_endian 1.0\ncomment terrain %s digging, in metres, by tests/tools/make_terrain.c\n"
+        "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+        word[1], COLUMNS * ROWS, 2 * (COLUMNS - 1) * (ROWS - 1));
     put(head, strlen(head));
     put_vertices(after);
     put_triangles();

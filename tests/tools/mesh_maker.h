@@ -1,7 +1,8 @@
-/* mesh_maker.h - meshes for tests: soups, needles, boxes, closed solids of several kinds, and ways to spoil them.
+/* mesh_maker.h - meshes for tests: soups, needles, boxes, closed solids of several kinds, and ways to spoil
+ * them.
  *
- * Positions are doubles in units of voxels, multiples of 1/steps where a maker has that argument, so that a test can
- * place them exactly on the fixed-point lattice. All randomness comes from the seed. */
+ * Positions are doubles in units of voxels, multiples of 1/steps where a maker has that argument, so that a
+ * test can place them exactly on the fixed-point lattice. All randomness comes from the seed. */
 #ifndef MESH_MAKER_H
 #define MESH_MAKER_H
 
@@ -39,7 +40,8 @@ static inline int32_t maker_below(uint64_t *state, int32_t n)
 static inline double maker_between(uint64_t *state, double low, double high, int32_t steps)
 {
     double const n = (high - low) * steps;
-    return low + (double)(int64_t)((double)(maker_random(state) >> 11) / 9007199254740992.0 * (n + 1)) / steps;
+    return low +
+           (double)(int64_t)((double)(maker_random(state) >> 11) / 9007199254740992.0 * (n + 1)) / steps;
 }
 
 /* ---- A mesh and its parts ---- */
@@ -93,6 +95,7 @@ static inline void maker_free(maker_mesh *m)
 static inline bvx_mesh_view maker_view(const maker_mesh *m)
 {
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     v.positions = m->p;
     v.indices = m->t;
@@ -106,13 +109,14 @@ static inline bvx_mesh_view maker_view(const maker_mesh *m)
 /* ---- Open things ---- */
 
 /* Triangles that have nothing to do with each other. */
-static inline void maker_soup(maker_mesh *m, uint64_t *seed, int32_t count, const double low[3], const double high[3],
-                              int32_t steps)
+static inline void maker_soup(maker_mesh *m, uint64_t *seed, int32_t count, const double low[3],
+                              const double high[3], int32_t steps)
 {
     for (int32_t i = 0; i < count; i++) {
         uint32_t v[3];
         for (int32_t k = 0; k < 3; k++) {
-            double const x = maker_between(seed, low[0], high[0], steps), y = maker_between(seed, low[1], high[1], steps);
+            double const x = maker_between(seed, low[0], high[0], steps);
+            double const y = maker_between(seed, low[1], high[1], steps);
             v[k] = maker_vertex(m, x, y, maker_between(seed, low[2], high[2], steps));
         }
         maker_triangle(m, v[0], v[1], v[2]);
@@ -120,8 +124,8 @@ static inline void maker_soup(maker_mesh *m, uint64_t *seed, int32_t count, cons
 }
 
 /* Long triangles a few steps wide. */
-static inline void maker_needles(maker_mesh *m, uint64_t *seed, int32_t count, const double low[3], const double high[3],
-                                 int32_t steps)
+static inline void maker_needles(maker_mesh *m, uint64_t *seed, int32_t count, const double low[3],
+                                 const double high[3], int32_t steps)
 {
     for (int32_t i = 0; i < count; i++) {
         double a[3], b[3];
@@ -172,7 +176,8 @@ static inline void maker_degenerate(maker_mesh *m, uint64_t *seed, int32_t count
 
 /* ---- Closed things, outwards ---- */
 
-static inline void maker_quad(maker_mesh *m, uint32_t a, uint32_t b, uint32_t c, uint32_t d, int other_diagonal)
+static inline void maker_quad(maker_mesh *m, uint32_t a, uint32_t b, uint32_t c, uint32_t d,
+                              int other_diagonal)
 {
     if (other_diagonal) {
         maker_triangle(m, a, b, d);
@@ -186,6 +191,7 @@ static inline void maker_quad(maker_mesh *m, uint32_t a, uint32_t b, uint32_t c,
 static inline void maker_box(maker_mesh *m, const double low[3], const double high[3])
 {
     uint32_t v[8];
+
     for (int32_t c = 0; c < 8; c++)
         v[c] = maker_vertex(m, c & 1 ? high[0] : low[0], c & 2 ? high[1] : low[1], c & 4 ? high[2] : low[2]);
     maker_quad(m, v[0], v[4], v[6], v[2], 0);
@@ -198,15 +204,18 @@ static inline void maker_box(maker_mesh *m, const double low[3], const double hi
 
 static inline double maker_volume6(const double *a, const double *b, const double *c, const double *d)
 {
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     double const w[3] = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
-    return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) + u[2] * (v[0] * w[1] - v[1] * w[0]);
+    return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+           u[2] * (v[0] * w[1] - v[1] * w[0]);
 }
 
 /* A tetrahedron over four vertices, outwards whatever their order. */
 static inline void maker_tetrahedron(maker_mesh *m, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
     const double *const p = m->p;
+
     if (maker_volume6(p + 3 * (size_t)a, p + 3 * (size_t)b, p + 3 * (size_t)c, p + 3 * (size_t)d) < 0) {
         uint32_t const e = c;
         c = d;
@@ -218,14 +227,15 @@ static inline void maker_tetrahedron(maker_mesh *m, uint32_t a, uint32_t b, uint
     maker_triangle(m, c, a, d);
 }
 
-/* A sphere of rings and segments; every vertex is moved along its ray, so the solid stays star-shaped about its centre
- * (but for the rounding to 1/steps). Cosines come from a parabola: roundness does not matter here. */
+/* A sphere of rings and segments; every vertex is moved along its ray, so the solid stays star-shaped about
+ * its centre (but for the rounding to 1/steps). Cosines come from a parabola: roundness does not matter
+ * here. */
 static inline double maker_wave(double turn) /* about cos(2 pi turn), period 1 */
 {
     double u = turn - (double)(int64_t)turn;
-    u = u < 0.5 ? u : 1.0 - u;         /* 0 .. 0.5 */
-    u = 1.0 - 4.0 * u;                 /* 1 .. -1 */
-    return u * (1.5 - 0.5 * u * u);    /* smooth at both ends */
+    u = u < 0.5 ? u : 1.0 - u;      /* 0 .. 0.5 */
+    u = 1.0 - 4.0 * u;              /* 1 .. -1 */
+    return u * (1.5 - 0.5 * u * u); /* smooth at both ends */
 }
 
 static inline double maker_step(double value, int32_t steps)
@@ -235,8 +245,8 @@ static inline double maker_step(double value, int32_t steps)
     return (double)(t - (v < (double)t)) / steps;
 }
 
-static inline uint32_t maker_on_ray(maker_mesh *m, uint64_t *seed, const double centre[3], const double radius[3],
-                                    double jitter, const double ray[3], int32_t steps)
+static inline uint32_t maker_on_ray(maker_mesh *m, uint64_t *seed, const double centre[3],
+                                    const double radius[3], double jitter, const double ray[3], int32_t steps)
 {
     double const r = 1.0 + jitter * ((double)maker_below(seed, 2001) / 1000.0 - 1.0);
     double p[3];
@@ -244,13 +254,14 @@ static inline uint32_t maker_on_ray(maker_mesh *m, uint64_t *seed, const double 
     return maker_vertex(m, p[0], p[1], p[2]);
 }
 
-static inline void maker_star(maker_mesh *m, uint64_t *seed, const double centre[3], const double radius[3], double jitter,
-                              int32_t rings, int32_t segments, int32_t steps)
+static inline void maker_star(maker_mesh *m, uint64_t *seed, const double centre[3], const double radius[3],
+                              double jitter, int32_t rings, int32_t segments, int32_t steps)
 {
     static const double up[3] = {0, 0, 1}, down[3] = {0, 0, -1};
     uint32_t const top = maker_on_ray(m, seed, centre, radius, jitter, up, steps);
     uint32_t const bottom = maker_on_ray(m, seed, centre, radius, jitter, down, steps);
     uint32_t const first = (uint32_t)m->vertices;
+
     for (int32_t r = 1; r < rings; r++)
         for (int32_t s = 0; s < segments; s++) {
             double const a = (double)r / (2 * rings), b = (double)s / segments;
@@ -270,7 +281,8 @@ static inline void maker_star(maker_mesh *m, uint64_t *seed, const double centre
     }
 }
 
-/* The boundary faces of a set of unit cubes: solid [Size: n[0] * n[1] * n[2]], x fastest; low corner at (x, y, z).
+/* The boundary faces of a set of unit cubes: solid [Size: n[0] * n[1] * n[2]], x fastest; low corner at (x,
+ * y, z).
  * Vertices are shared, diagonals at random. */
 static inline int maker_solid_at(const uint8_t *solid, const int32_t n[3], int32_t x, int32_t y, int32_t z)
 {
@@ -278,10 +290,12 @@ static inline int maker_solid_at(const uint8_t *solid, const int32_t n[3], int32
     return solid[((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0] + (size_t)x] != 0;
 }
 
-static inline void maker_cubes(maker_mesh *m, uint64_t *seed, const uint8_t *solid, const int32_t n[3], const double at[3])
+static inline void maker_cubes(maker_mesh *m, uint64_t *seed, const uint8_t *solid, const int32_t n[3],
+                               const double at[3])
 {
     uint32_t const first = (uint32_t)m->vertices;
     uint32_t const sx = 1, sy = (uint32_t)n[0] + 1, sz = sy * ((uint32_t)n[1] + 1);
+
     for (int32_t z = 0; z <= n[2]; z++)
         for (int32_t y = 0; y <= n[1]; y++)
             for (int32_t x = 0; x <= n[0]; x++) maker_vertex(m, at[0] + x, at[1] + y, at[2] + z);
@@ -290,13 +304,16 @@ static inline void maker_cubes(maker_mesh *m, uint64_t *seed, const uint8_t *sol
             for (int32_t x = 0; x < n[0]; x++) {
                 uint32_t const o = first + (uint32_t)x * sx + (uint32_t)y * sy + (uint32_t)z * sz;
                 if (!maker_solid_at(solid, n, x, y, z)) continue;
-                if (!maker_solid_at(solid, n, x - 1, y, z)) maker_quad(m, o, o + sz, o + sz + sy, o + sy, maker_below(seed, 2));
+                if (!maker_solid_at(solid, n, x - 1, y, z))
+                    maker_quad(m, o, o + sz, o + sz + sy, o + sy, maker_below(seed, 2));
                 if (!maker_solid_at(solid, n, x + 1, y, z))
                     maker_quad(m, o + sx, o + sx + sy, o + sx + sy + sz, o + sx + sz, maker_below(seed, 2));
-                if (!maker_solid_at(solid, n, x, y - 1, z)) maker_quad(m, o, o + sx, o + sx + sz, o + sz, maker_below(seed, 2));
+                if (!maker_solid_at(solid, n, x, y - 1, z))
+                    maker_quad(m, o, o + sx, o + sx + sz, o + sz, maker_below(seed, 2));
                 if (!maker_solid_at(solid, n, x, y + 1, z))
                     maker_quad(m, o + sy, o + sy + sz, o + sy + sz + sx, o + sy + sx, maker_below(seed, 2));
-                if (!maker_solid_at(solid, n, x, y, z - 1)) maker_quad(m, o, o + sy, o + sy + sx, o + sx, maker_below(seed, 2));
+                if (!maker_solid_at(solid, n, x, y, z - 1))
+                    maker_quad(m, o, o + sy, o + sy + sx, o + sx, maker_below(seed, 2));
                 if (!maker_solid_at(solid, n, x, y, z + 1))
                     maker_quad(m, o + sz, o + sz + sx, o + sz + sx + sy, o + sz + sy, maker_below(seed, 2));
             }
@@ -368,6 +385,7 @@ static inline void maker_shuffle_vertices(maker_mesh *m, uint64_t *seed)
 {
     uint32_t *const to = maker_grow(NULL, (m->vertices + 1) * sizeof *to);
     double *const p = maker_grow(NULL, (m->vertices + 1) * 3 * sizeof *p);
+
     for (size_t i = 0; i < m->vertices; i++) to[i] = (uint32_t)i;
     for (size_t i = m->vertices; i-- > 1;) {
         size_t const k = (size_t)maker_below(seed, (int32_t)i + 1);

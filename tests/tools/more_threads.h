@@ -1,7 +1,8 @@
-/* more_threads.h - included before all by the thread sanitizer's build: a test's context of one thread gets four that take the
- * pieces of every parallel step by turns, so that pieces that race are seen to race however busy the machine is (the
- * library may give all of them to one thread). Contexts that ask for more threads keep its own, or their parallel-for; those
- * with a progress callback stay as they are, for tests that count its calls. */
+/* more_threads.h - included before all by the thread sanitizer's build: a test's context of one thread gets
+ * four that take the pieces of every parallel step by turns, so that pieces that race are seen to race
+ * however busy the machine is (the library may give all of them to one thread). Contexts that ask for more
+ * threads keep its own, or their parallel-for; those with a progress callback stay as they are, for tests
+ * that count its calls. */
 #ifndef MORE_THREADS_H
 #define MORE_THREADS_H
 
@@ -29,6 +30,7 @@ static inline void run_by_turns(void *user, int32_t count, bvx_task_fn *task, vo
     turn_share all[TURNS];
     pthread_t threads[TURNS];
     int started[TURNS] = {0};
+
     (void)user;
     for (int32_t i = 0; i < TURNS; i++) {
         all[i] = (turn_share){task, task_user, count, i};
@@ -43,10 +45,11 @@ static inline void run_by_turns(void *user, int32_t count, bvx_task_fn *task, vo
 static inline bvx_status create_with_more_threads(const bvx_context_options *options, bvx_context **context)
 {
     bvx_context_options o;
+
     bvx_context_options_init(&o, sizeof o);
     if (options != NULL) {
-        if (options->struct_size != sizeof o || options->parallel != NULL || options->progress != NULL || options->threads < 0 ||
-            options->threads > 1)
+        if (options->struct_size != sizeof o || options->parallel != NULL || options->progress != NULL ||
+            options->threads < 0 || options->threads > 1)
             return bvx_context_create(options, context);
         o = *options;
     }

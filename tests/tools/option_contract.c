@@ -1,5 +1,6 @@
-/* option_contract.c - made into a program by check_options.py: the options that the header tells of, as the library and the program's
- * table have them. option_rows.h is written from the header. Prints "wrong TAB what" for each disagreement, and the table's rows. */
+/* option_contract.c - made into a program by check_options.py: the options that the header tells of, as the
+ * library and the program's table have them. option_rows.h is written from the header. Prints "wrong TAB
+ * what" for each disagreement, and the table's rows. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -10,7 +11,10 @@
 /* What call_table.h wants of a framework of tests. */
 #define TEST_ASSERT_EQUAL_INT32_MESSAGE(a, b, text) \
     do {                                            \
-        if ((a) != (b)) { fprintf(stderr, "%s\n", text); abort(); } \
+        if ((a) != (b)) {                           \
+            fprintf(stderr, "%s\n", text);          \
+            abort();                                \
+        }                                           \
     } while (0)
 #include "call_table.h"
 
@@ -44,7 +48,8 @@ static size_t size_of_shape(int shape)
     return shape == WHOLE ? 4 : shape == BYTE ? 1 : 8;
 }
 
-static void default_is(const char *kind, const char *field, void (*init)(void *), size_t at, size_t size, int shape, int i, double wanted)
+static void default_is(const char *kind, const char *field, void (*init)(void *), size_t at, size_t size,
+                       int shape, int i, double wanted)
 {
     unsigned char bytes[4096];
     double given;
@@ -52,7 +57,9 @@ static void default_is(const char *kind, const char *field, void (*init)(void *)
     memset(bytes, 0xa5, sizeof bytes);
     init(bytes);
     given = value_of(bytes + at + (size_t)i * size_of_shape(shape), size, shape);
-    if (given != wanted) printf("wrong\tbvx_%s_options_init: %s is %.17g, the header says %.17g\n", kind, field, given, wanted);
+    if (given != wanted)
+        printf("wrong\tbvx_%s_options_init: %s is %.17g, the header says %.17g\n", kind, field, given,
+               wanted);
 }
 
 /* A value that is taken may ask for much: time and memory are bounded. */
@@ -64,7 +71,8 @@ static int32_t stop_soon(void *user, const char *stage, double fraction)
     return clock() > contract_until;
 }
 
-static bvx_status call_with(bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+static bvx_status call_with(bvx_status (*make)(const world *w), size_t at, size_t size, int shape,
+                            double value)
 {
     int32_t const whole = shape == WHOLE ? (int32_t)value : 0;
     uint64_t const wide = shape == WIDE ? (uint64_t)value : 0;
@@ -74,7 +82,9 @@ static bvx_status call_with(bvx_status (*make)(const world *w), size_t at, size_
     contract_until = clock() + CLOCKS_PER_SEC / 10;
     w.bad_at = at;
     w.bad_size = size;
-    w.bad = shape == WHOLE ? (const void *)&whole : shape == WIDE ? (const void *)&wide : (const void *)&value;
+    w.bad = shape == WHOLE  ? (const void *)&whole
+            : shape == WIDE ? (const void *)&wide
+                            : (const void *)&value;
     return make(&w);
 }
 
@@ -85,45 +95,57 @@ static int is_for_range(bvx_status status)
     return status != BVX_OK && (e->reason == BVX_REASON_RANGE || e->reason == BVX_REASON_CHOICE);
 }
 
-static void refused(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+static void refused(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at,
+                    size_t size, int shape, double value)
 {
     bvx_status const status = call_with(make, at, size, shape, value);
     const char *const text = bvx_last_error(contract_context)->text;
 
     if (status == BVX_OK || status == BVX_CANCELLED)
-        printf("wrong\tbvx_%s_options.%s: %.17g is taken, the header's limit is nearer\n", kind, field, value);
+        printf("wrong\tbvx_%s_options.%s: %.17g is taken, the header's limit is nearer\n", kind, field,
+               value);
     else if (!is_for_range(status) || strstr(text, field) == NULL)
-        printf("wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", which has not the field's name or not the reason of a range\n", kind, field, value, text);
+        printf(
+            "wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", which has not the field's name or not the reason of a range\n",
+            kind, field, value, text);
 }
 
-static void taken(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at, size_t size, int shape, double value)
+static void taken(const char *kind, const char *field, bvx_status (*make)(const world *w), size_t at,
+                  size_t size, int shape, double value)
 {
     bvx_status const status = call_with(make, at, size, shape, value);
     const char *const text = bvx_last_error(contract_context)->text;
 
     if (is_for_range(status) && strstr(text, field) != NULL)
-        printf("wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", the header allows it\n", kind, field, value, text);
+        printf("wrong\tbvx_%s_options.%s: %.17g is refused by \"%s\", the header allows it\n", kind, field,
+               value, text);
 }
 
 #include "option_rows.h"
 
 static void print_table(void)
 {
-    static const char *const kinds[] = {"FLAG", "INT", "LONG", "REAL", "TRIPLE", "PAIR", "LIST", "BYTES", "CHOICE", "SIZE", "CUT", "SLICES",
-                                        "FILE", "NUMBER", "ERRORS", "SET", "TEXT"};
+    static const char *const kinds[] = {"FLAG", "INT",    "LONG",   "REAL", "TRIPLE", "PAIR",
+                                        "LIST", "BYTES",  "CHOICE", "SIZE", "CUT",    "SLICES",
+                                        "FILE", "NUMBER", "ERRORS", "SET",  "TEXT"};
     static const struct {
         const char *name;
         int32_t bit;
-    } commands[] = {{"info", CLI_INFO}, {"voxelize", CLI_VOXELIZE}, {"lod", CLI_LOD}, {"render", CLI_RENDER}, {"convert", CLI_CONVERT},
-                    {"compare", CLI_COMPARE}, {"faces", CLI_FACES}, {"refine", CLI_REFINE}, {"fill", CLI_FILL}, {"sections", CLI_SECTIONS},
-                    {"slice", CLI_SLICE}, {"repair", CLI_REPAIR}, {"boolean", CLI_BOOLEAN}, {"morph", CLI_MORPH},
-                    {"components", CLI_COMPONENTS}, {"simplify", CLI_SIMPLIFY}};
+    } commands[] = {{"info", CLI_INFO},         {"voxelize", CLI_VOXELIZE}, {"lod", CLI_LOD},
+                    {"render", CLI_RENDER},     {"convert", CLI_CONVERT},   {"compare", CLI_COMPARE},
+                    {"faces", CLI_FACES},       {"refine", CLI_REFINE},     {"fill", CLI_FILL},
+                    {"sections", CLI_SECTIONS}, {"slice", CLI_SLICE},       {"repair", CLI_REPAIR},
+                    {"boolean", CLI_BOOLEAN},   {"morph", CLI_MORPH},       {"components", CLI_COMPONENTS},
+                    {"simplify", CLI_SIMPLIFY}};
     const cli_argument *a;
 
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) printf("command\t%s\t%d\n", commands[i].name, (int)commands[i].bit);
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        printf("command\t%s\t%d\n", commands[i].name, (int)commands[i].bit);
     for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
-        printf("row\t%s\t%d\t%s\t%.17g\t%.17g\t%d\t", a->name, (int)a->commands, kinds[a->kind], a->low, a->high, a->least);
-        for (int k = 0; a->choice != NULL && a->choice[k] != NULL; k++) printf("%s%s", k == 0 ? "" : ",", a->choice[k]);
+        printf("row\t%s\t%d\t%s\t%.17g\t%.17g\t%d\t", a->name, (int)a->commands, kinds[a->kind], a->low,
+               a->high, a->least);
+        for (int k = 0; a->choice != NULL && a->choice[k] != NULL; k++)
+            printf("%s%s", k == 0 ? "" : ",", a->choice[k]);
         printf("\t%d\t", a->base);
         for (const char *p = a->help; *p != 0; p++) fputs(*p == '\n' ? "\\n" : (char[2]){*p, 0}, stdout);
         printf("\n");

@@ -1,5 +1,6 @@
-/* sanitizer_probe.c race|clean|memory - what a sanitizer must find, and what it must not: tasks of the library that write one
- * number, tasks that write a number each, a decision by memory that nobody wrote. A build that finds none of it proves nothing. */
+/* sanitizer_probe.c race|clean|memory - what a sanitizer must find, and what it must not: tasks of the
+ * library that write one number, tasks that write a number each, a decision by memory that nobody wrote. A
+ * build that finds none of it proves nothing. */
 #include "core/core.h"
 
 #include <stdio.h>
@@ -26,6 +27,7 @@ int main(int argc, char **argv)
     bvx_context_options o;
     bvx_context *ctx = NULL;
     int *block = NULL, workers = 0;
+
     if (argc != 2) return 2;
     bvx_context_options_init(&o, sizeof o);
     o.threads = 1;

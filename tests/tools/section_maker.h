@@ -1,4 +1,5 @@
-/* section_maker.h - stacks of contours for tests, by + - * / and sqrt alone, so that they are the same everywhere. */
+/* section_maker.h - stacks of contours for tests, by + - * / and sqrt
+ * alone, so that they are the same everywhere. */
 #ifndef SECTION_MAKER_H
 #define SECTION_MAKER_H
 
@@ -55,20 +56,23 @@ static inline void stack_circle(double turn, double *x, double *y)
 {
     int const quarter = (int)(turn * 4.0) & 3;
     double const t = turn * 4.0 - (int)(turn * 4.0);
-    double const s = t / (t + (1.0 - t) * (1.0 + 0.4142135623730951 * t)); /* nearly even steps of the angle */
+    /* nearly even steps of the angle */
+    double const s = t / (t + (1.0 - t) * (1.0 + 0.4142135623730951 * t));
     double const c = (1.0 - s * s) / (1.0 + s * s), d = 2.0 * s / (1.0 + s * s);
     *x = quarter == 0 ? c : quarter == 1 ? -d : quarter == 2 ? -c : d;
     *y = quarter == 0 ? d : quarter == 1 ? c : quarter == 2 ? -d : -c;
 }
 
-/* A loop of n points round a centre, counter-clockwise or not; wave is the share of the radius by which it goes in and out. */
-static inline void stack_round(section_maker *m, uint32_t section, double cx, double cy, double rx, double ry, int n, double wave, double phase,
-                               int clockwise)
+/* A loop of n points round a centre, counter-clockwise or not; wave is the
+ * share of the radius by which it goes in and out. */
+static inline void stack_round(section_maker *m, uint32_t section, double cx, double cy, double rx, double ry,
+                               int n, double wave, double phase, int clockwise)
 {
     stack_loop(m, section);
     for (int i = 0; i < n; i++) {
         double const turn = clockwise ? 1.0 - (i + 1.0) / n : (double)i / n;
-        double const r = 1.0 + wave * (0.5 * maker_wave(3.0 * turn + phase) + 0.3 * maker_wave(7.0 * turn + 2.0 * phase));
+        double const r = 1.0 + wave * (0.5 * maker_wave(3.0 * turn + phase) +
+                                       0.3 * maker_wave(7.0 * turn + 2.0 * phase));
         double x, y;
         stack_circle(turn, &x, &y);
         stack_point(m, cx + rx * r * x, cy + ry * r * y);
@@ -80,10 +84,12 @@ static inline void stack_random(section_maker *m, uint64_t *seed)
 {
     int const sections = 2 + maker_below(seed, 4);
     double position = -1.0;
+
     stack_clear(m);
     for (int k = 0; k < sections; k++) {
         uint32_t const section = stack_section(m, position);
-        int const bodies = k > 0 && k + 1 < sections && maker_below(seed, 20) == 0 ? 0 : 1 + maker_below(seed, 4);
+        int const bodies = k > 0 && k + 1 < sections && maker_below(seed, 20) == 0 ? 0
+                                                                                   : 1 + maker_below(seed, 4);
         position += maker_between(seed, 0.2, 1.4, 1000);
         for (int j = 0; j < bodies; j++) {
             /* one draw a statement: the order in which arguments are evaluated is the compiler's */
@@ -92,7 +98,9 @@ static inline void stack_random(section_maker *m, uint64_t *seed)
             double const r = maker_between(seed, 0.2, 1.05, 1000);
             double const wave = maker_between(seed, 0.0, 0.3, 1000);
             double const phase = maker_between(seed, 0.0, 1.0, 1000);
-            int const n = 4 * (1 + maker_below(seed, 12)), hole = 4 * (1 + maker_below(seed, 5)), island = 4 + maker_below(seed, 5);
+            int const n = 4 * (1 + maker_below(seed, 12));
+            int const hole = 4 * (1 + maker_below(seed, 5));
+            int const island = 4 + maker_below(seed, 5);
             int const depth = maker_below(seed, 10); /* 0 to 5: no hole; 6, 7: a hole; 8, 9: and an island */
             int const turns = maker_below(seed, 8);
             stack_round(m, section, x, y, r, r, n, wave, phase, turns & 1);

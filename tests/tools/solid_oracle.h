@@ -1,8 +1,9 @@
 /* solid_oracle.h - which voxel centres lie inside a mesh, slowly and from the rules alone, for tests.
  *
- * The centre of a row is moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, by writing every test as a polynomial in the
- * three and taking the sign of its first coefficient that is not zero. All numbers are whole (exact.h). Crossings are
- * collected on the whole line, so a window's bits follow from the definition of the whole. */
+ * The centre of a row is moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, by writing every test as a
+ * polynomial in the three and taking the sign of its first coefficient that is not zero. All numbers are
+ * whole (exact.h). Crossings are collected on the whole line, so a window's bits follow from the definition
+ * of the whole. */
 #ifndef SOLID_ORACLE_H
 #define SOLID_ORACLE_H
 
@@ -60,20 +61,24 @@ static inline int oracle_side(const int64_t u[3], const int64_t v[3], int64_t y,
 /* 1: covered by a counter-clockwise triangle (in y, z), -1: by a clockwise one, 0: not covered. */
 static inline int oracle_covers(const int64_t *const p[3], int64_t y, int64_t z)
 {
-    int const a = oracle_side(p[0], p[1], y, z), b = oracle_side(p[1], p[2], y, z), c = oracle_side(p[2], p[0], y, z);
+    int const a = oracle_side(p[0], p[1], y, z);
+    int const b = oracle_side(p[1], p[2], y, z);
+    int const c = oracle_side(p[2], p[0], y, z);
     return a == b && b == c ? a : 0;
 }
 
-/* The first index whose moved centre lies beyond the plane. The sign of n . (centre + e - a), n_x made positive, in the
- * order 1, e_x; it grows with the index. */
+/* The first index whose moved centre lies beyond the plane. The sign of n . (centre + e - a), n_x made
+ * positive, in the order 1, e_x; it grows with the index. */
 static inline int64_t oracle_index(const int64_t *const p[3], int64_t y, int64_t z, int32_t fraction_bits)
 {
     int64_t u[3], v[3], n[3], low = p[0][0], high = p[0][0];
+
     for (int i = 1; i < 3; i++) {
         low = p[i][0] < low ? p[i][0] : low;
         high = p[i][0] > high ? p[i][0] : high;
     }
-    low = (int64_t)floor((double)low / (double)(1 << fraction_bits)) - 2; /* the plane is met between the corners */
+    /* the plane is met between the corners */
+    low = (int64_t)floor((double)low / (double)(1 << fraction_bits)) - 2;
     high = (int64_t)floor((double)high / (double)(1 << fraction_bits)) + 2;
     for (int a = 0; a < 3; a++) {
         u[a] = p[1][a] - p[0][a];
@@ -94,7 +99,7 @@ static inline int64_t oracle_index(const int64_t *const p[3], int64_t y, int64_t
     return low;
 }
 
-/* ---- Rules for one row: its crossings in order of index, entering ones first where two share an index ---- */
+/* ---- Rules for one row: its crossings in order of index, entering ones first where two share an index -- */
 
 static inline int oracle_before(const oracle_crossing *a, const oracle_crossing *b)
 {
@@ -138,8 +143,8 @@ static inline void oracle_balance_parity(oracle_crossing *c, size_t *n)
     oracle_drop(c, n, best);
 }
 
-/* While leaving crossings are in excess, the first goes that has nothing before it to leave; while entering ones are,
- * the last goes that has nothing behind it. */
+/* While leaving crossings are in excess, the first goes that has nothing before it to leave; while entering
+ * ones are, the last goes that has nothing behind it. */
 static inline void oracle_balance_winding(oracle_crossing *c, size_t *n)
 {
     for (;;) {
@@ -172,6 +177,7 @@ static inline void oracle_row(oracle_solid *s, oracle_crossing *list, int32_t fi
 {
     size_t n = 0, kept;
     oracle_crossing *c;
+
     for (const oracle_crossing *i = list; i != NULL; i = i->next) n++;
     if (n == 0) return;
     c = maker_grow(NULL, n * sizeof *c);
@@ -184,7 +190,8 @@ static inline void oracle_row(oracle_solid *s, oracle_crossing *list, int32_t fi
     s->crossings += n;
     s->dropped += n - kept;
     s->unbalanced_rows += kept != n;
-    for (int32_t i = 0; i < s->window.size[0]; i++) row[i] = (uint8_t)oracle_inside(c, kept, fill, s->window.low[0] + i);
+    for (int32_t i = 0; i < s->window.size[0]; i++)
+        row[i] = (uint8_t)oracle_inside(c, kept, fill, s->window.low[0] + i);
     free(c);
 }
 
@@ -208,6 +215,7 @@ static inline oracle_solid oracle_make(const bvx_lattice *lattice, const bvx_win
     oracle_solid s;
     oracle_crossing **rows;
     size_t row_count;
+
     memset(&s, 0, sizeof s);
     for (int a = 0; a < 3; a++) {
         s.window.low[a] = window != NULL ? window->low[a] : 0;
@@ -240,7 +248,8 @@ static inline oracle_solid oracle_make(const bvx_lattice *lattice, const bvx_win
                 if (side == 0) continue;
                 covering = 1;
                 c = maker_grow(NULL, sizeof *c);
-                row = &rows[(size_t)(k - s.window.low[2]) * (size_t)s.window.size[1] + (size_t)(j - s.window.low[1])];
+                row = &rows[(size_t)(k - s.window.low[2]) * (size_t)s.window.size[1] +
+                            (size_t)(j - s.window.low[1])];
                 c->index = oracle_index(p, y, z, f);
                 c->leaving = side > 0;
                 c->next = *row;

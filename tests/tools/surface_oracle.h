@@ -1,7 +1,8 @@
 /* surface_oracle.h - marching cubes cell by cell, with a number for every lattice edge, for tests.
  *
- * The case tables are proven elsewhere (test_tables.c); here each cell reads its eight corners one by one, each vertex
- * is found under its edge, and edges are numbered by walking them all in the order (z, y, axis, x). */
+ * The case tables are proven elsewhere (test_tables.c); here each cell reads its eight corners one by one,
+ * each vertex is found under its edge, and edges are numbered by walking them all in the order (z, y, axis,
+ * x). */
 #ifndef SURFACE_ORACLE_H
 #define SURFACE_ORACLE_H
 
@@ -11,15 +12,15 @@
 #include "tools/mesh_maker.h"
 
 typedef struct oracle_surface {
-    double *positions;   /* before any rounding to float */
+    double *positions; /* before any rounding to float */
     uint32_t *triangles;
-    int32_t (*edge)[4];  /* of each vertex: lattice indices of its low end, axis */
+    int32_t (*edge)[4]; /* of each vertex: lattice indices of its low end, axis */
     uint64_t vertices, triangle_count;
 } oracle_surface;
 
 typedef struct oracle_cells {
     const bvx_grid *grid;
-    int32_t size[3]; /* places along each axis, from -1 to the window's size */
+    int32_t size[3];  /* places along each axis, from -1 to the window's size */
     uint32_t *number; /* of the edge at [z][y][axis][x] */
 } oracle_cells;
 
@@ -35,7 +36,8 @@ static inline size_t oracle_edge_place(const oracle_cells *c, const int32_t at[3
     return (row * 3 + (size_t)axis) * (size_t)c->size[0] + (size_t)(at[0] + 1);
 }
 
-/* The low end of edge e of the cell at (x, y, z): x-edges 0..3 by (y, z), y-edges by (x, z), z-edges by (x, y). */
+/* The low end of edge e of the cell at (x, y, z): x-edges 0..3 by (y, z),
+ * y-edges by (x, z), z-edges by (x, y). */
 static inline void oracle_edge_of_cell(const int32_t cell[3], int32_t e, int32_t at[3], int32_t *axis)
 {
     int32_t const first = e % 4 % 2, second = e % 4 / 2;
@@ -48,7 +50,8 @@ static inline void oracle_edge_of_cell(const int32_t cell[3], int32_t e, int32_t
 static inline int oracle_case(const bvx_grid *g, const int32_t cell[3])
 {
     int n = 0;
-    for (int c = 0; c < 8; c++) n |= oracle_voxel(g, cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)) << c;
+    for (int c = 0; c < 8; c++)
+        n |= oracle_voxel(g, cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)) << c;
     return n;
 }
 
@@ -56,6 +59,7 @@ static inline int oracle_case(const bvx_grid *g, const int32_t cell[3])
 static inline void oracle_walk(oracle_cells *c, const bvx_extract_options *o, oracle_surface *s)
 {
     int32_t low[3], high[3], cell[3], at[3], axis;
+
     for (int a = 0; a < 3; a++) {
         low[a] = o->open_sides >> 2 * a & 1 ? 0 : -1;
         high[a] = c->grid->size[a] - (o->open_sides >> (2 * a + 1) & 1 ? 2 : 1);
@@ -68,7 +72,9 @@ static inline void oracle_walk(oracle_cells *c, const bvx_extract_options *o, or
                 for (int i = 0; i < 3 * bvxi_cell_triangle_count[o->face_rule][n]; i++) {
                     oracle_edge_of_cell(cell, bvxi_cell_triangle_vertex[o->face_rule][n][i], at, &axis);
                     if (s->triangles == NULL) c->number[oracle_edge_place(c, at, axis)] = 1;
-                    else s->triangles[3 * s->triangle_count + (uint64_t)i] = c->number[oracle_edge_place(c, at, axis)];
+                    else
+                        s->triangles[3 * s->triangle_count + (uint64_t)i] =
+                            c->number[oracle_edge_place(c, at, axis)];
                 }
                 s->triangle_count += bvxi_cell_triangle_count[o->face_rule][n];
             }
@@ -80,6 +86,7 @@ static inline oracle_surface oracle_extract(const bvx_grid *grid, const bvx_extr
     oracle_surface s;
     size_t edges;
     int32_t at[3];
+
     memset(&s, 0, sizeof s);
     c.grid = grid;
     for (int a = 0; a < 3; a++) c.size[a] = grid->size[a] + 2;
@@ -101,7 +108,9 @@ static inline oracle_surface oracle_extract(const bvx_grid *grid, const bvx_extr
                     for (int a = 0; a < 3; a++) {
                         double const origin = o->local_frame ? 0.0 : grid->lattice.origin[a];
                         double const centre = (double)(grid->low[a] + at[a]) + 0.5;
-                        s.positions[3 * s.vertices + (uint64_t)a] = origin + (centre + (a == axis ? 0.5 : 0.0)) * grid->lattice.spacing[a];
+                        s.positions[3 * s.vertices + (uint64_t)a] = origin +
+                                                                    (centre + (a == axis ? 0.5 : 0.0)) *
+                                                                        grid->lattice.spacing[a];
                         s.edge[s.vertices][a] = grid->low[a] + at[a];
                     }
                     s.edge[s.vertices][3] = axis;

@@ -1,9 +1,10 @@
 /* touch_oracle.h - which voxels a triangle touches, voxel by voxel and from the definitions alone, for tests.
  *
- * Coordinates are whole numbers of 2^-F voxels, all sums are exact (exact.h). Conservative: the thirteen separating axes of
- * box and triangle. Thin: two ends of a segment lie on different sides of the plane and the segment's line passes inside
- * the three edges, everything moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, by the sign of the first coefficient that is not
- * zero. Sampled: all points of the subdivision, one by one. */
+ * Coordinates are whole numbers of 2^-F voxels, all sums are exact (exact.h). Conservative: the thirteen
+ * separating axes of box and triangle. Thin: two ends of a segment lie on different sides of the plane and
+ * the segment's line passes inside the three edges, everything moved by (e_x, e_y, e_z), e_x >> e_y >> e_z >
+ * 0, by the sign of the first coefficient that is not zero. Sampled: all points of the subdivision, one by
+ * one. */
 #ifndef TOUCH_ORACLE_H
 #define TOUCH_ORACLE_H
 
@@ -39,10 +40,12 @@ static inline void touch_normal(const touch_oracle *o, int64_t n[3])
 /* ---- conservative ---- */
 
 /* 1 when all corners lie beyond the box's far side along the axis n, or all before its near side. */
-static inline int touch_separated(const touch_oracle *o, const int64_t n[3], const int64_t low[3], int64_t side)
+static inline int touch_separated(const touch_oracle *o, const int64_t n[3], const int64_t low[3],
+                                  int64_t side)
 {
     int beyond = 0, before = 0;
     int64_t far[3], near[3];
+
     for (int a = 0; a < 3; a++) {
         far[a] = low[a] + (n[a] > 0 ? side : 0);
         near[a] = low[a] + (n[a] > 0 ? 0 : side);
@@ -58,8 +61,10 @@ static inline int touch_separated(const touch_oracle *o, const int64_t n[3], con
 static inline int touch_meets_box(const touch_oracle *o, const int64_t voxel[3])
 {
     int64_t const side = INT64_C(1) << o->f;
-    int64_t const low[3] = {touch_low_corner(voxel[0], o->f), touch_low_corner(voxel[1], o->f), touch_low_corner(voxel[2], o->f)};
+    int64_t const low[3] = {touch_low_corner(voxel[0], o->f), touch_low_corner(voxel[1], o->f),
+                            touch_low_corner(voxel[2], o->f)};
     int64_t n[3];
+
     for (int a = 0; a < 3; a++) {
         int64_t const unit[3] = {a == 0, a == 1, a == 2};
         if (touch_separated(o, unit, low, side)) return 0;
@@ -84,13 +89,14 @@ static inline int touch_side_of_plane(const touch_oracle *o, const int64_t point
     int64_t n[3];
     int sign[4];
     touch_normal(o, n);
-    sign[0] = exact_sign_of_sum(n[0], point[0] - o->p[0][0], n[1], point[1] - o->p[0][1], n[2], point[2] - o->p[0][2]);
+    sign[0] = exact_sign_of_sum(n[0], point[0] - o->p[0][0], n[1], point[1] - o->p[0][1], n[2],
+                                point[2] - o->p[0][2]);
     for (int a = 0; a < 3; a++) sign[1 + a] = (n[a] > 0) - (n[a] < 0);
     return oracle_first_sign(sign, 4);
 }
 
-/* Which side of an edge the moved point lies on, seen along an axis; u comes before v in the order x, y, z, so e_u >> e_v:
- * du (point_v + e_v - p_v) - dv (point_u + e_u - p_u). */
+/* Which side of an edge the moved point lies on, seen along an axis; u comes before v in the order x, y, z,
+ * so e_u >> e_v: du (point_v + e_v - p_v) - dv (point_u + e_u - p_u). */
 static inline int touch_side_of_edge(const touch_oracle *o, int i, int u, int v, const int64_t point[3])
 {
     const int64_t *const p = o->p[i], *const q = o->p[(i + 1) % 3];
@@ -124,6 +130,7 @@ static inline int touch_meets_cross(const touch_oracle *o, const int64_t voxel[3
 static inline int64_t touch_parts(const touch_oracle *o)
 {
     uint64_t longest = 0, k = 1;
+
     for (int i = 0; i < 3; i++) {
         uint64_t sum = 0;
         for (int a = 0; a < 3; a++) {
@@ -143,11 +150,12 @@ static inline int64_t touch_floor(int64_t a, int64_t b)
 
 /* ---- marks ---- */
 
-/* Mark, in bytes of a window (x fastest), the voxels that a triangle touches. Voxels farther from its box than one are not
- * looked at. */
+/* Mark, in bytes of a window (x fastest), the voxels that a triangle
+ * touches. Voxels farther from its box than one are not looked at. */
 static inline void touch_mark(const touch_oracle *o, int32_t mode, const bvx_window *w, uint8_t *bytes)
 {
     int64_t from[3], to[3];
+
     if (mode == BVX_SURFACE_SAMPLED) {
         int64_t const k = touch_parts(o), part = touch_low_corner(k, o->f);
         for (int64_t i = 0; i <= k; i++)
@@ -155,7 +163,8 @@ static inline void touch_mark(const touch_oracle *o, int32_t mode, const bvx_win
                 int64_t at[3];
                 int inside = 1;
                 for (int a = 0; a < 3; a++) {
-                    int64_t const sum = o->p[0][a] * k + (o->p[1][a] - o->p[0][a]) * i + (o->p[2][a] - o->p[0][a]) * j;
+                    int64_t const sum = o->p[0][a] * k + (o->p[1][a] - o->p[0][a]) * i +
+                                        (o->p[2][a] - o->p[0][a]) * j;
                     at[a] = touch_floor(sum, part) - w->low[a];
                     inside &= at[a] >= 0 && at[a] < w->size[a];
                 }
@@ -179,7 +188,9 @@ static inline void touch_mark(const touch_oracle *o, int32_t mode, const bvx_win
             for (int64_t x = from[0]; x <= to[0]; x++) {
                 int64_t const voxel[3] = {x + w->low[0], y + w->low[1], z + w->low[2]};
                 uint8_t *const byte = &bytes[(size_t)((z * w->size[1] + y) * w->size[0] + x)];
-                if (mode == BVX_SURFACE_CONSERVATIVE ? touch_meets_box(o, voxel) : touch_meets_cross(o, voxel)) *byte = 1;
+                if (mode == BVX_SURFACE_CONSERVATIVE ? touch_meets_box(o, voxel)
+                                                     : touch_meets_cross(o, voxel))
+                    *byte = 1;
             }
 }
 

@@ -1,4 +1,5 @@
-/* algebra_support.h - windows of lattices with random voxels, read voxel by voxel, for tests of set algebra. */
+/* algebra_support.h - windows of lattices with random voxels, read voxel by voxel, for tests of set
+ * algebra. */
 #ifndef ALGEBRA_SUPPORT_H
 #define ALGEBRA_SUPPORT_H
 
@@ -31,6 +32,7 @@ static inline bvx_grid algebra_grid(const int32_t size[3], const int32_t low[3],
     bvx_lattice l;
     bvx_grid g = {0};
     int32_t dims[3];
+
     for (int a = 0; a < 3; a++) {
         dims[a] = low[a] + size[a] + more[a];
         window.low[a] = low[a];
@@ -46,7 +48,8 @@ static inline void algebra_scatter(bvx_grid *g, int32_t percent)
 {
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
-            for (int32_t x = 0; x < g->size[0]; x++) bvx_grid_set(g, x, y, z, maker_below(&seed, 100) < percent);
+            for (int32_t x = 0; x < g->size[0]; x++)
+                bvx_grid_set(g, x, y, z, maker_below(&seed, 100) < percent);
 }
 
 /* Voxel (x, y, z) of the window; 0 beyond it. */
@@ -65,7 +68,8 @@ static inline void algebra_expect_equal(const bvx_grid *want, const bvx_grid *go
     TEST_ASSERT_EQUAL_INT32(want->lattice.fraction_bits, got->lattice.fraction_bits);
     TEST_ASSERT_EQUAL_MEMORY(want->lattice.origin, got->lattice.origin, sizeof want->lattice.origin);
     TEST_ASSERT_EQUAL_MEMORY(want->lattice.spacing, got->lattice.spacing, sizeof want->lattice.spacing);
-    TEST_ASSERT_EQUAL_HEX64_ARRAY(want->words, got->words, (size_t)want->words_per_row * (size_t)(want->size[1] * want->size[2]));
+    TEST_ASSERT_EQUAL_HEX64_ARRAY(want->words, got->words,
+                                  (size_t)want->words_per_row * (size_t)(want->size[1] * want->size[2]));
 }
 
 /* A grid of stale words of the caller's, just large enough. */

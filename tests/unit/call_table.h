@@ -1,5 +1,5 @@
-/* call_table.h - every public function that takes a context and returns a status, as a row of a table, and a small world of inputs
- * for all of them. Included by one file of a test program. */
+/* call_table.h - every public function that takes a context and returns a status, as a row of a table, and a
+ * small world of inputs for all of them. Included by one file of a test program. */
 #ifndef CALL_TABLE_H
 #define CALL_TABLE_H
 
@@ -9,8 +9,22 @@
 
 /* What a call takes, and what can be wrong with it. */
 enum {
-    MESH = 1, POINTS = 2, LATTICE = 4, GRID = 8, OTHER = 16, TREE = 32, FIELD = 64, SECTIONS = 128, VOLUME = 256, OPTIONS = 512,
-    BODY = 1024, BYTES = 2048, IMAGE = 4096, SECOND = 8192, SLOT = 16384, RESERVED = 32768,
+    MESH = 1,
+    POINTS = 2,
+    LATTICE = 4,
+    GRID = 8,
+    OTHER = 16,
+    TREE = 32,
+    FIELD = 64,
+    SECTIONS = 128,
+    VOLUME = 256,
+    OPTIONS = 512,
+    BODY = 1024,
+    BYTES = 2048,
+    IMAGE = 4096,
+    SECOND = 8192,
+    SLOT = 16384,
+    RESERVED = 32768,
     INNER = 65536 /* a message may name the public function that the call makes in its turn */
 };
 /* Into what it writes. */
@@ -41,16 +55,16 @@ typedef struct world {
     const bvx_mesh *body;
     const bvx_image *image;
     const bvx_buffer *file, *lattice_file; /* bytes and size of the format that a reader wants */
-    int wrong_size, wrong_reserved; /* of the options */
-    size_t bad_at, bad_size;        /* a field of the options to spoil */
+    int wrong_size, wrong_reserved;        /* of the options */
+    size_t bad_at, bad_size;               /* a field of the options to spoil */
     const void *bad;
     result *out;
     void *second; /* of two outputs, or the place of a count */
 } world;
 
 /* Options of a call, with the damage of this run. */
-#define TAKE_OPTIONS(kind, name)                  \
-    bvx_##kind##_options name;                    \
+#define TAKE_OPTIONS(kind, name)                   \
+    bvx_##kind##_options name;                     \
     bvx_##kind##_options_init(&name, sizeof name); \
     if (w->wrong_size) name.struct_size = 1
 /* After what the call needs. */
@@ -63,7 +77,10 @@ static const double unit_origin[3] = {0, 0, 0}, unit_spacing[3] = {1, 1, 1};
 static const int32_t eight[3] = {8, 8, 8}, two[3] = {2, 2, 2}, zeros[3] = {0, 0, 0}, own_axes[3] = {0, 1, 2};
 static const double a_ray[6] = {-1, 4, 4, 1, 0, 0}, a_point[3] = {4, 4, 4};
 
-static bvx_status lattice_fit(const world *w) { return bvx_lattice_fit(w->ctx, w->mesh, 8, (bvx_lattice *)w->out); }
+static bvx_status lattice_fit(const world *w)
+{
+    return bvx_lattice_fit(w->ctx, w->mesh, 8, (bvx_lattice *)w->out);
+}
 static bvx_status lattice_fit_with(const world *w)
 {
     TAKE_OPTIONS(lattice, o);
@@ -88,27 +105,69 @@ static bvx_status lattice_fit_box(const world *w)
     SPOIL(o);
     return bvx_lattice_fit_box(w->ctx, unit_origin, unit_spacing, &o, (bvx_lattice *)w->out);
 }
-static bvx_status lattice_make(const world *w) { return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out); }
-static bvx_status grid_create(const world *w) { return bvx_grid_create(w->ctx, w->lattice, NULL, (bvx_grid *)w->out); }
-static bvx_status grid_count(const world *w) { return bvx_grid_count(w->ctx, w->grid, (uint64_t *)w->out); }
-static bvx_status grid_hash(const world *w) { return bvx_grid_hash(w->ctx, w->grid, (uint64_t *)w->out); }
-static bvx_status mesh_hash(const world *w) { return bvx_mesh_hash(w->ctx, w->body, (uint64_t *)w->out); }
-static bvx_status mesh_check(const world *w) { return bvx_mesh_check(w->ctx, w->mesh, 1, (bvx_certificate *)w->out); }
-static bvx_status mesh_normals(const world *w) { return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL); }
-static bvx_status mesh_distance(const world *w) { return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out); }
-static bvx_status mesh_crossings(const world *w) { return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8); }
+static bvx_status lattice_make(const world *w)
+{
+    return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out);
+}
+static bvx_status grid_create(const world *w)
+{
+    return bvx_grid_create(w->ctx, w->lattice, NULL, (bvx_grid *)w->out);
+}
+static bvx_status grid_count(const world *w)
+{
+    return bvx_grid_count(w->ctx, w->grid, (uint64_t *)w->out);
+}
+static bvx_status grid_hash(const world *w)
+{
+    return bvx_grid_hash(w->ctx, w->grid, (uint64_t *)w->out);
+}
+static bvx_status mesh_hash(const world *w)
+{
+    return bvx_mesh_hash(w->ctx, w->body, (uint64_t *)w->out);
+}
+static bvx_status mesh_check(const world *w)
+{
+    return bvx_mesh_check(w->ctx, w->mesh, 1, (bvx_certificate *)w->out);
+}
+static bvx_status mesh_normals(const world *w)
+{
+    return bvx_mesh_normals(w->ctx, w->mesh, 1, (float *)w->out, NULL);
+}
+static bvx_status mesh_distance(const world *w)
+{
+    return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out);
+}
+static bvx_status mesh_crossings(const world *w)
+{
+    return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8);
+}
 static bvx_mesh undropped; /* finite, so it stays as it is */
 static bvx_status mesh_drop_nonfinite(const world *w)
 {
     if (w->body != NULL) undropped = *w->body;
     return bvx_mesh_drop_nonfinite(w->ctx, w->body != NULL ? &undropped : NULL, (uint64_t *)w->out);
 }
-static bvx_status closest_create(const world *w) { return bvx_closest_create(w->ctx, w->mesh, (bvx_closest **)w->out); }
+static bvx_status closest_create(const world *w)
+{
+    return bvx_closest_create(w->ctx, w->mesh, (bvx_closest **)w->out);
+}
 static bvx_mesh coloured; /* written into again and again */
-static bvx_status mesh_carry(const world *w) { return bvx_mesh_carry(w->ctx, w->body, w->second != NULL ? &coloured : NULL); }
-static bvx_status grid_cast(const world *w) { return bvx_grid_cast(w->ctx, w->grid, a_ray, 1, 100, (bvx_ray_hit *)w->out); }
-static bvx_status grid_sample(const world *w) { return bvx_grid_sample(w->ctx, w->grid, a_point, 1, (double *)w->out, NULL); }
-static bvx_status grid_compare(const world *w) { return bvx_grid_compare(w->ctx, w->grid, w->other, (bvx_grid_difference *)w->out); }
+static bvx_status mesh_carry(const world *w)
+{
+    return bvx_mesh_carry(w->ctx, w->body, w->second != NULL ? &coloured : NULL);
+}
+static bvx_status grid_cast(const world *w)
+{
+    return bvx_grid_cast(w->ctx, w->grid, a_ray, 1, 100, (bvx_ray_hit *)w->out);
+}
+static bvx_status grid_sample(const world *w)
+{
+    return bvx_grid_sample(w->ctx, w->grid, a_point, 1, (double *)w->out, NULL);
+}
+static bvx_status grid_compare(const world *w)
+{
+    return bvx_grid_compare(w->ctx, w->grid, w->other, (bvx_grid_difference *)w->out);
+}
 static bvx_status voxelize_solid(const world *w)
 {
     TAKE_OPTIONS(voxelize, o);
@@ -123,21 +182,66 @@ static bvx_status compare_fills(const world *w)
     SPOIL(o);
     return bvx_compare_fills(w->ctx, w->mesh, w->lattice, &o, (bvx_fill_comparison *)w->out);
 }
-static bvx_status find_seed(const world *w) { return bvx_find_seed(w->ctx, w->grid, NULL, 0, (bvx_seed *)w->out); }
-static bvx_status find_pockets(const world *w) { return bvx_find_pockets(w->ctx, w->grid, NULL, (int32_t *)w->out, 4, w->second); }
-static bvx_status grid_fill(const world *w) { return bvx_grid_fill(w->ctx, w->grid, zeros, 1, 6, (bvx_grid *)w->out); }
-static bvx_status grid_union(const world *w) { return bvx_grid_union(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
-static bvx_status grid_intersection(const world *w) { return bvx_grid_intersection(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
-static bvx_status grid_subtract(const world *w) { return bvx_grid_subtract(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
-static bvx_status grid_xor(const world *w) { return bvx_grid_xor(w->ctx, w->grid, w->other, (bvx_grid *)w->out); }
-static bvx_status grid_complement(const world *w) { return bvx_grid_complement(w->ctx, w->grid, (bvx_grid *)w->out); }
-static bvx_status grid_resample(const world *w) { return bvx_grid_resample(w->ctx, w->grid, w->lattice, NULL, (bvx_grid *)w->out); }
-static bvx_status grid_downsample(const world *w) { return bvx_grid_downsample(w->ctx, w->grid, two, 0, (bvx_grid *)w->out); }
-static bvx_status grid_coverage(const world *w) { return bvx_grid_coverage(w->ctx, w->grid, two, (uint32_t *)w->out, 64, w->second); }
-static bvx_status grid_content(const world *w) { return bvx_grid_content(w->ctx, w->grid, (bvx_window *)w->out); }
-static bvx_status grid_crop(const world *w) { return bvx_grid_crop(w->ctx, w->grid, NULL, (bvx_grid *)w->out); }
-static bvx_status grid_pad(const world *w) { return bvx_grid_pad(w->ctx, w->grid, two, zeros, (bvx_grid *)w->out); }
-static bvx_status grid_permute(const world *w) { return bvx_grid_permute(w->ctx, w->grid, own_axes, NULL, (bvx_grid *)w->out); }
+static bvx_status find_seed(const world *w)
+{
+    return bvx_find_seed(w->ctx, w->grid, NULL, 0, (bvx_seed *)w->out);
+}
+static bvx_status find_pockets(const world *w)
+{
+    return bvx_find_pockets(w->ctx, w->grid, NULL, (int32_t *)w->out, 4, w->second);
+}
+static bvx_status grid_fill(const world *w)
+{
+    return bvx_grid_fill(w->ctx, w->grid, zeros, 1, 6, (bvx_grid *)w->out);
+}
+static bvx_status grid_union(const world *w)
+{
+    return bvx_grid_union(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
+}
+static bvx_status grid_intersection(const world *w)
+{
+    return bvx_grid_intersection(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
+}
+static bvx_status grid_subtract(const world *w)
+{
+    return bvx_grid_subtract(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
+}
+static bvx_status grid_xor(const world *w)
+{
+    return bvx_grid_xor(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
+}
+static bvx_status grid_complement(const world *w)
+{
+    return bvx_grid_complement(w->ctx, w->grid, (bvx_grid *)w->out);
+}
+static bvx_status grid_resample(const world *w)
+{
+    return bvx_grid_resample(w->ctx, w->grid, w->lattice, NULL, (bvx_grid *)w->out);
+}
+static bvx_status grid_downsample(const world *w)
+{
+    return bvx_grid_downsample(w->ctx, w->grid, two, 0, (bvx_grid *)w->out);
+}
+static bvx_status grid_coverage(const world *w)
+{
+    return bvx_grid_coverage(w->ctx, w->grid, two, (uint32_t *)w->out, 64, w->second);
+}
+static bvx_status grid_content(const world *w)
+{
+    return bvx_grid_content(w->ctx, w->grid, (bvx_window *)w->out);
+}
+static bvx_status grid_crop(const world *w)
+{
+    return bvx_grid_crop(w->ctx, w->grid, NULL, (bvx_grid *)w->out);
+}
+static bvx_status grid_pad(const world *w)
+{
+    return bvx_grid_pad(w->ctx, w->grid, two, zeros, (bvx_grid *)w->out);
+}
+static bvx_status grid_permute(const world *w)
+{
+    return bvx_grid_permute(w->ctx, w->grid, own_axes, NULL, (bvx_grid *)w->out);
+}
 static bvx_status voxelize_surface(const world *w)
 {
     TAKE_OPTIONS(surface, o);
@@ -145,13 +249,13 @@ static bvx_status voxelize_surface(const world *w)
     SPOIL(o);
     return bvx_voxelize_surface(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
-#define MORPH_CALL(name, function)                                 \
-    static bvx_status name(const world *w)                         \
-    {                                                              \
-        TAKE_OPTIONS(morph, o);                                    \
-        TAKE_RESERVED(o.reserved);                                 \
-        SPOIL(o);                                                  \
-        return function(w->ctx, w->grid, &o, (bvx_grid *)w->out);  \
+#define MORPH_CALL(name, function)                                \
+    static bvx_status name(const world *w)                        \
+    {                                                             \
+        TAKE_OPTIONS(morph, o);                                   \
+        TAKE_RESERVED(o.reserved);                                \
+        SPOIL(o);                                                 \
+        return function(w->ctx, w->grid, &o, (bvx_grid *)w->out); \
     }
 MORPH_CALL(grid_dilate, bvx_grid_dilate)
 MORPH_CALL(grid_erode, bvx_grid_erode)
@@ -194,18 +298,39 @@ static bvx_status refine_choose(const world *w)
     SPOIL(o);
     return bvx_refine_choose(w->ctx, w->mesh, 16, &o, (bvx_lattice *)w->out);
 }
-static bvx_status octree_lattice(const world *w) { return bvx_octree_lattice(w->ctx, w->tree, 0, (bvx_lattice *)w->out); }
-static bvx_status octree_count(const world *w) { return bvx_octree_count(w->ctx, w->tree, (bvx_octree_level *)w->out, 2); }
-static bvx_status octree_at(const world *w) { return bvx_octree_at(w->ctx, w->tree, zeros, 1, (bvx_octree_leaf *)w->out); }
-static bvx_status octree_find(const world *w) { return bvx_octree_find(w->ctx, w->tree, a_point, 1, (bvx_octree_leaf *)w->out); }
-static bvx_status octree_cast(const world *w) { return bvx_octree_cast(w->ctx, w->tree, 0, a_ray, 1, 100, (bvx_octree_hit *)w->out); }
-static bvx_status octree_expand(const world *w) { return bvx_octree_expand(w->ctx, w->tree, 1, 0, NULL, (bvx_grid *)w->out); }
+static bvx_status octree_lattice(const world *w)
+{
+    return bvx_octree_lattice(w->ctx, w->tree, 0, (bvx_lattice *)w->out);
+}
+static bvx_status octree_count(const world *w)
+{
+    return bvx_octree_count(w->ctx, w->tree, (bvx_octree_level *)w->out, 2);
+}
+static bvx_status octree_at(const world *w)
+{
+    return bvx_octree_at(w->ctx, w->tree, zeros, 1, (bvx_octree_leaf *)w->out);
+}
+static bvx_status octree_find(const world *w)
+{
+    return bvx_octree_find(w->ctx, w->tree, a_point, 1, (bvx_octree_leaf *)w->out);
+}
+static bvx_status octree_cast(const world *w)
+{
+    return bvx_octree_cast(w->ctx, w->tree, 0, a_ray, 1, 100, (bvx_octree_hit *)w->out);
+}
+static bvx_status octree_expand(const world *w)
+{
+    return bvx_octree_expand(w->ctx, w->tree, 1, 0, NULL, (bvx_grid *)w->out);
+}
 static bvx_status octree_neighbours(const world *w)
 {
     static const bvx_octree_leaf leaf; /* voxel 0, 0, 0 of level 0 */
     return bvx_octree_neighbours(w->ctx, w->tree, &leaf, 3, NULL, 0, w->second);
 }
-static bvx_status octree_leaves(const world *w) { return bvx_octree_leaves(w->ctx, w->tree, 0, NULL, 0, w->second); }
+static bvx_status octree_leaves(const world *w)
+{
+    return bvx_octree_leaves(w->ctx, w->tree, 0, NULL, 0, w->second);
+}
 static bvx_status extract_octree(const world *w)
 {
     TAKE_OPTIONS(extract, o);
@@ -220,8 +345,14 @@ static bvx_status voxelize_points(const world *w)
     SPOIL(o);
     return bvx_voxelize_points(w->ctx, w->points, w->lattice, &o, (bvx_grid *)w->out);
 }
-static bvx_status grid_components(const world *w) { return bvx_grid_components(w->ctx, w->grid, 6, NULL, 0, w->second); }
-static bvx_status grid_label(const world *w) { return bvx_grid_label(w->ctx, w->grid, 6, (uint32_t *)w->out, 512, w->second); }
+static bvx_status grid_components(const world *w)
+{
+    return bvx_grid_components(w->ctx, w->grid, 6, NULL, 0, w->second);
+}
+static bvx_status grid_label(const world *w)
+{
+    return bvx_grid_label(w->ctx, w->grid, 6, (uint32_t *)w->out, 512, w->second);
+}
 static bvx_status grid_keep(const world *w)
 {
     TAKE_OPTIONS(keep, o);
@@ -230,8 +361,14 @@ static bvx_status grid_keep(const world *w)
     SPOIL(o);
     return bvx_grid_keep(w->ctx, w->grid, &o, (bvx_grid *)w->out);
 }
-static bvx_status grid_fill_cavities(const world *w) { return bvx_grid_fill_cavities(w->ctx, w->grid, 6, 0, (bvx_grid *)w->out, w->second); }
-static bvx_status grid_topology(const world *w) { return bvx_grid_topology(w->ctx, w->grid, 6, (bvx_topology *)w->out); }
+static bvx_status grid_fill_cavities(const world *w)
+{
+    return bvx_grid_fill_cavities(w->ctx, w->grid, 6, 0, (bvx_grid *)w->out, w->second);
+}
+static bvx_status grid_topology(const world *w)
+{
+    return bvx_grid_topology(w->ctx, w->grid, 6, (bvx_topology *)w->out);
+}
 static bvx_status extract_count(const world *w)
 {
     TAKE_OPTIONS(extract, o);
@@ -260,8 +397,14 @@ static bvx_status extract_faces(const world *w)
     SPOIL(o);
     return bvx_extract_faces(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
 }
-static bvx_status mesh_merge(const world *w) { return bvx_mesh_merge(w->ctx, w->body, 1, (bvx_mesh *)w->out); }
-static bvx_status threshold(const world *w) { return bvx_threshold(w->ctx, w->volume, 1, 200, NULL, (bvx_grid *)w->out); }
+static bvx_status mesh_merge(const world *w)
+{
+    return bvx_mesh_merge(w->ctx, w->body, 1, (bvx_mesh *)w->out);
+}
+static bvx_status threshold(const world *w)
+{
+    return bvx_threshold(w->ctx, w->volume, 1, 200, NULL, (bvx_grid *)w->out);
+}
 static bvx_status extract_scalar(const world *w)
 {
     TAKE_OPTIONS(scalar, o);
@@ -270,7 +413,10 @@ static bvx_status extract_scalar(const world *w)
     SPOIL(o);
     return bvx_extract_scalar(w->ctx, w->volume, &o, (bvx_mesh *)w->out);
 }
-static bvx_status list_labels(const world *w) { return bvx_list_labels(w->ctx, w->volume, NULL, 0, w->second); }
+static bvx_status list_labels(const world *w)
+{
+    return bvx_list_labels(w->ctx, w->volume, NULL, 0, w->second);
+}
 static bvx_status read_volume(const world *w)
 {
     TAKE_OPTIONS(read_volume, o);
@@ -286,7 +432,10 @@ static bvx_status measure_field(const world *w)
     SPOIL(o);
     return bvx_measure_field(w->ctx, w->mesh, w->lattice, &o, (bvx_field *)w->out);
 }
-static bvx_status field_dense(const world *w) { return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out); }
+static bvx_status field_dense(const world *w)
+{
+    return bvx_field_dense(w->ctx, w->field, w->mesh, 0, 0, (float *)w->out);
+}
 static bvx_status extract_field_surface(const world *w)
 {
     TAKE_OPTIONS(field_surface, o);
@@ -359,7 +508,10 @@ static bvx_status build_levels(const world *w)
     SPOIL(o);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
-static bvx_status write_mesh(const world *w) { return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out); }
+static bvx_status write_mesh(const world *w)
+{
+    return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out);
+}
 static bvx_status write_mesh_with(const world *w)
 {
     TAKE_OPTIONS(write, o);
@@ -367,19 +519,49 @@ static bvx_status write_mesh_with(const world *w)
     SPOIL(o);
     return bvx_write_mesh_with(w->ctx, w->body, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
 }
-static bvx_status check_written(const world *w) { return bvx_check_written(w->ctx, w->body, 1, BVX_FORMAT_STL, (bvx_write_report *)w->out); }
-static bvx_status write_levels(const world *w) { return bvx_write_levels(w->ctx, w->body, 1, BVX_FORMAT_GLB, (bvx_buffer *)w->out); }
-static bvx_status write_grid(const world *w) { return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
-static bvx_status write_octree(const world *w) { return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out); }
-static bvx_status write_field(const world *w) { return bvx_write_field(w->ctx, w->field, 0, BVX_FORMAT_NRRD, (bvx_buffer *)w->out); }
-static bvx_status write_lattice(const world *w) { return bvx_write_lattice(w->ctx, w->grid, (bvx_buffer *)w->out); }
-static bvx_status write_head(const world *w) { return bvx_write_head(w->ctx, w->lattice, NULL, (bvx_buffer *)w->out); }
-static bvx_status write_slices(const world *w) { return bvx_write_slices(w->ctx, w->grid, (bvx_buffer *)w->out); }
-static bvx_status write_sections(const world *w) { return bvx_write_sections(w->ctx, w->sections, BVX_FORMAT_CSV, (bvx_buffer *)w->out); }
-static bvx_status write_png(const world *w) { return bvx_write_png(w->ctx, w->image, (bvx_buffer *)w->out); }
-#define RENDER_OPTIONS          \
-    TAKE_OPTIONS(render, o);    \
-    o.width = o.height = 8;     \
+static bvx_status check_written(const world *w)
+{
+    return bvx_check_written(w->ctx, w->body, 1, BVX_FORMAT_STL, (bvx_write_report *)w->out);
+}
+static bvx_status write_levels(const world *w)
+{
+    return bvx_write_levels(w->ctx, w->body, 1, BVX_FORMAT_GLB, (bvx_buffer *)w->out);
+}
+static bvx_status write_grid(const world *w)
+{
+    return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out);
+}
+static bvx_status write_octree(const world *w)
+{
+    return bvx_write_octree(w->ctx, w->tree, 0, BVX_FORMAT_BVX, (bvx_buffer *)w->out);
+}
+static bvx_status write_field(const world *w)
+{
+    return bvx_write_field(w->ctx, w->field, 0, BVX_FORMAT_NRRD, (bvx_buffer *)w->out);
+}
+static bvx_status write_lattice(const world *w)
+{
+    return bvx_write_lattice(w->ctx, w->grid, (bvx_buffer *)w->out);
+}
+static bvx_status write_head(const world *w)
+{
+    return bvx_write_head(w->ctx, w->lattice, NULL, (bvx_buffer *)w->out);
+}
+static bvx_status write_slices(const world *w)
+{
+    return bvx_write_slices(w->ctx, w->grid, (bvx_buffer *)w->out);
+}
+static bvx_status write_sections(const world *w)
+{
+    return bvx_write_sections(w->ctx, w->sections, BVX_FORMAT_CSV, (bvx_buffer *)w->out);
+}
+static bvx_status write_png(const world *w)
+{
+    return bvx_write_png(w->ctx, w->image, (bvx_buffer *)w->out);
+}
+#define RENDER_OPTIONS       \
+    TAKE_OPTIONS(render, o); \
+    o.width = o.height = 8;  \
     TAKE_RESERVED(o.reserved)
 static bvx_status render_mesh(const world *w)
 {
@@ -405,7 +587,10 @@ static bvx_status render_slices(const world *w)
     SPOIL(o);
     return bvx_render_slices(w->ctx, w->grid, 2, 2, &o, (bvx_image *)w->out);
 }
-static bvx_status read_grid(const world *w) { return bvx_read_grid(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, NULL, (bvx_grid *)w->out); }
+static bvx_status read_grid(const world *w)
+{
+    return bvx_read_grid(w->ctx, w->file->bytes, w->file->size, BVX_FORMAT_NPY, NULL, (bvx_grid *)w->out);
+}
 
 static const char csv[] = "section,position,loop,x,y\n0,0,0,0,0\n0,0,0,1,0\n0,0,0,0,1\n";
 static bvx_status read_sections(const world *w)
@@ -419,7 +604,8 @@ static bvx_status read_sections(const world *w)
 static bvx_status read_lattice(const world *w)
 {
     bvx_grid placed = *w->grid; /* it gets the lattice of the file */
-    return bvx_read_lattice(w->ctx, w->lattice_file->bytes, w->lattice_file->size, w->second != NULL ? &placed : NULL);
+    return bvx_read_lattice(w->ctx, w->lattice_file->bytes, w->lattice_file->size,
+                            w->second != NULL ? &placed : NULL);
 }
 
 typedef struct call {
@@ -427,50 +613,112 @@ typedef struct call {
     bvx_status (*make)(const world *w);
     int takes, to;
 } call;
-#define CALL(name, takes, to) {"bvx_" #name, name, takes, to}
+#define CALL(name, takes, to)         \
+    {                                 \
+        "bvx_" #name, name, takes, to \
+    }
 static const call calls[] = {
-    CALL(lattice_fit, MESH, PLAIN), CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
-    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN), CALL(lattice_fit_box, OPTIONS | RESERVED, PLAIN), CALL(lattice_make, 0, PLAIN), CALL(grid_create, LATTICE, TO_GRID),
-    CALL(grid_count, GRID, PLAIN), CALL(grid_hash, GRID, PLAIN), CALL(mesh_hash, BODY, PLAIN), CALL(mesh_check, MESH, PLAIN),
-    CALL(mesh_normals, MESH, PLAIN), CALL(mesh_distance, MESH, PLAIN), CALL(closest_create, MESH, TO_CLOSEST),
-    CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN), CALL(mesh_drop_nonfinite, BODY, PLAIN),
-    CALL(grid_cast, GRID, PLAIN), CALL(grid_sample, GRID, PLAIN), CALL(grid_compare, GRID | OTHER, PLAIN),
-    CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID), CALL(compare_fills, MESH | LATTICE | OPTIONS | RESERVED, PLAIN),
-    CALL(find_seed, GRID, PLAIN), CALL(find_pockets, GRID | SECOND | SLOT, PLAIN), CALL(grid_fill, GRID, TO_GRID),
-    CALL(grid_union, GRID | OTHER, TO_GRID), CALL(grid_intersection, GRID | OTHER, TO_GRID), CALL(grid_subtract, GRID | OTHER, TO_GRID),
-    CALL(grid_xor, GRID | OTHER, TO_GRID), CALL(grid_complement, GRID, TO_GRID), CALL(grid_resample, GRID | LATTICE, TO_GRID),
-    CALL(grid_downsample, GRID, TO_GRID), CALL(grid_coverage, GRID | SLOT | SECOND, PLAIN), CALL(grid_content, GRID, PLAIN),
-    CALL(grid_crop, GRID, TO_GRID), CALL(grid_pad, GRID, TO_GRID), CALL(grid_permute, GRID, TO_GRID),
-    CALL(voxelize_surface, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID), CALL(grid_dilate, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_erode, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_open, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_close, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_hollow, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_distance, GRID | OPTIONS | RESERVED, PLAIN), CALL(grid_distance_squares, GRID | OPTIONS | RESERVED, PLAIN),
-    CALL(refine, MESH | LATTICE | OPTIONS | RESERVED, TO_TREE), CALL(refine_choose, MESH | OPTIONS | INNER, PLAIN),
-    CALL(octree_lattice, TREE, PLAIN), CALL(octree_count, TREE, PLAIN), CALL(octree_at, TREE, PLAIN), CALL(octree_find, TREE, PLAIN),
-    CALL(octree_cast, TREE, PLAIN), CALL(octree_expand, TREE, TO_GRID), CALL(octree_leaves, TREE | SECOND | SLOT, PLAIN),
+    CALL(lattice_fit, MESH, PLAIN),
+    CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN),
+    CALL(lattice_fit_box, OPTIONS | RESERVED, PLAIN),
+    CALL(lattice_make, 0, PLAIN),
+    CALL(grid_create, LATTICE, TO_GRID),
+    CALL(grid_count, GRID, PLAIN),
+    CALL(grid_hash, GRID, PLAIN),
+    CALL(mesh_hash, BODY, PLAIN),
+    CALL(mesh_check, MESH, PLAIN),
+    CALL(mesh_normals, MESH, PLAIN),
+    CALL(mesh_distance, MESH, PLAIN),
+    CALL(closest_create, MESH, TO_CLOSEST),
+    CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
+    CALL(mesh_drop_nonfinite, BODY, PLAIN),
+    CALL(grid_cast, GRID, PLAIN),
+    CALL(grid_sample, GRID, PLAIN),
+    CALL(grid_compare, GRID | OTHER, PLAIN),
+    CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(compare_fills, MESH | LATTICE | OPTIONS | RESERVED, PLAIN),
+    CALL(find_seed, GRID, PLAIN),
+    CALL(find_pockets, GRID | SECOND | SLOT, PLAIN),
+    CALL(grid_fill, GRID, TO_GRID),
+    CALL(grid_union, GRID | OTHER, TO_GRID),
+    CALL(grid_intersection, GRID | OTHER, TO_GRID),
+    CALL(grid_subtract, GRID | OTHER, TO_GRID),
+    CALL(grid_xor, GRID | OTHER, TO_GRID),
+    CALL(grid_complement, GRID, TO_GRID),
+    CALL(grid_resample, GRID | LATTICE, TO_GRID),
+    CALL(grid_downsample, GRID, TO_GRID),
+    CALL(grid_coverage, GRID | SLOT | SECOND, PLAIN),
+    CALL(grid_content, GRID, PLAIN),
+    CALL(grid_crop, GRID, TO_GRID),
+    CALL(grid_pad, GRID, TO_GRID),
+    CALL(grid_permute, GRID, TO_GRID),
+    CALL(voxelize_surface, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_dilate, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_erode, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_open, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_close, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_hollow, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_distance, GRID | OPTIONS | RESERVED, PLAIN),
+    CALL(grid_distance_squares, GRID | OPTIONS | RESERVED, PLAIN),
+    CALL(refine, MESH | LATTICE | OPTIONS | RESERVED, TO_TREE),
+    CALL(refine_choose, MESH | OPTIONS | INNER, PLAIN),
+    CALL(octree_lattice, TREE, PLAIN),
+    CALL(octree_count, TREE, PLAIN),
+    CALL(octree_at, TREE, PLAIN),
+    CALL(octree_find, TREE, PLAIN),
+    CALL(octree_cast, TREE, PLAIN),
+    CALL(octree_expand, TREE, TO_GRID),
+    CALL(octree_leaves, TREE | SECOND | SLOT, PLAIN),
     CALL(octree_neighbours, TREE | SECOND | SLOT, PLAIN),
-    CALL(extract_octree, INNER | TREE | OPTIONS | RESERVED, TO_MESH), CALL(voxelize_points, POINTS | LATTICE | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_components, GRID | SECOND | SLOT, PLAIN), CALL(grid_label, GRID | SLOT, PLAIN),
-    CALL(grid_keep, GRID | OPTIONS | RESERVED, TO_GRID), CALL(grid_fill_cavities, GRID, TO_GRID), CALL(grid_topology, GRID, PLAIN),
-    CALL(extract_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN), CALL(extract_surface, GRID | OPTIONS | RESERVED, TO_MESH),
-    CALL(faces_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN), CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
-    CALL(mesh_merge, BODY, TO_MESH), CALL(threshold, VOLUME, TO_GRID), CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
-    CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN), CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
-    CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD), CALL(field_dense, FIELD, PLAIN),
-    CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH), CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(build_lods, GRID | OPTIONS, TO_MESH), CALL(plan_lods, MESH | OPTIONS, PLAIN), CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
-    CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS), CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH), CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
+    CALL(extract_octree, INNER | TREE | OPTIONS | RESERVED, TO_MESH),
+    CALL(voxelize_points, POINTS | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_components, GRID | SECOND | SLOT, PLAIN),
+    CALL(grid_label, GRID | SLOT, PLAIN),
+    CALL(grid_keep, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_fill_cavities, GRID, TO_GRID),
+    CALL(grid_topology, GRID, PLAIN),
+    CALL(extract_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN),
+    CALL(extract_surface, GRID | OPTIONS | RESERVED, TO_MESH),
+    CALL(faces_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN),
+    CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_merge, BODY, TO_MESH),
+    CALL(threshold, VOLUME, TO_GRID),
+    CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
+    CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN),
+    CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
+    CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD),
+    CALL(field_dense, FIELD, PLAIN),
+    CALL(extract_field_surface, FIELD | OPTIONS | RESERVED, TO_MESH),
+    CALL(boolean, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(build_lods, GRID | OPTIONS, TO_MESH),
+    CALL(plan_lods, MESH | OPTIONS, PLAIN),
+    CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
+    CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
+    CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(write_mesh, BODY, TO_BUFFER), CALL(write_mesh_with, BODY | OPTIONS, TO_BUFFER),
+    CALL(write_mesh, BODY, TO_BUFFER),
+    CALL(write_mesh_with, BODY | OPTIONS, TO_BUFFER),
     CALL(check_written, BODY, PLAIN),
-    CALL(write_levels, BODY, TO_BUFFER), CALL(write_grid, GRID, TO_BUFFER), CALL(write_octree, TREE, TO_BUFFER),
-    CALL(write_field, FIELD, TO_BUFFER), CALL(write_lattice, GRID, TO_BUFFER), CALL(write_head, LATTICE, TO_BUFFER),
-    CALL(write_slices, GRID, TO_BUFFER), CALL(write_sections, SECTIONS, TO_BUFFER), CALL(write_png, IMAGE, TO_BUFFER),
-    CALL(render_mesh, MESH | OPTIONS | RESERVED, TO_IMAGE), CALL(render_grid, GRID | OPTIONS | RESERVED, TO_IMAGE),
-    CALL(render_difference, GRID | OTHER | OPTIONS | RESERVED, TO_IMAGE), CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
-    CALL(read_grid, BYTES, TO_GRID), CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
-    CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS), CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
+    CALL(write_levels, BODY, TO_BUFFER),
+    CALL(write_grid, GRID, TO_BUFFER),
+    CALL(write_octree, TREE, TO_BUFFER),
+    CALL(write_field, FIELD, TO_BUFFER),
+    CALL(write_lattice, GRID, TO_BUFFER),
+    CALL(write_head, LATTICE, TO_BUFFER),
+    CALL(write_slices, GRID, TO_BUFFER),
+    CALL(write_sections, SECTIONS, TO_BUFFER),
+    CALL(write_png, IMAGE, TO_BUFFER),
+    CALL(render_mesh, MESH | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(render_grid, GRID | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(render_difference, GRID | OTHER | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(read_grid, BYTES, TO_GRID),
+    CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
+    CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS),
+    CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
 };
 enum { CALLS = sizeof calls / sizeof calls[0] };
 
@@ -496,6 +744,7 @@ static result out;
 static world right_world(bvx_context *ctx)
 {
     world w = {0};
+
     w.ctx = ctx;
     w.mesh = &mesh;
     w.points = &points;
@@ -522,6 +771,7 @@ static void make_world(bvx_context *ctx)
     bvx_slice_options s;
     bvx_render_options p;
     bvx_extract_options e;
+
     for (int v = 0; v < 8; v++)
         for (int a = 0; a < 3; a++) corner[v][a] = (v >> a & 1) != 0 ? 6.75f : 1.25f;
     mesh.positions = corner;

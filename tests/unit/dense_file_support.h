@@ -1,5 +1,5 @@
-/* dense_file_support.h - what the tests of grid files share: grids of random bits, files in blocks of their exact size, and
- * the checks that hold after every call. */
+/* dense_file_support.h - what the tests of grid files share: grids of random bits, files in blocks of their
+ * exact size, and the checks that hold after every call. */
 #ifndef TEST_DENSE_FILE_SUPPORT_H
 #define TEST_DENSE_FILE_SUPPORT_H
 
@@ -12,7 +12,9 @@ static inline bvx_grid random_grid(const double origin[3], const double spacing[
 {
     bvx_grid g = {0};
     bvx_lattice l;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l), bvx_last_message(ctx));
+
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_grid_create(ctx, &l, window, &g), bvx_last_message(ctx));
     for (int32_t z = 0; z < g.size[2]; z++)
         for (int32_t y = 0; y < g.size[1]; y++)
@@ -24,21 +26,25 @@ static inline bvx_grid random_grid(const double origin[3], const double spacing[
 static inline void check_valid_grid(const bvx_grid *g)
 {
     bvx_window w;
+
     memcpy(w.low, g->low, sizeof w.low);
     memcpy(w.size, g->size, sizeof w.size);
     TEST_ASSERT_EQUAL_INT32((g->size[0] + 63) / 64, g->words_per_row);
-    TEST_ASSERT_TRUE(bvx_grid_bound(&g->lattice, &w) != 0 && g->word_capacity >= bvx_grid_bound(&g->lattice, &w));
+    TEST_ASSERT_TRUE(bvx_grid_bound(&g->lattice, &w) != 0 &&
+                     g->word_capacity >= bvx_grid_bound(&g->lattice, &w));
     if ((g->size[0] & 63) != 0)
         for (size_t r = 0; r < (size_t)g->size[1] * (size_t)g->size[2]; r++)
             TEST_ASSERT_EQUAL_HEX64(0, g->words[(r + 1) * (size_t)g->words_per_row - 1] >> (g->size[0] & 63));
 }
 
 /* Read from a block that ends where the file ends; on failure the struct is as it was and nothing is kept. */
-static inline bvx_status read_grid_file(const void *bytes, size_t size, int32_t format, const bvx_window *window, bvx_grid *g)
+static inline bvx_status read_grid_file(const void *bytes, size_t size, int32_t format,
+                                        const bvx_window *window, bvx_grid *g)
 {
     static const bvx_grid empty = {0};
     uint64_t const used = bvx_memory_used(ctx);
     char *const copy = malloc(size + 1);
+
     memset(g, 0, sizeof *g);
     memcpy(copy + 1, bytes, size); /* an odd address */
     bvx_status const status = bvx_read_grid(ctx, copy + 1, size, format, window, g);
@@ -54,13 +60,15 @@ static inline bvx_status read_grid_file(const void *bytes, size_t size, int32_t 
     return status;
 }
 
-static inline void read_good_grid(const void *bytes, size_t size, int32_t format, const bvx_window *window, bvx_grid *g)
+static inline void read_good_grid(const void *bytes, size_t size, int32_t format, const bvx_window *window,
+                                  bvx_grid *g)
 {
     bvx_status const status = read_grid_file(bytes, size, format, window, g);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
 }
 
-static inline void check_grid_refused(const void *bytes, size_t size, int32_t format, bvx_status status, const char *words)
+static inline void check_grid_refused(const void *bytes, size_t size, int32_t format, bvx_status status,
+                                      const char *words)
 {
     bvx_grid g;
     bvx_status const got = read_grid_file(bytes, size, format, NULL, &g);
@@ -70,11 +78,12 @@ static inline void check_grid_refused(const void *bytes, size_t size, int32_t fo
 }
 
 /* The lattice of a file: origin and spacing bit for bit, the whole of it. */
-static inline void check_file_box(const bvx_grid *g, double x, double y, double z, double sx, double sy, double sz, int32_t nx,
-                                  int32_t ny, int32_t nz)
+static inline void check_file_box(const bvx_grid *g, double x, double y, double z, double sx, double sy,
+                                  double sz, int32_t nx, int32_t ny, int32_t nz)
 {
     double const want[6] = {x, y, z, sx, sy, sz};
     int32_t const dims[3] = {nx, ny, nz};
+
     for (int a = 0; a < 3; a++) {
         TEST_ASSERT_TRUE_MESSAGE(want[a] == g->lattice.origin[a], "origin");
         TEST_ASSERT_TRUE_MESSAGE(want[a + 3] == g->lattice.spacing[a], "spacing");
@@ -90,11 +99,13 @@ static inline void check_same_bits(const bvx_grid *want, const bvx_grid *got, co
     for (int32_t z = 0; z < got->size[2]; z++)
         for (int32_t y = 0; y < got->size[1]; y++)
             for (int32_t x = 0; x < got->size[0]; x++)
-                TEST_ASSERT_EQUAL_INT(bvx_grid_get(want, x + low[0], y + low[1], z + low[2]), bvx_grid_get(got, x, y, z));
+                TEST_ASSERT_EQUAL_INT(bvx_grid_get(want, x + low[0], y + low[1], z + low[2]),
+                                      bvx_grid_get(got, x, y, z));
 }
 
 /* Read random windows of a file: each is the whole's, cropped. */
-static inline void check_windows(const void *bytes, size_t size, int32_t format, const bvx_grid *whole, uint64_t seed)
+static inline void check_windows(const void *bytes, size_t size, int32_t format, const bvx_grid *whole,
+                                 uint64_t seed)
 {
     for (int i = 0; i < 12; i++) {
         bvx_window w;
@@ -113,20 +124,22 @@ static inline void check_windows(const void *bytes, size_t size, int32_t format,
     }
 }
 
-/* Write and read back: the same bits; the lattice is the window's box, bit for bit. Then windows of it, more threads, the
- * caller's own words. keeps: 1 when the format keeps the lattice. */
+/* Write and read back: the same bits; the lattice is the window's box, bit for bit. Then windows of it, more
+ * threads, the caller's own words. keeps: 1 when the format keeps the lattice. */
 static inline void check_grid_round(int32_t format, const bvx_grid *g, int keeps)
 {
     static const int32_t zero[3] = {0, 0, 0};
     bvx_buffer b = {0};
     bvx_grid got;
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_grid(ctx, g, format, &b), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(b.size, b.capacity);
     read_good_grid(b.bytes, (size_t)b.size, format, NULL, &got);
     check_file_box(&got, keeps ? g->lattice.origin[0] + g->low[0] * g->lattice.spacing[0] : 0,
                    keeps ? g->lattice.origin[1] + g->low[1] * g->lattice.spacing[1] : 0,
-                   keeps ? g->lattice.origin[2] + g->low[2] * g->lattice.spacing[2] : 0, keeps ? g->lattice.spacing[0] : 1,
-                   keeps ? g->lattice.spacing[1] : 1, keeps ? g->lattice.spacing[2] : 1, g->size[0], g->size[1], g->size[2]);
+                   keeps ? g->lattice.origin[2] + g->low[2] * g->lattice.spacing[2] : 0,
+                   keeps ? g->lattice.spacing[0] : 1, keeps ? g->lattice.spacing[1] : 1,
+                   keeps ? g->lattice.spacing[2] : 1, g->size[0], g->size[1], g->size[2]);
     check_same_bits(g, &got, zero);
     check_windows(b.bytes, (size_t)b.size, format, &got, 99);
     size_t const words = (size_t)got.words_per_row * (size_t)got.size[1] * (size_t)got.size[2];
@@ -134,7 +147,8 @@ static inline void check_grid_round(int32_t format, const bvx_grid *g, int keeps
     own.words = malloc(words * 8);
     memset(own.words, 0xa5, words * 8);
     own.word_capacity = words;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_grid(ctx, b.bytes, b.size, format, NULL, &own), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_grid(ctx, b.bytes, b.size, format, NULL, &own),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(own.owned == 0 && memcmp(own.words, got.words, words * 8) == 0);
     TEST_ASSERT_EQUAL_MEMORY(&got.lattice, &own.lattice, sizeof own.lattice);
     own.word_capacity = words - 1;
@@ -149,9 +163,11 @@ static inline void check_grid_round(int32_t format, const bvx_grid *g, int keeps
 /* Sides about the ends of words, stretched voxels, windows that do not begin at 0. */
 static inline void check_grid_rounds(int32_t format, int keeps)
 {
-    static const int32_t sides[][3] = {{1, 1, 1}, {63, 5, 3}, {64, 3, 7}, {65, 4, 2}, {127, 2, 3}, {128, 1, 5}, {129, 3, 1},
-                                       {7, 67, 5}, {3, 2, 130}, {600, 3, 2}, {2, 3, 700}};
+    static const int32_t sides[][3] = {{1, 1, 1},   {63, 5, 3},  {64, 3, 7},  {65, 4, 2},
+                                       {127, 2, 3}, {128, 1, 5}, {129, 3, 1}, {7, 67, 5},
+                                       {3, 2, 130}, {600, 3, 2}, {2, 3, 700}};
     static const double origin[3] = {0.1, -17.3, 1e6 / 3}, spacing[3] = {0.3, 1.0 / 3, 7e-3};
+
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
         bvx_grid g = random_grid(origin, spacing, sides[i], NULL, 7 + i);
         check_grid_round(format, &g, keeps);
@@ -169,6 +185,7 @@ static inline void check_same_everywhere(const void *bytes, size_t size, int32_t
 {
     static const int32_t zero[3] = {0, 0, 0};
     bvx_context *const plain = ctx;
+
     for (int32_t threads = 1; threads <= 4; threads++)
         for (int32_t cpu = BVX_CPU_BEST; cpu <= BVX_CPU_PORTABLE; cpu++) {
             bvx_context_options o;
@@ -189,11 +206,13 @@ static inline void check_same_everywhere(const void *bytes, size_t size, int32_t
 static inline bvx_status read_damaged(const void *bytes, size_t size, int32_t format)
 {
     bvx_grid g;
+
     bvx_memory_reset_peak(ctx);
     uint64_t const before = bvx_memory_used(ctx);
     bvx_status const status = read_grid_file(bytes, size, format, NULL, &g);
     TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - before <= 8 * size + 64);
-    TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_FORMAT || status == BVX_ERR_RANGE || status == BVX_ERR_UNSUPPORTED);
+    TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_FORMAT || status == BVX_ERR_RANGE ||
+                     status == BVX_ERR_UNSUPPORTED);
     bvx_grid_free(ctx, &g);
     return status;
 }
@@ -208,12 +227,15 @@ static inline void check_every_cut(const void *bytes, size_t size, int32_t forma
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_damaged(bytes, size, format));
 }
 
-/* Every run of digits within the first `head` bytes replaced in turn; returns how many files were read all the same. */
+/* Every run of digits within the first `head` bytes replaced in turn;
+ * returns how many files were read all the same. */
 static inline int check_every_number(const void *bytes, size_t size, size_t head, int32_t format)
 {
-    static const char *const with[] = {"0", "1", "-1", "2147483648", "4294967295", "18446744073709551616", "1e400", "nan", ""};
+    static const char *const with[] = {
+        "0", "1", "-1", "2147483648", "4294967295", "18446744073709551616", "1e400", "nan", ""};
     const char *const text = bytes;
     int good = 0;
+
     for (size_t i = 0; i < head;) {
         size_t n = 0;
         while (i + n < head && text[i + n] >= '0' && text[i + n] <= '9') n++;
@@ -236,6 +258,7 @@ static inline void check_random_damage(const void *bytes, size_t size, int32_t f
 {
     uint64_t state = 12345;
     char *const changed = malloc(size);
+
     for (int i = 0; i < times; i++) {
         memcpy(changed, bytes, size);
         for (uint64_t k = next_random(&state) % 4 + 1; k > 0; k--)
@@ -263,7 +286,8 @@ static inline void hand_text(hand_file *f, const char *format, ...)
 /* A number of `size` bytes whose bits are given. */
 static inline void hand_number(hand_file *f, uint64_t bits, int size, int big)
 {
-    for (int i = 0; i < size; i++) f->bytes[f->size++] = (uint8_t)(bits >> 8 * (big ? size - 1 - i : i) & 0xff);
+    for (int i = 0; i < size; i++)
+        f->bytes[f->size++] = (uint8_t)(bits >> 8 * (big ? size - 1 - i : i) & 0xff);
     TEST_ASSERT_TRUE(f->size < sizeof f->bytes);
 }
 

@@ -1,4 +1,5 @@
-/* field_support.h - what the tests of distance fields share: contexts, shapes whose distances are known, and a slow reference. */
+/* field_support.h - what the tests of distance fields share: contexts,
+ * shapes whose distances are known, and a slow reference. */
 #ifndef FIELD_SUPPORT_H
 #define FIELD_SUPPORT_H
 
@@ -49,7 +50,8 @@ static inline bvx_context *context_with(int32_t threads, int32_t cpu)
     return c;
 }
 
-static inline bvx_lattice lattice_with(double ox, double oy, double oz, double sx, double sy, double sz, int32_t x, int32_t y, int32_t z)
+static inline bvx_lattice lattice_with(double ox, double oy, double oz, double sx, double sy, double sz,
+                                       int32_t x, int32_t y, int32_t z)
 {
     double const origin[3] = {ox, oy, oz}, spacing[3] = {sx, sy, sz};
     int32_t const dims[3] = {x, y, z};
@@ -86,7 +88,8 @@ static inline bvx_field field_of(const bvx_lattice *l, double half_width, int32_
 static inline void centre_of(const bvx_grid *g, int32_t x, int32_t y, int32_t z, double c[3])
 {
     int32_t const at[3] = {x, y, z};
-    for (int a = 0; a < 3; a++) c[a] = g->lattice.origin[a] + ((double)g->low[a] + (double)at[a] + 0.5) * g->lattice.spacing[a];
+    for (int a = 0; a < 3; a++)
+        c[a] = g->lattice.origin[a] + ((double)g->low[a] + (double)at[a] + 0.5) * g->lattice.spacing[a];
 }
 
 static inline double number_at(const bvx_field *f, const void *array, uint64_t i)
@@ -102,13 +105,15 @@ static inline double dot3(const double a[3], const double b[3])
 static inline void corners_of(size_t triangle, double t[3][3])
 {
     for (int k = 0; k < 3; k++)
-        for (int a = 0; a < 3; a++) t[k][a] = mesh.p[3 * (size_t)mesh.t[3 * triangle + (size_t)k] + (size_t)a];
+        for (int a = 0; a < 3; a++)
+            t[k][a] = mesh.p[3 * (size_t)mesh.t[3 * triangle + (size_t)k] + (size_t)a];
 }
 
 /* Distance to the mesh, to every triangle in turn; *triangle the first at it. */
 static inline double slow_distance(const double p[3], uint32_t *triangle)
 {
     double best = HUGE_VAL, t[3][3], q[3];
+
     for (size_t i = 0; i < mesh.triangles; i++) {
         double d;
         corners_of(i, t);
@@ -131,9 +136,11 @@ static inline double distance_to(size_t triangle, const double p[3])
 /* ---- shapes ---- */
 
 /* A tube of radius r round a circle of radius R in the plane z = centre[2], stretched along z. */
-static inline void add_torus(const double centre[3], double R, double r, double stretch, int32_t around, int32_t across)
+static inline void add_torus(const double centre[3], double R, double r, double stretch, int32_t around,
+                             int32_t across)
 {
     uint32_t const first = (uint32_t)mesh.vertices;
+
     for (int32_t i = 0; i < around; i++)
         for (int32_t j = 0; j < across; j++) {
             double const u = 6.283185307179586 * i / around, v = 6.283185307179586 * j / across;
@@ -142,7 +149,8 @@ static inline void add_torus(const double centre[3], double R, double r, double 
         }
     for (int32_t i = 0; i < around; i++)
         for (int32_t j = 0; j < across; j++) {
-            uint32_t const a = first + (uint32_t)(i * across + j), b = first + (uint32_t)((i + 1) % around * across + j);
+            uint32_t const a = first + (uint32_t)(i * across + j);
+            uint32_t const b = first + (uint32_t)((i + 1) % around * across + j);
             uint32_t const c = first + (uint32_t)((i + 1) % around * across + (j + 1) % across);
             uint32_t const d = first + (uint32_t)(i * across + (j + 1) % across);
             maker_quad(&mesh, a, b, c, d, (i + j) & 1);
@@ -155,23 +163,30 @@ static inline void add_sphere(const double centre[3], double r, int32_t rings, i
     uint32_t const top = maker_vertex(&mesh, centre[0], centre[1], centre[2] + r);
     uint32_t const bottom = maker_vertex(&mesh, centre[0], centre[1], centre[2] - r);
     uint32_t const first = (uint32_t)mesh.vertices;
+
     for (int32_t i = 1; i < rings; i++)
         for (int32_t s = 0; s < segments; s++) {
             double const a = 3.141592653589793 * i / rings, b = 6.283185307179586 * s / segments;
-            maker_vertex(&mesh, centre[0] + r * sin(a) * cos(b), centre[1] + r * sin(a) * sin(b), centre[2] + r * cos(a));
+            maker_vertex(&mesh, centre[0] + r * sin(a) * cos(b), centre[1] + r * sin(a) * sin(b),
+                         centre[2] + r * cos(a));
         }
     for (int32_t s = 0; s < segments; s++) {
-        uint32_t const a = first + (uint32_t)s, b = first + (uint32_t)((s + 1) % segments), n = (uint32_t)segments;
+        uint32_t const a = first + (uint32_t)s;
+        uint32_t const b = first + (uint32_t)((s + 1) % segments);
+        uint32_t const n = (uint32_t)segments;
         maker_triangle(&mesh, top, a, b);
-        for (uint32_t i = 0; i + 2 < (uint32_t)rings; i++) maker_quad(&mesh, a + i * n, a + (i + 1) * n, b + (i + 1) * n, b + i * n, (int)(i & 1));
+        for (uint32_t i = 0; i + 2 < (uint32_t)rings; i++)
+            maker_quad(&mesh, a + i * n, a + (i + 1) * n, b + (i + 1) * n, b + i * n, (int)(i & 1));
         maker_triangle(&mesh, bottom, b + n * (uint32_t)(rings - 2), a + n * (uint32_t)(rings - 2));
     }
 }
 
 /* An outline in x, y, counter-clockwise, its triangles by `cut` (three numbers each), drawn from z0 to z1. */
-static inline void add_prism(const double (*outline)[2], uint32_t n, const uint32_t (*cut)[3], size_t cuts, double z0, double z1)
+static inline void add_prism(const double (*outline)[2], uint32_t n, const uint32_t (*cut)[3], size_t cuts,
+                             double z0, double z1)
 {
     uint32_t const first = (uint32_t)mesh.vertices;
+
     for (uint32_t i = 0; i < n; i++) maker_vertex(&mesh, outline[i][0], outline[i][1], z0);
     for (uint32_t i = 0; i < n; i++) maker_vertex(&mesh, outline[i][0], outline[i][1], z1);
     for (size_t i = 0; i < cuts; i++) {
@@ -188,6 +203,7 @@ static inline void add_prism(const double (*outline)[2], uint32_t n, const uint3
 static inline void take_apart(void)
 {
     maker_mesh apart = {0};
+
     for (size_t i = 0; i < 3 * mesh.triangles; i += 3) {
         uint32_t v[3];
         for (size_t k = 0; k < 3; k++) {

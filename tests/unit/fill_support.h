@@ -1,14 +1,17 @@
-/* fill_support.h - what the tests of floods and regions share: bodies, and a scene of all that the oracles look at. */
+/* fill_support.h - what the tests of floods and regions share: bodies, and
+ * a scene of all that the oracles look at. */
 #ifndef FILL_SUPPORT_H
 #define FILL_SUPPORT_H
 
 #include "solid_support.h"
 #include "tools/fill_oracle.h"
 
-static inline bvx_status fill_lattice(const bvx_lattice *l, int32_t fill, int32_t gaps, bvx_grid *g, bvx_solid_report *r)
+static inline bvx_status fill_lattice(const bvx_lattice *l, int32_t fill, int32_t gaps, bvx_grid *g,
+                                      bvx_solid_report *r)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_voxelize_options o;
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     o.close_gaps = gaps;
@@ -25,8 +28,8 @@ static inline bvx_grid surface_of(const bvx_lattice *l)
     return g;
 }
 
-/* Bytes by voxel. sure: 1 where the parities agree and balance along all axes or, where the triangles run one way, the solid angle
- * lies within a quarter of a turn of a whole number; known off the surface alone. */
+/* Bytes by voxel. sure: 1 where the parities agree and balance along all axes or, where the triangles run one
+ * way, the solid angle lies within a quarter of a turn of a whole number; known off the surface alone. */
 typedef struct fill_scene {
     int32_t n[3];
     size_t count;
@@ -39,6 +42,7 @@ static inline int is_sure_centre(const bvx_lattice *l, const int64_t *q, const i
 {
     double scale[3], turns;
     int b[3], p[3], unused;
+
     for (int a = 0; a < 3; a++) {
         p[a] = fill_parity_at(q, mesh.t, mesh.triangles, c, a, &b[a]);
         scale[a] = l->spacing[a] / (1 << l->fraction_bits);
@@ -53,6 +57,7 @@ static inline fill_scene open_scene(const bvx_lattice *l)
 {
     int64_t *const q = snapped(l);
     fill_scene s;
+
     memcpy(s.n, l->dims, sizeof s.n);
     s.count = (size_t)s.n[0] * (size_t)s.n[1] * (size_t)s.n[2];
     s.surface = surface_of(l);
@@ -94,10 +99,12 @@ static inline void make_bodies(int32_t trial, const bvx_lattice *l)
         }
         maker_star(&mesh, &seed, centre, radius, 0.3, 6, 9, 65536);
     }
-    for (int32_t i = 0; i < trial % 5; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+    for (int32_t i = 0; i < trial % 5; i++)
+        maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
 }
 
-static const int32_t shapes[][3] = {{70, 14, 13}, {20, 22, 21}, {13, 66, 12}, {12, 14, 65}, {12, 1, 12}, {64, 10, 10}};
+static const int32_t shapes[][3] = {{70, 14, 13}, {20, 22, 21}, {13, 66, 12},
+                                    {12, 14, 65}, {12, 1, 12},  {64, 10, 10}};
 enum { SHAPES = sizeof shapes / sizeof shapes[0] };
 
 #endif

@@ -9,6 +9,7 @@
 static inline const char *json_end(const char *p)
 {
     int depth = 0;
+
     for (;; p++) {
         TEST_ASSERT_TRUE(*p != 0);
         if (*p == '"') {
@@ -26,6 +27,7 @@ static inline const char *json_end(const char *p)
 static inline const char *json_member(const char *p, const char *name)
 {
     size_t const n = strlen(name);
+
     TEST_ASSERT_EQUAL_INT('{', *p);
     for (p++; *p == '"'; p = *p == ',' ? p + 1 : p) {
         if (strncmp(p + 1, name, n) == 0 && p[1 + n] == '"') return p + n + 3;
@@ -85,6 +87,7 @@ static inline glb_file take_file(bvx_buffer bytes)
     glb_file f;
     const uint8_t *const p = bytes.bytes;
     uint32_t json;
+
     f.bytes = bytes;
     TEST_ASSERT_TRUE(bytes.size >= 28 && bytes.size % 4 == 0);
     TEST_ASSERT_EQUAL_MEMORY("glTF", p, 4);
@@ -118,15 +121,18 @@ static inline glb_file write_glb(const bvx_mesh *m)
     return take_file(write_file(m, BVX_FORMAT_GLB));
 }
 
-/* Accessor of an attribute of a mesh, or of its indices (name NULL), checked against its buffer view and the chunk. count 0: none. */
+/* Accessor of an attribute of a mesh, or of its indices (name NULL),
+ * checked against its buffer view and the chunk. count 0: none. */
 static inline glb_array take_array_of(const glb_file *f, int mesh, const char *name)
 {
-    const char *const primitive = json_item(json_member(json_item(json_member(f->json, "meshes"), mesh), "primitives"), 0);
-    const char *const number =
-        name == NULL ? json_member(primitive, "indices") : json_member(json_member(primitive, "attributes"), name);
+    const char *const primitive = json_item(
+        json_member(json_item(json_member(f->json, "meshes"), mesh), "primitives"), 0);
+    const char *const number = name == NULL ? json_member(primitive, "indices")
+                                            : json_member(json_member(primitive, "attributes"), name);
     const char *accessor, *view, *type;
     glb_array a = {0};
     uint32_t offset, length, component_size;
+
     if (number == NULL) return a;
     accessor = json_item(json_member(f->json, "accessors"), atoi(number));
     view = json_item(json_member(f->json, "bufferViews"), atoi(json_member(accessor, "bufferView")));
@@ -163,7 +169,8 @@ static inline uint32_t index_at(const glb_array *a, uint32_t i)
 static inline void world_of(const bvx_mesh *m, size_t v, double p[3])
 {
     for (size_t a = 0; a < 3; a++)
-        p[a] = (m->position_type == BVX_F32 ? (double)((float *)m->positions)[3 * v + a] : ((double *)m->positions)[3 * v + a]) +
+        p[a] = (m->position_type == BVX_F32 ? (double)((float *)m->positions)[3 * v + a]
+                                            : ((double *)m->positions)[3 * v + a]) +
                m->frame[a];
 }
 
@@ -171,11 +178,13 @@ static inline void world_of(const bvx_mesh *m, size_t v, double p[3])
 static inline bvx_mesh octahedron(int32_t type)
 {
     static const double at[6][3] = {{4, 0, 0}, {-2, 0, 0}, {1, 2.5, 0}, {1, -2.5, 0}, {1, 0, 7}, {1, 0, -1}};
-    static const uint32_t faces[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    static const uint32_t faces[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+                                       2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
     static double p64[18];
     static float p32[18];
     static uint32_t t[24];
     bvx_mesh m = {0};
+
     for (int i = 0; i < 18; i++) p32[i] = (float)(p64[i] = at[i / 3][i % 3] * 1.1 + 0.3);
     memcpy(t, faces, sizeof t);
     m.positions = type == BVX_F32 ? (void *)p32 : (void *)p64;

@@ -1,4 +1,5 @@
-/* levels_support.h - what the tests of levels of detail share: a context, calls with targets, and what every level must keep. */
+/* levels_support.h - what the tests of levels of detail share: a context,
+ * calls with targets, and what every level must keep. */
 #ifndef LEVELS_SUPPORT_H
 #define LEVELS_SUPPORT_H
 
@@ -24,6 +25,7 @@ static char where[300];
 void setUp(void)
 {
     bvx_context_options o;
+
     seed = UINT64_C(0x5eedc0de);
     quick = getenv("BVX_QUICK") != NULL;
     bvx_context_options_init(&o, sizeof o);
@@ -38,6 +40,7 @@ void tearDown(void)
 {
     uint64_t held;
     const char *wrong;
+
     for (int i = LEVELS_MOST; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
     held = bvx_memory_used(ctx);
     maker_free(&mesh);
@@ -94,6 +97,7 @@ static inline void assert_no_crossings(const bvx_mesh *m)
     const char *wrong;
     bvx_mesh_view view;
     uint64_t count = 0, crossings = crossing_count(m, 4503599627370496.0, &wrong); /* 2^52 */
+
     TEST_ASSERT_NULL_MESSAGE(wrong, where);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, crossings, where);
     bvx_mesh_view_of(m, &view);
@@ -114,7 +118,8 @@ static inline void assert_report(const bvx_level_report *r, const bvx_mesh *m)
 
 static inline double position_of(const bvx_mesh *m, uint64_t i)
 {
-    return m->position_type == BVX_F64 ? ((const double *)m->positions)[i] : (double)((const float *)m->positions)[i];
+    return m->position_type == BVX_F64 ? ((const double *)m->positions)[i]
+                                       : (double)((const float *)m->positions)[i];
 }
 
 static inline void assert_same_bytes(const bvx_mesh *a, const bvx_mesh *b)
@@ -122,13 +127,18 @@ static inline void assert_same_bytes(const bvx_mesh *a, const bvx_mesh *b)
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(a->vertex_count, b->vertex_count, where);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(a->triangle_count, b->triangle_count, where);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(a->position_type, b->position_type, where);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(0, memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 12), where);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(0, memcmp(a->positions, b->positions, (size_t)a->vertex_count * (a->position_type == BVX_F64 ? 24 : 12)), where);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(0, memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 12),
+                                  where);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(
+        0,
+        memcmp(a->positions, b->positions, (size_t)a->vertex_count * (a->position_type == BVX_F64 ? 24 : 12)),
+        where);
 }
 
 static inline double diagonal_of(const maker_mesh *m)
 {
     double sum = 0;
+
     for (size_t a = 0; a < 3; a++) {
         double low = m->p[a], high = m->p[a];
         for (size_t v = 1; v < m->vertices; v++) {

@@ -1,7 +1,9 @@
-/* lod_oracle.h - slow references for the LOD stage, straight from its contract: sample places, the extended voxel function
- * as a sum of tents, exact box fractions, first change along an edge, and every vertex in canonical order.
+/* lod_oracle.h - slow references for the LOD stage, straight from its contract: sample places, the extended
+ * voxel function as a sum of tents, exact box fractions, first change along an edge, and every vertex in
+ * canonical order.
  *
- * All whole numbers but the vertices' positions; grids small enough for 64 bits. Nothing of the library's insides. */
+ * All whole numbers but the vertices' positions; grids small enough for 64 bits. Nothing of the library's
+ * insides. */
 #ifndef LOD_ORACLE_H
 #define LOD_ORACLE_H
 
@@ -16,7 +18,8 @@ typedef struct oracle {
     int32_t method, edge_samples, threshold; /* threshold in 1/65536 */
     int64_t n[3], r[3];
     int32_t count[3];
-    unsigned char *bit;                      /* [Size: product of count + 2], a border of empty samples around */
+    /* [Size: product of count + 2], a border of empty samples around */
+    unsigned char *bit;
 } oracle;
 
 static inline int64_t oracle_set(const bvx_grid *g, int64_t x, int64_t y, int64_t z)
@@ -30,18 +33,21 @@ static inline int64_t oracle_floor(int64_t a, int64_t b) /* b > 0 */
     return a >= 0 ? a / b : -((b - 1 - a) / b);
 }
 
-/* The weight of voxel v along an axis for a place p, both from the first voxel's centre in units of 1/d of a voxel. */
+/* The weight of voxel v along an axis for a place p, both from the first
+ * voxel's centre in units of 1/d of a voxel. */
 static inline int64_t oracle_tent(int64_t p, int64_t v, int64_t d)
 {
     int64_t const away = p > v * d ? p - v * d : v * d - p;
     return away < d ? d - away : 0;
 }
 
-/* Extended voxel function at step s of `steps` from sample i along axis (s 0, steps 1: at the sample), less the threshold, in
- * units of 1 / (65536 * *unit). */
-static inline int64_t oracle_excess(const oracle *o, const int32_t i[3], int axis, int64_t s, int64_t steps, int64_t *unit)
+/* Extended voxel function at step s of `steps` from sample i along axis (s 0, steps 1: at the sample), less
+ * the threshold, in units of 1 / (65536 * *unit). */
+static inline int64_t oracle_excess(const oracle *o, const int32_t i[3], int axis, int64_t s, int64_t steps,
+                                    int64_t *unit)
 {
     int64_t p[3], d[3], sum = 0, total = 1;
+
     for (int a = 0; a < 3; a++) {
         int64_t const fine = a == axis ? steps : 1;
         d[a] = 2 * o->r[a] * fine;
@@ -51,8 +57,8 @@ static inline int64_t oracle_excess(const oracle *o, const int32_t i[3], int axi
     for (int64_t z = oracle_floor(p[2], d[2]) - 1; z <= oracle_floor(p[2], d[2]) + 2; z++)
         for (int64_t y = oracle_floor(p[1], d[1]) - 1; y <= oracle_floor(p[1], d[1]) + 2; y++)
             for (int64_t x = oracle_floor(p[0], d[0]) - 1; x <= oracle_floor(p[0], d[0]) + 2; x++)
-                sum += oracle_set(o->grid, x, y, z) * oracle_tent(p[0], x, d[0]) * oracle_tent(p[1], y, d[1]) *
-                       oracle_tent(p[2], z, d[2]);
+                sum += oracle_set(o->grid, x, y, z) * oracle_tent(p[0], x, d[0]) *
+                       oracle_tent(p[1], y, d[1]) * oracle_tent(p[2], z, d[2]);
     *unit = total;
     return sum * 65536 - o->threshold * total;
 }
@@ -75,6 +81,7 @@ static inline int64_t oracle_overlap(const oracle *o, int a, int64_t i, int64_t 
 static inline int64_t oracle_cover(const oracle *o, const int32_t i[3])
 {
     int64_t sum = 0, low[3], high[3];
+
     for (int a = 0; a < 3; a++) {
         if (i[a] < 0 || i[a] >= o->count[a]) return 0;
         low[a] = i[a] * o->n[a] / o->r[a];
@@ -96,10 +103,11 @@ static inline unsigned char *oracle_at(const oracle *o, const int32_t i[3])
 }
 
 /* Every sample's bit; oracle_close gives them back. */
-static inline void oracle_open(oracle *o, const bvx_grid *grid, const bvx_lod_options *options, const int32_t n[3],
-                               const int32_t r[3])
+static inline void oracle_open(oracle *o, const bvx_grid *grid, const bvx_lod_options *options,
+                               const int32_t n[3], const int32_t r[3])
 {
     int32_t i[3];
+
     memset(o, 0, sizeof *o);
     o->grid = grid;
     o->method = options->method;
@@ -110,7 +118,8 @@ static inline void oracle_open(oracle *o, const bvx_grid *grid, const bvx_lod_op
     for (int a = 0; a < 3; a++) {
         o->n[a] = n[a];
         o->r[a] = r[a];
-        while (o->count[a] * o->n[a] < grid->size[a] * o->r[a]) o->count[a]++; /* the boxes reach over the whole grid */
+        /* the boxes reach over the whole grid */
+        while (o->count[a] * o->n[a] < grid->size[a] * o->r[a]) o->count[a]++;
     }
     o->bit = calloc((size_t)(o->count[0] + 2) * (size_t)(o->count[1] + 2), (size_t)(o->count[2] + 2));
     if (o->bit == NULL) abort();
@@ -119,7 +128,8 @@ static inline void oracle_open(oracle *o, const bvx_grid *grid, const bvx_lod_op
             for (i[0] = 0; i[0] < o->count[0]; i[0]++)
                 *oracle_at(o, i) = o->method == BVX_LOD_EDGE_RATIO
                                        ? (unsigned char)oracle_extended(o, i, 0, 0, 1)
-                                       : oracle_cover(o, i) * 65536 > o->threshold * o->n[0] * o->n[1] * o->n[2];
+                                       : oracle_cover(o, i) * 65536 >
+                                             o->threshold * o->n[0] * o->n[1] * o->n[2];
 }
 
 static inline void oracle_close(oracle *o)
@@ -128,11 +138,12 @@ static inline void oracle_close(oracle *o)
     memset(o, 0, sizeof *o);
 }
 
-/* Where the vertex sits between sample i and the next along axis. *slack: how far a position made from fractions that
- * are kept to 2^-32 may lie from it. */
+/* Where the vertex sits between sample i and the next along axis. *slack: how far a position made from
+ * fractions that are kept to 2^-32 may lie from it. */
 static inline double oracle_ratio(const oracle *o, const int32_t i[3], int axis, double *slack)
 {
     double t = 0.5;
+
     *slack = 1e-12;
     if (o->method == BVX_LOD_EDGE_RATIO) {
         int64_t const whole = (o->n[axis] + o->r[axis] - 1) / o->r[axis];
@@ -159,16 +170,19 @@ static inline double oracle_ratio(const oracle *o, const int32_t i[3], int axis,
 static inline double oracle_place(const oracle *o, int axis, double samples)
 {
     const bvx_grid *const g = o->grid;
-    return g->lattice.origin[axis] + g->lattice.spacing[axis] * (g->low[axis] + (samples + 0.5) * (double)o->n[axis] / (double)o->r[axis]);
+    return g->lattice.origin[axis] +
+           g->lattice.spacing[axis] *
+               (g->low[axis] + (samples + 0.5) * (double)o->n[axis] / (double)o->r[axis]);
 }
 
-/* All vertices in order of (z, y, axis, x) of their edge, against a mesh of f64; the first difference, or -1 when all agree
- * and none is missing. tolerance is in voxels. */
+/* All vertices in order of (z, y, axis, x) of their edge, against a mesh of f64; the first difference, or -1
+ * when all agree and none is missing. tolerance is in voxels. */
 static inline int64_t oracle_compare(const oracle *o, const bvx_mesh *mesh, double tolerance)
 {
     const double *const p = mesh->positions;
     int64_t v = 0;
     int32_t i[3];
+
     for (i[2] = -1; i[2] < o->count[2]; i[2]++)
         for (i[1] = -1; i[1] < o->count[1]; i[1]++)
             for (int axis = 0; axis < 3; axis++)
@@ -181,7 +195,8 @@ static inline int64_t oracle_compare(const oracle *o, const bvx_mesh *mesh, doub
                     for (int a = 0; a < 3; a++) {
                         double const truth = oracle_place(o, a, i[a] + (a == axis ? ratio : 0.0));
                         double const width = (double)o->n[a] / (double)o->r[a];
-                        double const allowed = (tolerance + (a == axis ? slack * width : 0.0)) * o->grid->lattice.spacing[a];
+                        double const allowed = (tolerance + (a == axis ? slack * width : 0.0)) *
+                                               o->grid->lattice.spacing[a];
                         if (!(fabs(p[3 * v + a] - truth) <= allowed)) return v;
                     }
                     v++;

@@ -56,7 +56,8 @@ static inline void scatter(int32_t per_thousand)
 {
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
-            for (int32_t x = 0; x < grid.size[0]; x++) bvx_grid_set(&grid, x, y, z, maker_below(&seed, 1000) < per_thousand);
+            for (int32_t x = 0; x < grid.size[0]; x++)
+                bvx_grid_set(&grid, x, y, z, maker_below(&seed, 1000) < per_thousand);
 }
 
 /* Bodies: some balls of set voxels, then some of empty ones. */
@@ -69,7 +70,8 @@ static inline void scatter_balls(int32_t count, int32_t most)
         for (int32_t z = 0; z < grid.size[2]; z++)
             for (int32_t y = 0; y < grid.size[1]; y++)
                 for (int32_t x = 0; x < grid.size[0]; x++)
-                    if ((x - c[0]) * (x - c[0]) + (y - c[1]) * (y - c[1]) + (z - c[2]) * (z - c[2]) <= r * r) bvx_grid_set(&grid, x, y, z, value);
+                    if ((x - c[0]) * (x - c[0]) + (y - c[1]) * (y - c[1]) + (z - c[2]) * (z - c[2]) <= r * r)
+                        bvx_grid_set(&grid, x, y, z, value);
     }
 }
 

@@ -1,5 +1,5 @@
-/* packed_support.h - what the tests of packed grid files share: grids of many kinds, reading from blocks of exact size, and
- * the checks that hold after every call. */
+/* packed_support.h - what the tests of packed grid files share: grids of many kinds, reading from blocks of
+ * exact size, and the checks that hold after every call. */
 #ifndef TEST_PACKED_SUPPORT_H
 #define TEST_PACKED_SUPPORT_H
 
@@ -10,6 +10,7 @@ enum { KIND_EMPTY, KIND_FULL, KIND_NOISE, KIND_SPARSE, KIND_RUNS, KIND_BLOCKS, K
 static inline int kind_voxel(int kind, int32_t x, int32_t y, int32_t z, uint64_t *state)
 {
     uint64_t const r = next_random(state) >> 20;
+
     switch (kind) {
     case KIND_EMPTY: return 0;
     case KIND_FULL: return 1;
@@ -20,17 +21,20 @@ static inline int kind_voxel(int kind, int32_t x, int32_t y, int32_t z, uint64_t
     }
 }
 
-static inline void grid_of(bvx_grid *g, const bvx_lattice *lattice, const bvx_window *window, int kind, uint64_t seed)
+static inline void grid_of(bvx_grid *g, const bvx_lattice *lattice, const bvx_window *window, int kind,
+                           uint64_t seed)
 {
     uint64_t state = seed * 2 + 1;
     memset(g, 0, sizeof *g);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_grid_create(ctx, lattice, window, g), bvx_last_message(ctx));
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
-            for (int32_t x = 0; x < g->size[0]; x++) bvx_grid_set(g, x, y, z, kind_voxel(kind, x, y, z, &state));
+            for (int32_t x = 0; x < g->size[0]; x++)
+                bvx_grid_set(g, x, y, z, kind_voxel(kind, x, y, z, &state));
 }
 
-static inline bvx_lattice lattice_of(int32_t nx, int32_t ny, int32_t nz, double origin, double sx, double sy, double sz)
+static inline bvx_lattice lattice_of(int32_t nx, int32_t ny, int32_t nz, double origin, double sx, double sy,
+                                     double sz)
 {
     double const corner[3] = {origin, origin * 0.5 - 3, -origin}, spacing[3] = {sx, sy, sz};
     int32_t const dims[3] = {nx, ny, nz};
@@ -60,11 +64,13 @@ static inline void check_valid_grid(const bvx_grid *g)
 }
 
 /* From a block that ends where the file ends, so that a sanitizer sees a read beyond it. */
-static inline bvx_status read_packed(const void *bytes, size_t size, int32_t format, const bvx_window *window, bvx_grid *grid)
+static inline bvx_status read_packed(const void *bytes, size_t size, int32_t format, const bvx_window *window,
+                                     bvx_grid *grid)
 {
     static const bvx_grid empty = {0};
     uint64_t const used = bvx_memory_used(ctx);
     uint8_t *const copy = malloc(size > 0 ? size : 1);
+
     memset(grid, 0, sizeof *grid);
     memcpy(copy, bytes, size);
     bvx_status const status = bvx_read_grid(ctx, copy, size, format, window, grid);
@@ -80,7 +86,8 @@ static inline bvx_status read_packed(const void *bytes, size_t size, int32_t for
     return status;
 }
 
-static inline void check_packed_refused(const void *bytes, size_t size, int32_t format, bvx_status status, const char *words)
+static inline void check_packed_refused(const void *bytes, size_t size, int32_t format, bvx_status status,
+                                        const char *words)
 {
     bvx_grid g;
     bvx_status const got = read_packed(bytes, size, format, NULL, &g);
@@ -105,7 +112,8 @@ static inline void check_crop(const bvx_grid *whole, const bvx_grid *part, const
     for (int32_t z = 0; z < w->size[2]; z++)
         for (int32_t y = 0; y < w->size[1]; y++)
             for (int32_t x = 0; x < w->size[0]; x++)
-                if (bvx_grid_get(part, x, y, z) != bvx_grid_get(whole, x + w->low[0], y + w->low[1], z + w->low[2]))
+                if (bvx_grid_get(part, x, y, z) !=
+                    bvx_grid_get(whole, x + w->low[0], y + w->low[1], z + w->low[2]))
                     TEST_FAIL_MESSAGE("a voxel of the window differs");
 }
 
@@ -124,9 +132,11 @@ static inline void check_windows(const bvx_buffer *file, int32_t format, const b
 {
     uint64_t state = file->size * 2 + 1;
     bvx_grid part;
+
     for (int i = 0; i < count; i++) {
         bvx_window const w = random_window(whole->size, &state);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(file->bytes, (size_t)file->size, format, &w, &part), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(
+            BVX_OK, read_packed(file->bytes, (size_t)file->size, format, &w, &part), bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_MEMORY(&whole->lattice, &part.lattice, sizeof part.lattice);
         check_crop(whole, &part, &w);
         bvx_grid_free(ctx, &part);
@@ -138,7 +148,8 @@ static inline void check_windows(const bvx_buffer *file, int32_t format, const b
         else if (i < 6) w.low[a] = -1;
         else if (i < 9) w.size[a] = whole->size[a] + 1;
         else w.low[a] = INT32_MAX, w.size[a] = INT32_MAX;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, read_packed(file->bytes, (size_t)file->size, format, &w, &part));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                                read_packed(file->bytes, (size_t)file->size, format, &w, &part));
     }
 }
 
@@ -172,6 +183,7 @@ static void run_backwards(void *user, int32_t count, bvx_task_fn *task, void *ta
 static inline void check_workers(const bvx_grid *g, int32_t format)
 {
     bvx_buffer one = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, g, format, &one));
     for (int32_t threads = 1; threads <= 8; threads++) {
         backwards_pool pool = {threads};
@@ -238,6 +250,7 @@ static inline int check_cancelled_writing(const bvx_grid *grid, int32_t format)
 static inline void check_memory_limits(const bvx_grid *grid, const bvx_buffer *file, int32_t format)
 {
     bvx_status status = BVX_ERR_BUDGET;
+
     for (uint64_t limit = 1; status != BVX_OK; limit += limit / 8 + 1) {
         bvx_context_options o = plain_options(2);
         bvx_buffer b = {0};
@@ -249,7 +262,8 @@ static inline void check_memory_limits(const bvx_grid *grid, const bvx_buffer *f
         status = bvx_write_grid(ctx, grid, format, &b);
         bvx_buffer_free(ctx, &b);
         TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= limit);
-        TEST_ASSERT_TRUE((status == BVX_OK || status == BVX_ERR_BUDGET) && (reading == BVX_OK || reading == BVX_ERR_BUDGET));
+        TEST_ASSERT_TRUE((status == BVX_OK || status == BVX_ERR_BUDGET) &&
+                         (reading == BVX_OK || reading == BVX_ERR_BUDGET));
         if (reading != BVX_OK) status = reading;
         bvx_context_destroy(ctx);
         ctx = plain;
@@ -275,6 +289,7 @@ static inline void check_own_words(const bvx_grid *grid, const bvx_buffer *file,
     uint64_t *const words = malloc(8 * n + 8);
     uint64_t const used = bvx_memory_used(ctx);
     bvx_grid g;
+
     for (size_t i = 0; i <= n; i++) words[i] = UINT64_C(0x5555555555555555);
     memset(&g, 0, sizeof g);
     g.words = words;

@@ -1,5 +1,5 @@
-/* read_support.h - what the tests of readers and writers share: files in blocks of their exact size, and the checks that
- * hold after every call. */
+/* read_support.h - what the tests of readers and writers share: files in
+ * blocks of their exact size, and the checks that hold after every call. */
 #ifndef TEST_READ_SUPPORT_H
 #define TEST_READ_SUPPORT_H
 
@@ -32,10 +32,12 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
-/* Numbers of texture coordinates in range, all of them finite. Returns the bytes of colours and texture coordinates. */
+/* Numbers of texture coordinates in range, all of them finite. Returns the
+ * bytes of colours and texture coordinates. */
 static inline uint64_t check_valid_attributes(const bvx_mesh *m)
 {
     uint64_t bytes = m->colours != NULL ? m->vertex_count * 4 : 0;
+
     if (m->uvs == NULL) {
         TEST_ASSERT_NULL(m->uv_triangles);
         TEST_ASSERT_EQUAL_UINT64(0, m->uv_count);
@@ -44,7 +46,8 @@ static inline uint64_t check_valid_attributes(const bvx_mesh *m)
     for (uint64_t i = 0; i < m->uv_count * 2; i++) TEST_ASSERT_TRUE(m->uvs[i] - m->uvs[i] == 0.0f);
     if (m->uv_triangles == NULL) TEST_ASSERT_EQUAL_UINT64(m->vertex_capacity, m->uv_count);
     else
-        for (uint64_t i = 0; i < m->triangle_count * 3; i++) TEST_ASSERT_TRUE(m->uv_triangles[i] < m->uv_count);
+        for (uint64_t i = 0; i < m->triangle_count * 3; i++)
+            TEST_ASSERT_TRUE(m->uv_triangles[i] < m->uv_count);
     return bytes + m->uv_count * 8 + (m->uv_triangles != NULL ? m->triangle_count * 12 : 0);
 }
 
@@ -58,17 +61,23 @@ static inline void check_valid_mesh(const bvx_mesh *m)
     TEST_ASSERT_NULL(m->triangle_keys);
     for (uint64_t i = 0; i < m->triangle_count * 3; i++) TEST_ASSERT_TRUE(m->triangles[i] < m->vertex_count);
     for (uint64_t i = 0; i < m->vertex_count * 3; i++) {
-        double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i] : ((double *)m->positions)[i];
+        double const v = m->position_type == BVX_F32 ? (double)((float *)m->positions)[i]
+                                                     : ((double *)m->positions)[i];
         TEST_ASSERT_TRUE(v - v == 0.0);
     }
-    TEST_ASSERT_EQUAL_UINT64(m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24) + m->triangle_count * 12 +
-                                 check_valid_attributes(m), bvx_memory_used(ctx));
+    TEST_ASSERT_EQUAL_UINT64(m->vertex_count * (m->position_type == BVX_F32 ? 12 : 24) +
+                                 m->triangle_count * 12 + check_valid_attributes(m),
+                             bvx_memory_used(ctx));
 }
 
 /* What reading may take, whatever the file says. The tests of each reader hold the usual files to less. */
 static inline uint64_t most_memory(int32_t format, uint64_t size)
 {
-    return read_limit(format == BVX_FORMAT_STL ? READ_STL : format == BVX_FORMAT_OBJ ? READ_OBJ : format == BVX_FORMAT_PLY ? READ_PLY : READ_OFF, size);
+    return read_limit(format == BVX_FORMAT_STL   ? READ_STL
+                      : format == BVX_FORMAT_OBJ ? READ_OBJ
+                      : format == BVX_FORMAT_PLY ? READ_PLY
+                                                 : READ_OFF,
+                      size);
 }
 
 /* Read from a block that ends where the file ends, so that a sanitizer sees a read beyond it. */
@@ -76,6 +85,7 @@ static inline bvx_status read_file(const void *bytes, size_t size, int32_t forma
 {
     static const bvx_mesh empty = {0};
     char *const copy = malloc(size > 0 ? size : 1);
+
     memset(mesh, 0, sizeof *mesh);
     memcpy(copy, bytes, size);
     bvx_memory_reset_peak(ctx);
@@ -92,7 +102,8 @@ static inline bvx_status read_file(const void *bytes, size_t size, int32_t forma
     return status;
 }
 
-static inline void check_refused(const void *bytes, size_t size, int32_t format, bvx_status status, const char *words)
+static inline void check_refused(const void *bytes, size_t size, int32_t format, bvx_status status,
+                                 const char *words)
 {
     bvx_mesh m;
     bvx_status const got = read_file(bytes, size, format, &m);
@@ -106,10 +117,12 @@ static inline void check_refused_text(const char *text, int32_t format, bvx_stat
     check_refused(text, strlen(text), format, status, words);
 }
 
-/* Cut the file at every byte: an error, or a valid mesh of no more triangles. Returns how many cuts were read. */
+/* Cut the file at every byte: an error, or a valid mesh of no more
+ * triangles. Returns how many cuts were read. */
 static inline int check_every_prefix(const void *bytes, size_t size, int32_t format, uint64_t triangles)
 {
     int good = 0;
+
     for (size_t n = 0; n <= size; n++) {
         bvx_mesh m;
         if (read_file(bytes, n, format, &m) != BVX_OK) continue;
@@ -121,15 +134,22 @@ static inline int check_every_prefix(const void *bytes, size_t size, int32_t for
     return good;
 }
 
-/* Every line "element name count" of a header with every bad count in its place: an error, or a valid mesh where the count is
- * right after all (0 rows of something that nobody wants). Returns how many were read. */
+/* Every line "element name count" of a header with every bad count in its place: an error, or a valid mesh
+ * where the count is right after all (0 rows of something that nobody wants). Returns how many were read. */
 static inline int check_every_count(const void *bytes, size_t size, int32_t format)
 {
-    static const char *const counts[] = {"0", "1", "-1", "2147483648", "4294967295", "9223372036854775808",
-                                         "18446744073709551615", "18446744073709551617"};
+    static const char *const counts[] = {"0",
+                                         "1",
+                                         "-1",
+                                         "2147483648",
+                                         "4294967295",
+                                         "9223372036854775808",
+                                         "18446744073709551615",
+                                         "18446744073709551617"};
     const char *const text = bytes;
     char *const other = malloc(size + 30);
     int good = 0;
+
     for (size_t at = 0; at + 8 < size; at++) {
         if (memcmp(text + at, "element ", 8) != 0) continue;
         size_t from = at + 8, to;
@@ -142,7 +162,8 @@ static inline int check_every_count(const void *bytes, size_t size, int32_t form
             memcpy(other + from, counts[i], n);
             memcpy(other + from + n, text + to, size - to);
             if (read_file(other, size - (to - from) + n, format, &m) != BVX_OK) continue;
-            if (memcmp(text + to + 1, "property", 8) == 0) TEST_ASSERT_TRUE(i < 2); /* rows without values have any count */
+            /* rows without values have any count */
+            if (memcmp(text + to + 1, "property", 8) == 0) TEST_ASSERT_TRUE(i < 2);
             bvx_mesh_free(ctx, &m);
             good++;
         }
@@ -165,7 +186,8 @@ static inline void corner_of(const bvx_mesh *m, uint64_t t, int k, double p[3])
 {
     size_t const v = m->triangles[t * 3 + (uint64_t)k];
     for (size_t a = 0; a < 3; a++)
-        p[a] = m->position_type == BVX_F32 ? (double)((float *)m->positions)[3 * v + a] : ((double *)m->positions)[3 * v + a];
+        p[a] = m->position_type == BVX_F32 ? (double)((float *)m->positions)[3 * v + a]
+                                           : ((double *)m->positions)[3 * v + a];
 }
 
 static inline uint64_t next_random(uint64_t *state)
@@ -195,6 +217,7 @@ static inline void check_same_with_threads(const void *bytes, size_t size, int32
     char message[512];
     bvx_mesh a, b;
     bvx_status const status = read_file(bytes, size, format, &a);
+
     strcpy(message, bvx_last_message(ctx));
     for (int32_t threads = 2; threads <= 5; threads += 3) {
         bvx_context_options o;
@@ -206,13 +229,15 @@ static inline void check_same_with_threads(const void *bytes, size_t size, int32
             TEST_ASSERT_EQUAL_UINT64(a.vertex_count, b.vertex_count);
             TEST_ASSERT_EQUAL_UINT64(a.triangle_count, b.triangle_count);
             TEST_ASSERT_EQUAL_UINT64(a.uv_count, b.uv_count);
-            TEST_ASSERT_EQUAL_MEMORY(a.positions, b.positions, a.vertex_count * (a.position_type == BVX_F32 ? 12 : 24));
+            TEST_ASSERT_EQUAL_MEMORY(a.positions, b.positions,
+                                     a.vertex_count * (a.position_type == BVX_F32 ? 12 : 24));
             TEST_ASSERT_EQUAL_MEMORY(a.triangles, b.triangles, a.triangle_count * 12);
             TEST_ASSERT_TRUE((a.colours == NULL) == (b.colours == NULL) &&
                              (a.uv_triangles == NULL) == (b.uv_triangles == NULL));
             if (a.colours != NULL) TEST_ASSERT_EQUAL_MEMORY(a.colours, b.colours, a.vertex_count * 4);
             if (a.uvs != NULL) TEST_ASSERT_EQUAL_MEMORY(a.uvs, b.uvs, a.uv_count * 8);
-            if (a.uv_triangles != NULL) TEST_ASSERT_EQUAL_MEMORY(a.uv_triangles, b.uv_triangles, a.triangle_count * 12);
+            if (a.uv_triangles != NULL)
+                TEST_ASSERT_EQUAL_MEMORY(a.uv_triangles, b.uv_triangles, a.triangle_count * 12);
         } else TEST_ASSERT_EQUAL_STRING(message, bvx_last_message(ctx));
         bvx_mesh_free(ctx, &b);
         bvx_context_destroy(ctx);
@@ -234,6 +259,7 @@ static inline int32_t cancel_at(void *user, const char *stage, double fraction)
 static inline int check_every_cancel(const void *bytes, size_t size, int32_t format)
 {
     bvx_context *const plain = ctx;
+
     for (int stop = 0;; stop++) {
         bvx_context_options o;
         bvx_mesh m;
@@ -258,6 +284,7 @@ static inline void check_every_limit(const void *bytes, size_t size, int32_t for
 {
     bvx_context *const plain = ctx;
     bvx_status status = BVX_ERR_BUDGET;
+
     for (uint64_t limit = 1; status != BVX_OK; limit += limit / 8 + 1) {
         bvx_context_options o;
         bvx_mesh m;

@@ -34,10 +34,12 @@ static inline void uniform_flood(uniform *u)
     const int32_t *const d = u->lattice.dims;
     size_t *const queue = maker_grow(NULL, u->count * sizeof *queue), nx = (size_t)d[0], ny = (size_t)d[1];
     size_t head = 0, tail = 0;
+
     for (int32_t z = 0; z < d[2]; z++)
         for (int32_t y = 0; y < d[1]; y++)
             for (int32_t x = 0; x < d[0]; x++)
-                if (x == 0 || y == 0 || z == 0 || x == d[0] - 1 || y == d[1] - 1 || z == d[2] - 1) uniform_push(u, queue, &tail, x, y, z);
+                if (x == 0 || y == 0 || z == 0 || x == d[0] - 1 || y == d[1] - 1 || z == d[2] - 1)
+                    uniform_push(u, queue, &tail, x, y, z);
     while (head < tail) {
         size_t const i = queue[head++];
         int32_t const x = (int32_t)(i % nx), y = (int32_t)(i / nx % ny), z = (int32_t)(i / nx / ny);
@@ -51,9 +53,11 @@ static inline void uniform_flood(uniform *u)
     free(queue);
 }
 
-static inline void uniform_make(bvx_context *ctx, const bvx_mesh_view *view, const bvx_lattice *lattice, uniform *u)
+static inline void uniform_make(bvx_context *ctx, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                                uniform *u)
 {
     bvx_grid grid = {0};
+
     u->lattice = *lattice;
     u->count = (size_t)lattice->dims[0] * (size_t)lattice->dims[1] * (size_t)lattice->dims[2];
     u->state = maker_grow(NULL, u->count);
@@ -61,7 +65,8 @@ static inline void uniform_make(bvx_context *ctx, const bvx_mesh_view *view, con
     for (int32_t z = 0; z < lattice->dims[2]; z++)
         for (int32_t y = 0; y < lattice->dims[1]; y++)
             for (int32_t x = 0; x < lattice->dims[0]; x++)
-                u->state[uniform_at(u, x, y, z)] = bvx_grid_get(&grid, x, y, z) ? BVX_STATE_SURFACE : BVX_STATE_INSIDE;
+                u->state[uniform_at(u, x, y, z)] = bvx_grid_get(&grid, x, y, z) ? BVX_STATE_SURFACE
+                                                                                : BVX_STATE_INSIDE;
     bvx_grid_free(ctx, &grid);
     uniform_flood(u);
 }

@@ -1,5 +1,5 @@
-/* render_support.h - what the tests of pictures share: contexts, small meshes and grids, and looking at pixels. Each test
- * program has its own copy of the state. */
+/* render_support.h - what the tests of pictures share: contexts, small meshes and grids, and looking at
+ * pixels. Each test program has its own copy of the state. */
 #ifndef RENDER_SUPPORT_H
 #define RENDER_SUPPORT_H
 
@@ -22,8 +22,14 @@ static inline bvx_context *context_of(int32_t threads)
     return c;
 }
 
-void setUp(void) { ctx = context_of(1); }
-void tearDown(void) { bvx_context_destroy(ctx); }
+void setUp(void)
+{
+    ctx = context_of(1);
+}
+void tearDown(void)
+{
+    bvx_context_destroy(ctx);
+}
 
 static uint64_t random_state;
 
@@ -33,7 +39,10 @@ static inline uint32_t draw_number(uint32_t below)
     return (uint32_t)((random_state >> 33) % below);
 }
 
-static inline double draw_unit(void) { return draw_number(1u << 20) / (double)(1u << 20); }
+static inline double draw_unit(void)
+{
+    return draw_number(1u << 20) / (double)(1u << 20);
+}
 
 /* Drawn one after the other: C leaves the order of arguments open. */
 static inline void draw_point(double p[3], double size)
@@ -80,7 +89,8 @@ static inline void add_quad(const double a[3], const double u[3], const double v
     add_triangle(n, n + 2, n + 3);
 }
 
-/* The face of the unit box at (x,y,z) that is square to an axis, on its high or low side, seen from outside. */
+/* The face of the unit box at (x,y,z) that is square to an axis, on its high or low side, seen from
+ * outside. */
 static inline void add_face(double x, double y, double z, int axis, int high)
 {
     double const low[3] = {x, y, z};
@@ -107,6 +117,7 @@ static inline void no_mesh(void)
 static inline bvx_mesh_view view_of_mesh(void)
 {
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     v.positions = xyz;
     v.indices = tri;
@@ -123,6 +134,7 @@ static inline bvx_mesh_view view_of_mesh(void)
 static inline bvx_render_options options_of(int32_t width, int32_t height, double x, double y, double z)
 {
     bvx_render_options o;
+
     bvx_render_options_init(&o, sizeof o);
     o.width = width;
     o.height = height;
@@ -137,6 +149,7 @@ static inline bvx_image picture_of(const bvx_render_options *o)
     bvx_mesh_view const v = view_of_mesh();
     bvx_image image = {0};
     bvx_status const s = bvx_render_mesh(ctx, &v, o, &image);
+
     TEST_ASSERT_EQUAL_STRING("", s == BVX_OK ? "" : bvx_last_message(ctx));
     TEST_ASSERT_NOT_NULL(image.pixels);
     TEST_ASSERT_EQUAL_INT32(o->width, image.width);
@@ -155,7 +168,10 @@ static inline int is_background(const bvx_image *image, int32_t x, int32_t y)
     return p[0] == 255 && p[1] == 255 && p[2] == 255;
 }
 
-static inline size_t bytes_of(const bvx_image *image) { return (size_t)image->width * (size_t)image->height * 3; }
+static inline size_t bytes_of(const bvx_image *image)
+{
+    return (size_t)image->width * (size_t)image->height * 3;
+}
 
 static inline void same_pictures(const bvx_image *a, const bvx_image *b)
 {
@@ -207,7 +223,8 @@ static inline void mesh_of_faces(const bvx_grid *g)
                         int32_t n[3] = {x, y, z};
                         n[axis] += high ? 1 : -1;
                         int const outside = n[axis] < 0 || n[axis] >= g->size[axis];
-                        if (outside || !bvx_grid_get(g, n[0], n[1], n[2])) add_face(at[0], at[1], at[2], axis, high);
+                        if (outside || !bvx_grid_get(g, n[0], n[1], n[2]))
+                            add_face(at[0], at[1], at[2], axis, high);
                     }
             }
     for (uint64_t v = 0; v < vertices; v++)

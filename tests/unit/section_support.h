@@ -1,4 +1,5 @@
-/* section_support.h - what the tests of bodies from section contours share: the stack, a sound body made of it, contour points in it. */
+/* section_support.h - what the tests of bodies from section contours share:
+ * the stack, a sound body made of it, contour points in it. */
 #ifndef SECTION_SUPPORT_H
 #define SECTION_SUPPORT_H
 
@@ -55,7 +56,8 @@ static inline void build_good(void)
 {
     if (build() != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
     certify(0);
-    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
+    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                     certificate.oriented);
     TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed + certificate.unused_vertices);
     TEST_ASSERT_TRUE(certificate.volume > 0.0);
 }

@@ -1,29 +1,29 @@
 /* simd_checks.h - one round of checks of core/simd.h at a level. Included by test_simd.c once for each. */
 
 /* Every lane of a vector or mask against an expression of x, y and z in lane i. */
-#define EXPECT_FOURS(vector, expression)                                                       \
-    do {                                                                                       \
-        double got_[4];                                                                        \
-        four_store(got_, vector);                                                              \
-        for (int i = 0; i < 4; i++) expect_same((expression), got_[i], #vector);                \
+#define EXPECT_FOURS(vector, expression)                                         \
+    do {                                                                         \
+        double got_[4];                                                          \
+        four_store(got_, vector);                                                \
+        for (int i = 0; i < 4; i++) expect_same((expression), got_[i], #vector); \
     } while (0)
-#define EXPECT_FOUR_BITS(mask, expression)                                                     \
-    do {                                                                                       \
-        uint32_t wanted_ = 0;                                                                  \
-        for (int i = 0; i < 4; i++) wanted_ |= (uint32_t)(expression) << i;                     \
-        TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted_, four_bits(mask), #mask);                       \
+#define EXPECT_FOUR_BITS(mask, expression)                                  \
+    do {                                                                    \
+        uint32_t wanted_ = 0;                                               \
+        for (int i = 0; i < 4; i++) wanted_ |= (uint32_t)(expression) << i; \
+        TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted_, four_bits(mask), #mask);   \
     } while (0)
-#define EXPECT_EIGHTS(vector, expression)                                                      \
-    do {                                                                                       \
-        float got_[8];                                                                         \
-        eight_store(got_, vector);                                                             \
+#define EXPECT_EIGHTS(vector, expression)                                                               \
+    do {                                                                                                \
+        float got_[8];                                                                                  \
+        eight_store(got_, vector);                                                                      \
         for (int i = 0; i < 8; i++) expect_same((double)(float)(expression), (double)got_[i], #vector); \
     } while (0)
-#define EXPECT_EIGHT_BITS(mask, expression)                                                    \
-    do {                                                                                       \
-        uint32_t wanted_ = 0;                                                                  \
-        for (int i = 0; i < 8; i++) wanted_ |= (uint32_t)(expression) << i;                     \
-        TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted_, eight_bits(mask), #mask);                      \
+#define EXPECT_EIGHT_BITS(mask, expression)                                 \
+    do {                                                                    \
+        uint32_t wanted_ = 0;                                               \
+        for (int i = 0; i < 8; i++) wanted_ |= (uint32_t)(expression) << i; \
+        TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted_, eight_bits(mask), #mask);  \
     } while (0)
 
 BVXI_SIMD_CODE static void BVXI_SIMD(check_doubles)(void)

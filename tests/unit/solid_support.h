@@ -1,4 +1,5 @@
-/* solid_support.h - what the tests of bvx_voxelize_solid share: contexts, meshes, and the comparison with the oracle. */
+/* solid_support.h - what the tests of bvx_voxelize_solid share: contexts,
+ * meshes, and the comparison with the oracle. */
 #ifndef SOLID_SUPPORT_H
 #define SOLID_SUPPORT_H
 
@@ -7,12 +8,12 @@
 
 #include "unity.h"
 
-static bvx_context *ctx;      /* one thread, the best code there is, blocks between guards */
+static bvx_context *ctx; /* one thread, the best code there is, blocks between guards */
 static fault_heap heap;
 static maker_mesh mesh;
 static uint64_t seed;
-static int quick;             /* on emulated machines: fewer trials */
-static int as_floats;         /* hand the mesh over as packed floats */
+static int quick;     /* on emulated machines: fewer trials */
+static int as_floats; /* hand the mesh over as packed floats */
 
 static inline bvx_context *context_with(int32_t threads, int32_t cpu)
 {
@@ -28,6 +29,7 @@ static inline bvx_context *context_with(int32_t threads, int32_t cpu)
 void setUp(void)
 {
     bvx_context_options o;
+
     seed = UINT64_C(0x5eed5011d);
     quick = getenv("BVX_QUICK") != NULL;
     as_floats = 0;
@@ -57,8 +59,9 @@ static inline bvx_lattice lattice_of(int32_t x, int32_t y, int32_t z)
     return l;
 }
 
-static inline bvx_status fill_with(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l, const bvx_window *window,
-                            int32_t fill, bvx_grid *grid, bvx_solid_report *report)
+static inline bvx_status fill_with(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l,
+                                   const bvx_window *window, int32_t fill, bvx_grid *grid,
+                                   bvx_solid_report *report)
 {
     bvx_voxelize_options o;
     bvx_voxelize_options_init(&o, sizeof o);
@@ -72,6 +75,7 @@ static inline bvx_status fill_with(bvx_context *c, const bvx_mesh_view *view, co
 static inline bvx_mesh_view mesh_view(float **floats)
 {
     bvx_mesh_view view = maker_view(&mesh);
+
     *floats = NULL;
     if (as_floats) {
         *floats = maker_grow(NULL, (mesh.vertices + 1) * 3 * sizeof **floats);
@@ -82,7 +86,8 @@ static inline bvx_mesh_view mesh_view(float **floats)
     return view;
 }
 
-static inline bvx_grid solid_by(bvx_context *c, const bvx_lattice *l, const bvx_window *window, int32_t fill, bvx_solid_report *report)
+static inline bvx_grid solid_by(bvx_context *c, const bvx_lattice *l, const bvx_window *window, int32_t fill,
+                                bvx_solid_report *report)
 {
     float *floats;
     bvx_mesh_view const view = mesh_view(&floats);
@@ -128,6 +133,7 @@ static inline void assert_is_oracle(const bvx_lattice *l, const bvx_window *wind
     bvx_solid_report r;
     bvx_grid g = solid_by(ctx, l, window, fill, &r);
     char text[120];
+
     TEST_ASSERT_EQUAL_MEMORY(o.window.low, g.low, sizeof g.low);
     TEST_ASSERT_EQUAL_MEMORY(o.window.size, g.size, sizeof g.size);
     for (int32_t z = 0; z < g.size[2]; z++)
@@ -136,8 +142,9 @@ static inline void assert_is_oracle(const bvx_lattice *l, const bvx_window *wind
             for (int32_t x = 0; x < g.words_per_row * 64; x++) {
                 int const want = x < g.size[0] ? o.voxel[row * (size_t)g.size[0] + (size_t)x] : 0;
                 if (bvx_grid_get(&g, x, y, z) == want) continue;
-                snprintf(text, sizeof text, "voxel (%d, %d, %d) of a %d x %d x %d window is %d under rule %d", (int)x, (int)y,
-                         (int)z, (int)g.size[0], (int)g.size[1], (int)g.size[2], !want, (int)fill);
+                snprintf(text, sizeof text, "voxel (%d, %d, %d) of a %d x %d x %d window is %d under rule %d",
+                         (int)x, (int)y, (int)z, (int)g.size[0], (int)g.size[1], (int)g.size[2], !want,
+                         (int)fill);
                 TEST_FAIL_MESSAGE(text);
             }
         }
@@ -145,7 +152,8 @@ static inline void assert_is_oracle(const bvx_lattice *l, const bvx_window *wind
     TEST_ASSERT_EQUAL_UINT64(o.unbalanced_rows, r.unbalanced_rows);
     TEST_ASSERT_EQUAL_UINT64(o.dropped, r.dropped);
     TEST_ASSERT_TRUE(o.covering <= r.triangles_used);
-    TEST_ASSERT_TRUE(r.triangles_used <= o.boxes * (uint64_t)((g.size[1] + 65534) / 65535) * (uint64_t)((g.size[2] + 65534) / 65535));
+    TEST_ASSERT_TRUE(r.triangles_used <= o.boxes * (uint64_t)((g.size[1] + 65534) / 65535) *
+                                             (uint64_t)((g.size[2] + 65534) / 65535));
     bvx_grid_free(ctx, &g);
     oracle_free(&o);
     free(q);
@@ -159,7 +167,9 @@ static inline void assert_both_rules(const bvx_lattice *l)
 
 static inline void wall(double x, double size, int leaving)
 {
-    uint32_t const a = maker_vertex(&mesh, x, 0, 0), b = maker_vertex(&mesh, x, size, 0), c = maker_vertex(&mesh, x, 0, size);
+    uint32_t const a = maker_vertex(&mesh, x, 0, 0);
+    uint32_t const b = maker_vertex(&mesh, x, size, 0);
+    uint32_t const c = maker_vertex(&mesh, x, 0, size);
     if (leaving) maker_triangle(&mesh, a, b, c);
     else maker_triangle(&mesh, a, c, b);
 }
@@ -170,6 +180,7 @@ static inline void make_random(int32_t kind, int32_t count, const int32_t n[3], 
 {
     int32_t const steps = 1 << fraction_bits;
     double low[3], high[3];
+
     for (int a = 0; a < 3; a++) {
         low[a] = -2;
         high[a] = n[a] + 2;

@@ -1,14 +1,22 @@
-/* surface_voxels_support.h - what the tests of bvx_voxelize_surface share: the call, and its comparison with the oracle. */
+/* surface_voxels_support.h - what the tests of bvx_voxelize_surface share:
+ * the call, and its comparison with the oracle. */
 #ifndef SURFACE_VOXELS_SUPPORT_H
 #define SURFACE_VOXELS_SUPPORT_H
 
 #include "solid_support.h"
 #include "tools/touch_oracle.h"
 
-enum { CONSERVATIVE = BVX_SURFACE_CONSERVATIVE, THIN = BVX_SURFACE_THIN, SAMPLED = BVX_SURFACE_SAMPLED, MODES };
+enum {
+    CONSERVATIVE = BVX_SURFACE_CONSERVATIVE,
+    THIN = BVX_SURFACE_THIN,
+    SAMPLED = BVX_SURFACE_SAMPLED,
+    MODES
+};
 
 /* Contexts that must agree: one tile or many, fast code or portable. */
-static const int32_t surface_threads[] = {1, 2, 1, 3, 8}, surface_cpu[] = {BVX_CPU_BEST, BVX_CPU_BEST, BVX_CPU_PORTABLE, BVX_CPU_PORTABLE, BVX_CPU_BEST};
+static const int32_t surface_threads[] = {1, 2, 1, 3, 8},
+                     surface_cpu[] = {BVX_CPU_BEST, BVX_CPU_BEST, BVX_CPU_PORTABLE, BVX_CPU_PORTABLE,
+                                      BVX_CPU_BEST};
 enum { SURFACE_CONTEXTS = sizeof surface_threads / sizeof *surface_threads };
 
 static inline bvx_context *surface_context(int n)
@@ -24,11 +32,13 @@ static inline bvx_window window_of(const bvx_lattice *l, const bvx_window *given
     return w;
 }
 
-static inline bvx_grid surface_by(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l, const bvx_window *window, int32_t mode)
+static inline bvx_grid surface_by(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l,
+                                  const bvx_window *window, int32_t mode)
 {
     bvx_surface_options o;
     bvx_grid grid = {0};
     bvx_status status;
+
     bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     if (window != NULL) o.window = *window;
@@ -57,11 +67,14 @@ static inline void assert_bytes(const bvx_grid *g, const uint8_t *bytes, const c
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
             for (int32_t x = 0; x < g->words_per_row * 64; x++) {
-                int const want = x < g->size[0] ? bytes[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->size[0] + (size_t)x] : 0;
+                int const want =
+                    x < g->size[0]
+                        ? bytes[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->size[0] + (size_t)x]
+                        : 0;
                 char text[200];
                 if (bvx_grid_get(g, x, y, z) == want) continue;
-                snprintf(text, sizeof text, "%s: voxel (%d, %d, %d) of a %d x %d x %d window is %d", what, (int)x, (int)y, (int)z,
-                         (int)g->size[0], (int)g->size[1], (int)g->size[2], !want);
+                snprintf(text, sizeof text, "%s: voxel (%d, %d, %d) of a %d x %d x %d window is %d", what,
+                         (int)x, (int)y, (int)z, (int)g->size[0], (int)g->size[1], (int)g->size[2], !want);
                 TEST_FAIL_MESSAGE(text);
             }
 }
@@ -69,13 +82,15 @@ static inline void assert_bytes(const bvx_grid *g, const uint8_t *bytes, const c
 static uint64_t surface_set, surface_clear; /* voxels that comparisons saw */
 
 /* The mesh in a window is what the oracle says, in a context. */
-static inline void assert_surface(bvx_context *c, const bvx_lattice *l, const bvx_window *window, int32_t mode, const char *what)
+static inline void assert_surface(bvx_context *c, const bvx_lattice *l, const bvx_window *window,
+                                  int32_t mode, const char *what)
 {
     bvx_window const w = window_of(l, window);
     bvx_mesh_view const view = maker_view(&mesh);
     int64_t *const q = snapped(l);
     uint8_t *const bytes = maker_grow(NULL, (size_t)w.size[0] * (size_t)w.size[1] * (size_t)w.size[2]);
     bvx_grid g;
+
     memset(bytes, 0, (size_t)w.size[0] * (size_t)w.size[1] * (size_t)w.size[2]);
     for (size_t t = 0; t < mesh.triangles; t++) {
         touch_oracle const o = triangle_oracle(q, t, l);
@@ -92,28 +107,31 @@ static inline void assert_surface(bvx_context *c, const bvx_lattice *l, const bv
     free(q);
 }
 
-/* One triangle of corners in whole parts of 2^-grain voxels, about as far from each other as reach parts, in a box of side
- * voxels; every now and then a special one. */
+/* One triangle of corners in whole parts of 2^-grain voxels, about as far from each other as reach parts, in
+ * a box of side voxels; every now and then a special one. */
 static inline void make_small(int32_t trial, int32_t side, int32_t grain, int32_t reach)
 {
     int32_t const part = 1 << grain;
     int32_t centre[3], p[3][3];
     uint32_t v[3];
+
     for (int a = 0; a < 3; a++) centre[a] = maker_below(&seed, side * part);
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) p[i][a] = centre[a] + maker_below(&seed, 2 * reach + 1) - reach;
     if (trial % 7 == 0) memcpy(p[2], p[1], sizeof p[2]); /* a segment */
     if (trial % 11 == 0)
-        for (int a = 0; a < 3; a++) p[2][a] = 2 * p[1][a] - p[0][a]; /* in line */
+        for (int a = 0; a < 3; a++) p[2][a] = 2 * p[1][a] - p[0][a];          /* in line */
     if (trial % 13 == 0) p[0][trial % 3] = p[1][trial % 3] = p[2][trial % 3]; /* along a plane */
-    if (trial % 17 == 0) p[0][trial % 3] = p[1][trial % 3] = p[2][trial % 3] = part * (trial % side); /* on a lattice plane */
+    /* on a lattice plane */
+    if (trial % 17 == 0) p[0][trial % 3] = p[1][trial % 3] = p[2][trial % 3] = part * (trial % side);
     if (trial % 19 == 0) p[0][trial % 3] = p[1][trial % 3]; /* an edge across an axis */
     if (trial % 101 == 0) {
         memcpy(p[0], p[1], sizeof p[0]);
         memcpy(p[2], p[1], sizeof p[2]);
     }
     maker_clear(&mesh);
-    for (int i = 0; i < 3; i++) v[i] = maker_vertex(&mesh, (double)p[i][0] / part, (double)p[i][1] / part, (double)p[i][2] / part);
+    for (int i = 0; i < 3; i++)
+        v[i] = maker_vertex(&mesh, (double)p[i][0] / part, (double)p[i][1] / part, (double)p[i][2] / part);
     maker_triangle(&mesh, v[0], v[1], v[2]);
 }
 
@@ -121,6 +139,7 @@ static inline void make_small(int32_t trial, int32_t side, int32_t grain, int32_
 static inline void make_scan(int32_t count, const int32_t n[3], int32_t grain)
 {
     int32_t const part = 1 << grain;
+
     maker_clear(&mesh);
     for (int32_t i = 0; i < count; i++) {
         int32_t const reach = 1 + maker_below(&seed, maker_below(&seed, 3) == 0 ? 4 * part : part);
@@ -129,7 +148,8 @@ static inline void make_scan(int32_t count, const int32_t n[3], int32_t grain)
         for (int a = 0; a < 3; a++) centre[a] = (double)(maker_below(&seed, (n[a] + 2) * part) - part) / part;
         for (int c = 0; c < 3; c++) {
             double p[3];
-            for (int a = 0; a < 3; a++) p[a] = centre[a] + (double)(maker_below(&seed, 2 * reach + 1) - reach) / part;
+            for (int a = 0; a < 3; a++)
+                p[a] = centre[a] + (double)(maker_below(&seed, 2 * reach + 1) - reach) / part;
             v[c] = maker_vertex(&mesh, p[0], p[1], p[2]);
         }
         maker_triangle(&mesh, v[0], v[1], v[2]);
@@ -153,6 +173,7 @@ static inline void check_small_triangles(int32_t mode, int32_t trials)
     static const int32_t grains[] = {0, 1, 2, 4, 10, 16};
     bvx_lattice const l = lattice_of(9, 9, 9);
     bvx_context *c[SURFACE_CONTEXTS];
+
     for (int i = 0; i < SURFACE_CONTEXTS; i++) c[i] = surface_context(i);
     for (size_t g = 0; g < sizeof grains / sizeof *grains; g++) {
         int32_t const part = 1 << grains[g];
@@ -168,8 +189,10 @@ static inline void check_small_triangles(int32_t mode, int32_t trials)
 /* Meshes of all kinds in lattices of all shapes, and in windows. */
 static inline void check_meshes(int32_t mode, int32_t trials)
 {
-    static const int32_t shapes[][3] = {{20, 15, 13}, {70, 9, 7},  {200, 5, 6}, {64, 6, 5}, {65, 1, 9}, {9, 65, 1},
-                                        {1, 9, 20},   {13, 1, 1},  {1, 1, 1},   {3, 70, 2}, {5, 2, 40}, {128, 3, 3}};
+    static const int32_t shapes[][3] = {{20, 15, 13}, {70, 9, 7}, {200, 5, 6}, {64, 6, 5},
+                                        {65, 1, 9},   {9, 65, 1}, {1, 9, 20},  {13, 1, 1},
+                                        {1, 1, 1},    {3, 70, 2}, {5, 2, 40},  {128, 3, 3}};
+
     for (int32_t n = 0; n < trials; n++) {
         const int32_t *const s = shapes[n % (int32_t)(sizeof shapes / sizeof *shapes)];
         bvx_lattice const l = lattice_of(s[0], s[1], s[2]);
@@ -189,6 +212,7 @@ static inline void check_meshes(int32_t mode, int32_t trials)
 static inline void check_views(int32_t mode)
 {
     bvx_lattice const l = lattice_of(75, 11, 12);
+
     for (int32_t trial = 0; trial < (quick ? 5 : 30); trial++) {
         bvx_context *const c = surface_context(trial);
         bvx_mesh_view view;
@@ -258,7 +282,8 @@ static inline void check_contexts(int32_t mode)
         bvx_lattice const l = lattice_of(trial % 2 == 0 ? 130 : 60, 90, 80);
         bvx_mesh_view view;
         bvx_grid first;
-        if (trial < 2) make_scan(trial == 0 && !quick ? 140000 : 30000, l.dims, 16); /* one thread takes the many in pieces */
+        /* one thread takes the many in pieces */
+        if (trial < 2) make_scan(trial == 0 && !quick ? 140000 : 30000, l.dims, 16);
         else make_random(trial % KINDS == HUGE ? MIXED : trial % KINDS, 300, l.dims, 12);
         view = maker_view(&mesh);
         first = surface_by(ctx, &view, &l, NULL, mode);
@@ -272,7 +297,8 @@ static inline void check_contexts(int32_t mode)
             for (int32_t z = 0; z < w.size[2]; z++)
                 for (int32_t y = 0; y < w.size[1]; y++)
                     for (int32_t x = 0; x < w.size[0]; x++)
-                        TEST_ASSERT_EQUAL_INT(bvx_grid_get(&first, x + w.low[0], y + w.low[1], z + w.low[2]), bvx_grid_get(&other, x, y, z));
+                        TEST_ASSERT_EQUAL_INT(bvx_grid_get(&first, x + w.low[0], y + w.low[1], z + w.low[2]),
+                                              bvx_grid_get(&other, x, y, z));
             bvx_grid_free(c, &other);
             bvx_context_destroy(c);
         }

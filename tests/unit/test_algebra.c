@@ -3,7 +3,8 @@
 
 typedef bvx_status binary_fn(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *);
 
-static binary_fn *const operation[4] = {bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
+static binary_fn *const operation[4] = {bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract,
+                                        bvx_grid_xor};
 static bvx_grid a, b, made, slow;
 
 void setUp(void)
@@ -27,6 +28,7 @@ static void make_operands(int32_t x, int32_t y, int32_t z)
 {
     static const int32_t low[3] = {3, 1, 2}, more[3] = {4, 0, 1};
     int32_t const size[3] = {x, y, z};
+
     bvx_grid_free(ctx, &a);
     bvx_grid_free(ctx, &b);
     bvx_grid_free(ctx, &slow);
@@ -47,10 +49,12 @@ static void combine_slowly(int op)
     for (int32_t z = 0; z < a.size[2]; z++)
         for (int32_t y = 0; y < a.size[1]; y++)
             for (int32_t x = 0; x < a.size[0]; x++)
-                bvx_grid_set(&slow, x, y, z, of_voxel(op, bvx_grid_get(&a, x, y, z), bvx_grid_get(&b, x, y, z)));
+                bvx_grid_set(&slow, x, y, z,
+                             of_voxel(op, bvx_grid_get(&a, x, y, z), bvx_grid_get(&b, x, y, z)));
 }
 
-static bvx_status combine(bvx_context *context, int op, const bvx_grid *p, const bvx_grid *q, bvx_grid *result)
+static bvx_status combine(bvx_context *context, int op, const bvx_grid *p, const bvx_grid *q,
+                          bvx_grid *result)
 {
     return op < 4 ? operation[op](context, p, q, result) : bvx_grid_complement(context, p, result);
 }
@@ -87,6 +91,7 @@ static void test_algebra_in_place(void)
 static void test_algebra_identities(void)
 {
     bvx_grid not_a = {0}, not_b = {0}, left = {0};
+
     make_operands(129, 4, 4);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &a, &not_a));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &b, &not_b));
@@ -113,7 +118,8 @@ static void test_algebra_is_the_same_for_any_threads_and_processor(void)
     for (int op = 0; op < 5; op++) {
         combine_slowly(op);
         for (int way = 0; way < 3; way++) {
-            bvx_context *const other = algebra_context(way == 1 ? 3 : 1, way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+            bvx_context *const other = algebra_context(way == 1 ? 3 : 1,
+                                                       way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
             bvx_grid g = {0};
             TEST_ASSERT_EQUAL_INT32(BVX_OK, combine(other, op, &a, &b, &g));
             algebra_expect_equal(&slow, &g);
@@ -126,6 +132,7 @@ static void test_algebra_is_the_same_for_any_threads_and_processor(void)
 static void test_algebra_takes_words_of_the_callers(void)
 {
     static uint64_t words[24];
+
     make_operands(65, 4, 3);
     combine_slowly(0);
     for (size_t capacity = 0; capacity <= 24; capacity++) {
@@ -140,6 +147,7 @@ static void test_algebra_takes_words_of_the_callers(void)
 static void test_algebra_names_what_differs(void)
 {
     bvx_grid c;
+
     make_operands(65, 4, 3);
     c = b;
     c.low[1]--;
@@ -148,7 +156,8 @@ static void test_algebra_names_what_differs(void)
     c = b;
     c.lattice.spacing[2] = 2.5;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_grid_subtract(ctx, &c, &b, &made));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_grid_subtract: the grids differ in the lattice's spacing along z"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx),
+                                "bvx_grid_subtract: the grids differ in the lattice's spacing along z"));
     TEST_ASSERT_NULL(made.words);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_xor(ctx, &a, NULL, &made));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_xor(ctx, NULL, &a, &made));

@@ -1,4 +1,5 @@
-/* test_below.c - the rule below against every triangle and centre by themselves; volumes of terrains by hand. */
+/* test_below.c - the rule below against every triangle and centre by themselves; volumes of terrains by
+ * hand. */
 #include "solid_support.h"
 #include "tools/fill_oracle.h"
 
@@ -15,6 +16,7 @@ static bvx_grid below_by(bvx_context *c, const bvx_lattice *l, const below_terms
     bvx_mesh_view other;
     bvx_voxelize_options o;
     bvx_grid g = {0};
+
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
     o.axis = b->axis;
@@ -32,7 +34,8 @@ static bvx_grid below_by(bvx_context *c, const bvx_lattice *l, const below_terms
 static int64_t *snapped_mesh(const maker_mesh *m, const bvx_lattice *l)
 {
     int64_t *const q = maker_grow(NULL, (m->vertices + 1) * 3 * sizeof *q);
-    for (size_t i = 0; i < 3 * m->vertices; i++) q[i] = oracle_snap(m->p[i], l->origin[i % 3], l->spacing[i % 3], l->fraction_bits);
+    for (size_t i = 0; i < 3 * m->vertices; i++)
+        q[i] = oracle_snap(m->p[i], l->origin[i % 3], l->spacing[i % 3], l->fraction_bits);
     return q;
 }
 
@@ -40,6 +43,7 @@ static int64_t *snapped_mesh(const maker_mesh *m, const bvx_lattice *l)
 static int look_up(const maker_mesh *m, const int64_t *q, const int64_t c[3], int axis)
 {
     int found = 0;
+
     for (size_t t = 0; t < m->triangles; t++) {
         const int64_t *p[3];
         int where;
@@ -52,19 +56,23 @@ static int look_up(const maker_mesh *m, const int64_t *q, const int64_t c[3], in
 
 static void assert_below_is_oracle(const bvx_lattice *l, const below_terms *b)
 {
-    int64_t *const q = snapped_mesh(&mesh, l), *const s = b->second != NULL ? snapped_mesh(b->second, l) : NULL;
+    int64_t *const q = snapped_mesh(&mesh, l);
+    int64_t *const s = b->second != NULL ? snapped_mesh(b->second, l) : NULL;
     double const v = (b->base - l->origin[b->axis]) * (double)(1 << l->fraction_bits) / l->spacing[b->axis];
     uint64_t cut = 0, fill = 0, columns = 0;
     bvx_solid_report r;
     bvx_grid g = below_by(ctx, l, b, &r);
+
     for (int32_t z = 0; z < g.size[2]; z++)
         for (int32_t y = 0; y < g.size[1]; y++)
             for (int32_t x = 0; x < g.size[0]; x++) {
                 int32_t const at[3] = {x, y, z};
-                int64_t const c[3] = {oracle_centre(g.low[0] + x, l->fraction_bits), oracle_centre(g.low[1] + y, l->fraction_bits),
+                int64_t const c[3] = {oracle_centre(g.low[0] + x, l->fraction_bits),
+                                      oracle_centre(g.low[1] + y, l->fraction_bits),
                                       oracle_centre(g.low[2] + z, l->fraction_bits)};
                 int const above = (double)c[b->axis] >= floor(v + 0.5);
-                int const first = look_up(&mesh, q, c, b->axis), other = s != NULL ? look_up(b->second, s, c, b->axis) : 1;
+                int const first = look_up(&mesh, q, c, b->axis);
+                int const other = s != NULL ? look_up(b->second, s, c, b->axis) : 1;
                 int const want = above && first != 0 && other != 0 && (first == 2) != (other == 2);
                 TEST_ASSERT_EQUAL_INT(want, bvx_grid_get(&g, x, y, z));
                 columns += at[b->axis] == 0 && first != 0 && other != 0;
@@ -92,7 +100,9 @@ static double some_base(const bvx_lattice *l, int32_t axis)
 
 static void test_any_triangles_along_any_axis(void)
 {
-    static const int32_t sizes[][3] = {{66, 9, 8}, {9, 65, 10}, {8, 10, 70}, {1, 9, 12}, {12, 1, 9}, {12, 9, 1}};
+    static const int32_t sizes[][3] = {{66, 9, 8}, {9, 65, 10}, {8, 10, 70},
+                                       {1, 9, 12}, {12, 1, 9},  {12, 9, 1}};
+
     for (int32_t trial = 0; trial < (quick ? 30 : 150); trial++) {
         bvx_lattice const l = lattice_of(sizes[trial % 6][0], sizes[trial % 6][1], sizes[trial % 6][2]);
         below_terms b = {trial / 6 % 3, 0, NULL, NULL};
@@ -121,6 +131,7 @@ static void test_any_triangles_along_any_axis(void)
 static void make_terrain(int32_t nx, int32_t ny, double rise, double level)
 {
     uint32_t const stride = (uint32_t)nx + 1;
+
     maker_clear(&mesh);
     for (int32_t y = 0; y <= ny; y++)
         for (int32_t x = 0; x <= nx; x++) maker_vertex(&mesh, x, y, level + rise * x);
@@ -139,10 +150,12 @@ static void test_ground_by_hand(void)
     bvx_solid_report r;
     bvx_grid g;
     uint64_t expected = 0;
+
     make_terrain(16, 10, 0.5, 5);
     g = below_by(ctx, &l, &b, &r);
     for (int32_t x = 0; x < 16; x++) { /* height at the centre: 5 + (x + 1/2) / 2 */
-        int32_t const top = (5 * 4 + 2 * x + 1 + 1) / 4; /* centres k + 1/2 below it: 4 k + 2 < 20 + 2 x + 1 */
+        /* centres k + 1/2 below it: 4 k + 2 < 20 + 2 x + 1 */
+        int32_t const top = (5 * 4 + 2 * x + 1 + 1) / 4;
         expected += (uint64_t)(top - 2) * 10;
         for (int32_t k = 0; k < 30; k++) TEST_ASSERT_EQUAL_INT(k >= 2 && k < top, bvx_grid_get(&g, x, 4, k));
     }
@@ -159,12 +172,14 @@ static void test_cut_and_fill_by_hand(void)
     bvx_solid_report r;
     bvx_grid g;
     below_terms b = {2, -(double)INFINITY, NULL, NULL};
+
     make_terrain(16, 10, 1, 0.25);
     slope = mesh;
     memset(&mesh, 0, sizeof mesh);
     make_terrain(12, 10, 0, 8); /* ends before the slope does */
     b.second = &slope;
     g = below_by(ctx, &l, &b, &r);
+
     /* the slope's column x reaches z = x + 3/4: x + 1 centres are below it */
     TEST_ASSERT_EQUAL_UINT64((7 + 6 + 5 + 4 + 3 + 2 + 1) * 10, r.cut_voxels);
     TEST_ASSERT_EQUAL_UINT64((1 + 2 + 3 + 4) * 10, r.fill_voxels);
@@ -177,6 +192,7 @@ static void test_cut_and_fill_by_hand(void)
 static void test_threads_change_nothing(void)
 {
     static const int32_t threads[] = {1, 2, 3, 8};
+
     for (int32_t axis = 0; axis < 3; axis++) {
         bvx_lattice const l = lattice_of(70, 75, 80);
         below_terms b = {axis, 11.3, NULL, NULL};
@@ -202,6 +218,7 @@ static void test_refusals_name_the_second_mesh(void)
     bvx_mesh_view view, other;
     bvx_voxelize_options o;
     bvx_grid g = {0};
+
     make_terrain(4, 4, 0, 3);
     view = other = maker_view(&mesh);
     bvx_voxelize_options_init(&o, sizeof o);

@@ -8,8 +8,13 @@
 
 static uint64_t seed;
 
-void setUp(void) { seed = 20240607; }
-void tearDown(void) {}
+void setUp(void)
+{
+    seed = 20240607;
+}
+void tearDown(void)
+{
+}
 
 static uint64_t word_value(int n)
 {
@@ -17,7 +22,9 @@ static uint64_t word_value(int n)
     if (n < 64) return UINT64_C(1) << n;
     if (n < 128) return ~UINT64_C(0) << (n - 64);
     if (n == 128) return 0;
-    return n % 3 == 0 ? w : n % 3 == 1 ? w & maker_random(&seed) & maker_random(&seed) : w | maker_random(&seed);
+    return n % 3 == 0   ? w
+           : n % 3 == 1 ? w & maker_random(&seed) & maker_random(&seed)
+                        : w | maker_random(&seed);
 }
 
 static void test_words_counted_bit_by_bit(void)
@@ -56,7 +63,8 @@ static void test_set_run_sets_just_the_run(void)
     for (int32_t begin = 0; begin <= BITS; begin++)
         for (int32_t end = begin == 0 ? 0 : begin - 1; end <= BITS; end += (begin % 3) + 1) {
             uint64_t row[WORDS + 1], want[WORDS + 1];
-            for (int k = 0; k <= WORDS; k++) row[k] = want[k] = (begin + end) % 2 ? UINT64_C(0x8000000000000001) : 0;
+            for (int k = 0; k <= WORDS; k++)
+                row[k] = want[k] = (begin + end) % 2 ? UINT64_C(0x8000000000000001) : 0;
             for (int32_t i = begin; i < end; i++) want[i / 64] |= UINT64_C(1) << i % 64;
             bvxi_set_run(row, begin, end);
             TEST_ASSERT_EQUAL_MEMORY(want, row, sizeof row);
@@ -97,8 +105,12 @@ static void test_sort_any_length_and_order(void)
         for (int kind = 0; kind < 5; kind++) {
             int32_t v[MOST + 1], want[MOST + 1];
             for (uint32_t i = 0; i < n; i++)
-                v[i] = kind == 0 ? (int32_t)i : kind == 1 ? -(int32_t)i : kind == 2 ? maker_below(&seed, 4) :
-                       kind == 3 ? (int32_t)(maker_random(&seed) >> 32) : i % 2 ? INT32_MAX : INT32_MIN;
+                v[i] = kind == 0   ? (int32_t)i
+                       : kind == 1 ? -(int32_t)i
+                       : kind == 2 ? maker_below(&seed, 4)
+                       : kind == 3 ? (int32_t)(maker_random(&seed) >> 32)
+                       : i % 2     ? INT32_MAX
+                                   : INT32_MIN;
             v[n] = want[n] = 12345;
             for (uint32_t i = 0; i < n; i++) { /* selection: count what is less, and equals before */
                 uint32_t place = 0;

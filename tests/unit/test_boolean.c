@@ -1,5 +1,5 @@
-/* test_boolean.c - booleans of meshes: the solid of the result against the combined solids bit for bit, its vertices against the
- * surfaces of the operands, volumes against whole numbers. */
+/* test_boolean.c - booleans of meshes: the solid of the result against the combined solids bit for bit, its
+ * vertices against the surfaces of the operands, volumes against whole numbers. */
 #include "tools/mesh_maker.h"
 #include "unity.h"
 
@@ -15,6 +15,7 @@ static uint64_t seed;
 void setUp(void)
 {
     bvx_context_options o;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     seed = 9;
@@ -65,7 +66,9 @@ static bvx_certificate check(void)
 
 static void make_stars(void)
 {
-    static const double centre[2][3] = {{20, 21, 19}, {31, 24, 22}}, radius[2][3] = {{16, 15, 13}, {14, 17, 12}};
+    static const double centre[2][3] = {{20, 21, 19}, {31, 24, 22}};
+    static const double radius[2][3] = {{16, 15, 13}, {14, 17, 12}};
+
     maker_clear(&first);
     maker_clear(&second);
     maker_star(&first, &seed, centre[0], radius[0], 0.3, 11, 17, 65536);
@@ -74,7 +77,8 @@ static void make_stars(void)
     b = maker_view(&second);
 }
 
-static void make_boxes(const double low_a[3], const double high_a[3], const double low_b[3], const double high_b[3])
+static void make_boxes(const double low_a[3], const double high_a[3], const double low_b[3],
+                       const double high_b[3])
 {
     maker_clear(&first);
     maker_clear(&second);
@@ -96,6 +100,7 @@ static void test_open_meshes_are_filled_by_winding(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {10, 12, 14};
     bvx_boolean_options const o = with(64);
+
     make_boxes(low, high, low, high);
     first.triangles -= 2; /* across z */
     second.triangles -= 2;
@@ -123,6 +128,7 @@ static void test_overlapping_parts_are_one_body(void)
     static const double low[3] = {0, 0, 0}, high[3] = {8, 8, 8}, low_c[3] = {4, 2, 2}, high_c[3] = {12, 6, 6};
     static const double low_b[3] = {2, 2, 2}, high_b[3] = {6, 6, 20};
     bvx_boolean_options o = with(96);
+
     make_boxes(low, high, low_b, high_b);
     maker_box(&first, low_c, high_c);
     maker_flip(&first, 17, 18);
@@ -136,7 +142,10 @@ static void test_overlapping_parts_are_one_body(void)
 /* A half-space that cuts a part is a far larger box. */
 static void test_lattices_fit_what_can_be_left(void)
 {
-    static const double low[3] = {0, 0, 0}, high[3] = {8, 6, 4}, far_low[3] = {3, -5000, -5000}, far_high[3] = {10000, 5000, 5000};
+    static const double low[3] = {0, 0, 0};
+    static const double high[3] = {8, 6, 4};
+    static const double far_low[3] = {3, -5000, -5000};
+    static const double far_high[3] = {10000, 5000, 5000};
     bvx_boolean_options o = with(64);
     make_boxes(low, high, far_low, far_high);
     run(BVX_BOOLEAN_DIFFERENCE, &o);
@@ -148,7 +157,8 @@ static void test_lattices_fit_what_can_be_left(void)
     TEST_ASSERT_EQUAL_INT32(66, report.lattice.dims[1]); /* 6 is the longest */
     TEST_ASSERT_EQUAL_INT32(0, report.few);
 
-    bvx_mesh_free(ctx, &made); /* together the part is less than a voxel: refused, and what would do is said */
+    /* together the part is less than a voxel: refused, and what would do is said */
+    bvx_mesh_free(ctx, &made);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "mesh a"));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "take a resolution of 5000 or more"));
@@ -156,7 +166,10 @@ static void test_lattices_fit_what_can_be_left(void)
 
 static void test_few_voxels_are_told_with_the_resolution_to_take(void)
 {
-    static const double low[3] = {0, 0, 0}, high[3] = {100, 100, 100}, low_b[3] = {20, 20, 20}, high_b[3] = {30, 25, 25};
+    static const double low[3] = {0, 0, 0};
+    static const double high[3] = {100, 100, 100};
+    static const double low_b[3] = {20, 20, 20};
+    static const double high_b[3] = {30, 25, 25};
     static const double plate_low[3] = {-10, -10, 30.01}, plate_high[3] = {110, 110, 30.2};
     bvx_boolean_options o = with(100);
     make_boxes(low, high, low_b, high_b);
@@ -172,7 +185,8 @@ static void test_few_voxels_are_told_with_the_resolution_to_take(void)
     run(BVX_BOOLEAN_DIFFERENCE, &o); /* nothing is left: no mesh to warn of but a */
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_A | BVX_FEW_B, report.few);
 
-    make_boxes(low, high, plate_low, plate_high); /* a plate thinner than a voxel that sticks out: told, no error */
+    /* a plate thinner than a voxel that sticks out: told, no error */
+    make_boxes(low, high, plate_low, plate_high);
     o.resolution = 100;
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_UINT64(0, report.voxels_b);
@@ -204,7 +218,10 @@ static void test_solid_of_the_result_is_the_combined_solid(void)
                                              : op == 1 ? bvx_grid_intersection
                                              : op == 2 ? bvx_grid_subtract
                                                        : bvx_grid_xor)(ctx, &of_a, &of_b, &want));
-            if (!sharp) TEST_ASSERT_EQUAL_HEX64_ARRAY(want.words, got.words, (size_t)want.words_per_row * (size_t)(want.size[1] * want.size[2]));
+            if (!sharp)
+                TEST_ASSERT_EQUAL_HEX64_ARRAY(want.words, got.words,
+                                              (size_t)want.words_per_row *
+                                                  (size_t)(want.size[1] * want.size[2]));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &want, &count));
             TEST_ASSERT_EQUAL_UINT64(count, report.voxels);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &of_a, &count));
@@ -226,13 +243,16 @@ static double distance_to_operands(double *mean)
 {
     bvx_closest *to[2];
     double most = 0;
+
     *mean = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &a, &to[0]));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &b, &to[1]));
     for (uint64_t v = 0; v < made.vertex_count; v++) {
         bvx_closest_point p[2];
         double d;
-        for (int i = 0; i < 2; i++) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, to[i], (double *)made.positions + 3 * v, 1, &p[i]));
+        for (int i = 0; i < 2; i++)
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_closest_find(ctx, to[i], (double *)made.positions + 3 * v, 1, &p[i]));
         d = p[0].distance < p[1].distance ? p[0].distance : p[1].distance;
         most = d > most ? d : most;
         *mean += d / (double)made.vertex_count;
@@ -261,10 +281,15 @@ static void test_vertices_lie_on_the_operands(void)
     }
 }
 
-/* Where only flat faces are, each vertex lies on a face of the body whose side changes there, not between the two. */
+/* Where only flat faces are, each vertex lies on a face of the body whose
+ * side changes there, not between the two. */
 static void test_vertices_of_boxes_lie_on_their_faces(void)
 {
-    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 9, 8}, low_b[3] = {4.03, 3.07, 2.11}, high_b[3] = {12.05, 11.01, 7.13};
+    static const double low_a[3] = {0, 0, 0};
+    static const double high_a[3] = {10, 9, 8};
+    static const double low_b[3] = {4.03, 3.07, 2.11};
+    static const double high_b[3] = {12.05, 11.01, 7.13};
+
     make_boxes(low_a, high_a, low_b, high_b);
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(37);
@@ -277,7 +302,8 @@ static void test_vertices_of_boxes_lie_on_their_faces(void)
             double best = 1e9;
             for (int axis = 0; axis < 3; axis++) {
                 double const planes[4] = {low_a[axis], high_a[axis], low_b[axis], high_b[axis]};
-                for (int i = 0; i < 4; i++) best = fabs(p[axis] - planes[i]) < best ? fabs(p[axis] - planes[i]) : best;
+                for (int i = 0; i < 4; i++)
+                    best = fabs(p[axis] - planes[i]) < best ? fabs(p[axis] - planes[i]) : best;
             }
             off += best > 1e-9;
         }
@@ -288,9 +314,13 @@ static void test_vertices_of_boxes_lie_on_their_faces(void)
 /* Sharp, boxes come out whole: volumes are those of the exact bodies. */
 static void test_sharp_volumes_of_boxes(void)
 {
-    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 9, 8}, low_b[3] = {4.03, 3.07, 2.11}, high_b[3] = {12.05, 11.01, 7.13};
+    static const double low_a[3] = {0, 0, 0};
+    static const double high_a[3] = {10, 9, 8};
+    static const double low_b[3] = {4.03, 3.07, 2.11};
+    static const double high_b[3] = {12.05, 11.01, 7.13};
     double const of_a = 10 * 9 * 8, of_b = 8.02 * 7.94 * 5.02, both = 5.97 * 5.93 * 5.02;
     double const want[4] = {of_a + of_b - both, both, of_a - both, of_a + of_b - 2 * both};
+
     make_boxes(low_a, high_a, low_b, high_b);
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(48);
@@ -310,6 +340,7 @@ static void test_identities(void)
 {
     bvx_boolean_options o = with(32);
     uint64_t one, other;
+
     make_stars();
     for (int32_t op = 0; op < 4; op++) { /* a op b is b op a */
         bvx_mesh_view const swap = a;
@@ -337,9 +368,13 @@ static void test_identities(void)
 
 static void test_a_body_within_another(void)
 {
-    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 10, 10}, low_b[3] = {3, 3, 3}, high_b[3] = {6, 7, 8};
+    static const double low_a[3] = {0, 0, 0};
+    static const double high_a[3] = {10, 10, 10};
+    static const double low_b[3] = {3, 3, 3};
+    static const double high_b[3] = {6, 7, 8};
     bvx_boolean_options o = with(40);
     bvx_certificate c;
+
     make_boxes(low_a, high_a, low_b, high_b);
     run(BVX_BOOLEAN_DIFFERENCE, &o); /* a cavity: its surface looks inwards */
     c = check();
@@ -353,11 +388,15 @@ static void test_a_body_within_another(void)
 
 static void test_given_lattice_cuts_the_bodies(void)
 {
-    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 10, 10}, low_b[3] = {3, 3, 3}, high_b[3] = {16, 7, 8};
+    static const double low_a[3] = {0, 0, 0};
+    static const double high_a[3] = {10, 10, 10};
+    static const double low_b[3] = {3, 3, 3};
+    static const double high_b[3] = {16, 7, 8};
     double const origin[3] = {2, 2, 2}, spacing[3] = {0.5, 0.25, 0.4};
     int32_t const dims[3] = {20, 30, 20};
     bvx_boolean_options o = with(0);
     bvx_lattice l;
+
     make_boxes(low_a, high_a, low_b, high_b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
     o.lattice = &l;
@@ -397,6 +436,7 @@ static void test_threads_and_code_paths_are_not_seen(void)
 static void test_golden(void)
 {
     static const uint64_t want[2] = {UINT64_C(0xF03AA3FD0640CDD5), UINT64_C(0xC696D128BDE5E2F9)};
+
     make_stars();
     for (int sharp = 0; sharp < 2; sharp++) {
         bvx_boolean_options o = with(40);
@@ -419,6 +459,7 @@ static void test_refusals(void)
 {
     bvx_boolean_options o = with(16);
     bvx_lattice none;
+
     make_stars();
     refuse(4, &o, BVX_ERR_ARGUMENT, "operation 4");
     refuse(-1, &o, BVX_ERR_ARGUMENT, "operation -1");
@@ -456,7 +497,8 @@ static void test_lattice_beyond_doubles(void)
 {
     for (int32_t resolution = 4; resolution < 30; resolution += 5)
         for (int sharp = 0; sharp < 2; sharp++) {
-            static const double low[3] = {-8.5e307, -8.5e307, -8.5e307}, high[3] = {8.5e307, 8.5e307, 8.5e307};
+            static const double low[3] = {-8.5e307, -8.5e307, -8.5e307};
+            static const double high[3] = {8.5e307, 8.5e307, 8.5e307};
             bvx_boolean_options o = with(resolution);
             bvx_status status;
             o.sharp = sharp;
@@ -473,6 +515,7 @@ static void test_arrays_of_the_operands_are_not_taken(void)
 {
     static double positions[3 * 20000];
     static uint32_t triangles[3 * 40000];
+
     for (int operand = 0; operand < 2; operand++)
         for (int array = 0; array < 2; array++) {
             bvx_boolean_options const o = with(16);
@@ -489,9 +532,14 @@ static void test_arrays_of_the_operands_are_not_taken(void)
             into.vertex_capacity = 20000;
             into.triangle_capacity = 40000;
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &b, 0, &o, &into));
-            TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), operand == 0 ? "mesh a: the result's" : "mesh b: the result's"));
-            if (array == 0) TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.p : second.p, positions, (size_t)view->vertex_count * 24);
-            else TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.t : second.t, triangles, (size_t)view->triangle_count * 12);
+            TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx),
+                                        operand == 0 ? "mesh a: the result's" : "mesh b: the result's"));
+            if (array == 0)
+                TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.p : second.p, positions,
+                                         (size_t)view->vertex_count * 24);
+            else
+                TEST_ASSERT_EQUAL_MEMORY(operand == 0 ? first.t : second.t, triangles,
+                                         (size_t)view->triangle_count * 12);
         }
 }
 

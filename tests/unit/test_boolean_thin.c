@@ -1,4 +1,5 @@
-/* test_boolean_thin.c - walls of the operands thinner than voxels: they are in the result, about as thick as they are, or told as lost. */
+/* test_boolean_thin.c - walls of the operands thinner than voxels: they are
+ * in the result, about as thick as they are, or told as lost. */
 #include "tools/mesh_maker.h"
 #include "unity.h"
 
@@ -39,7 +40,8 @@ static void box(maker_mesh *m, double x0, double y0, double z0, double x1, doubl
 }
 
 /* The result is sound and crosses nothing; what it is like goes to result. */
-static void combine_on(int32_t operation, int32_t resolution, int32_t thin, int32_t sharp, const bvx_lattice *lattice)
+static void combine_on(int32_t operation, int32_t resolution, int32_t thin, int32_t sharp,
+                       const bvx_lattice *lattice)
 {
     bvx_mesh_view const a = maker_view(&first), b = maker_view(&second);
     bvx_boolean_options o;
@@ -55,7 +57,8 @@ static void combine_on(int32_t operation, int32_t resolution, int32_t thin, int3
     o.thin = thin;
     o.sharp = sharp;
     o.report = &report;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, operation, &o, &made), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, operation, &o, &made),
+                                    bvx_last_message(ctx));
     bvx_mesh_view_of(&made, &v);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &v, 1, &result));
     TEST_ASSERT_TRUE(result.closed && result.edge_manifold && result.vertex_manifold && result.oriented);
@@ -77,7 +80,8 @@ static void assert_volume(double expected, double share)
     TEST_ASSERT_TRUE_MESSAGE(fabs(result.volume / expected - 1.0) < share, text);
 }
 
-/* A plate of half a voxel, where its lattice has centres in it and where it has none, less a bar through it. */
+/* A plate of half a voxel, where its lattice has centres in it and where it has none, less a bar through
+ * it. */
 static void test_a_plate_with_a_hole(void)
 {
     for (int32_t sharp = 0; sharp < 2; sharp++)
@@ -208,7 +212,8 @@ static void test_the_resolution_that_a_refusal_names_helps(void)
     o.resolution = (int32_t)strtol(number + 16, NULL, 10);
     TEST_ASSERT_TRUE(o.resolution > 60 && o.resolution < 400);
     o.report = &report;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(report.voxels_a > 0);
 }
 

@@ -1,5 +1,5 @@
-/* test_bvx.c - our own grid files: against a plain writer of the layout, in parts, in windows, damaged in every byte, and with
- * damage whose checksums are right. */
+/* test_bvx.c - our own grid files: against a plain writer of the layout, in parts, in windows, damaged in
+ * every byte, and with damage whose checksums are right. */
 #include "packed_support.h"
 
 #include <math.h>
@@ -30,7 +30,10 @@ static void put_double(uint8_t *p, double v)
 static void plain_head(uint8_t *p, const bvx_lattice *l, const int32_t low[3], const int32_t size[3])
 {
     memset(p, 0, HEAD);
-    memcpy(p, "\x89" "BVX\r\n\x1a\n", 8);
+    memcpy(p,
+           "\x89"
+           "BVX\r\n\x1a\n",
+           8);
     put_bytes(p + 8, 1, 4);
     put_bytes(p + 12, 128, 4);
     for (int a = 0; a < 3; a++) {
@@ -76,6 +79,7 @@ static size_t plain_slice(uint8_t *p, const bvx_grid *g, int32_t k, uint64_t fra
     size_t n = 0;
     uint64_t length = 0;
     int value = 0;
+
     for (int32_t y = 0; y < g->size[1]; y++)
         for (int32_t x = 0; x < g->size[0]; x++) {
             if (bvx_grid_get(g, x, y, k) != value) {
@@ -97,7 +101,8 @@ static size_t plain_slice(uint8_t *p, const bvx_grid *g, int32_t k, uint64_t fra
         for (int32_t y = 0; y < g->size[1]; y++)
             for (int32_t x = 0; x < g->size[0]; x++)
                 if (bvx_grid_get(g, x, y, k))
-                    p[SLICE + (size_t)y * (size_t)g->words_per_row * 8 + (size_t)x / 8] |= (uint8_t)(1 << x % 8);
+                    p[SLICE + (size_t)y * (size_t)g->words_per_row * 8 + (size_t)x / 8] |=
+                        (uint8_t)(1 << x % 8);
     }
     seal_slice(p, frame);
     free(runs);
@@ -120,12 +125,14 @@ static void check_file(const bvx_lattice *lattice, const bvx_window *window, int
 {
     bvx_grid g, back;
     bvx_buffer b = {0};
+
     grid_of(&g, lattice, window, kind, (uint64_t)lattice->dims[0] + 31);
     bvx_buffer plain = plain_file(&g);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_BVX, &b));
     TEST_ASSERT_EQUAL_UINT64(plain.size, b.size);
     TEST_ASSERT_EQUAL_MEMORY(plain.bytes, b.bytes, (size_t)b.size);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_BVX, NULL, &back), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_BVX, NULL, &back),
+                                    bvx_last_message(ctx));
     check_same_grid(&g, &back);
     bvx_grid_free(ctx, &back);
     check_windows(&b, BVX_FORMAT_BVX, &g, 12);
@@ -137,6 +144,7 @@ static void check_file(const bvx_lattice *lattice, const bvx_window *window, int
 static void test_bvx_of_many_shapes(void)
 {
     static const int32_t sides[] = {1, 2, 63, 64, 65, 127, 128, 129, 200};
+
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++)
         for (int kind = 0; kind < KINDS; kind++) {
             bvx_lattice const a = lattice_of(sides[i], 5, 3, -1.5, 0.1, 1.0 / 3, 7e-5);
@@ -161,19 +169,22 @@ static void test_bvx_of_windows(void)
 /* A small file written by hand: other makers can hold theirs against it. */
 static void test_bvx_bytes(void)
 {
-    static const uint8_t slices[] = {
-        0x77, 0x65, 0xeb, 0xb6, 0x68, 0xe2, 0xce, 0xa1, 4, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 2, 4,
-        0xa3, 0xb6, 0x80, 0x4e, 0x3b, 0xb0, 0xbf, 0x20, 5, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 6};
+    static const uint8_t slices[] = {0x77, 0x65, 0xeb, 0xb6, 0x68, 0xe2, 0xce, 0xa1, 4,    0, 0, 0, 1,
+                                     0,    0,    0,    3,    0,    0,    0,    0,    0,    0, 0, 0, 2,
+                                     4,    0xa3, 0xb6, 0x80, 0x4e, 0x3b, 0xb0, 0xbf, 0x20, 5, 0, 0, 0,
+                                     1,    0,    0,    0,    1,    0,    0,    0,    0,    0, 0, 0, 6};
     static const uint8_t check[] = {0xbd, 0x44, 0x25, 0x3c, 0x86, 0xf7, 0xe9, 0xd4}; /* of the head */
     bvx_lattice const l = lattice_of(3, 2, 9, 1, 1, 1, 1);
     bvx_window const w = window_of(0, 0, 4, 3, 2, 2);
     uint8_t file[HEAD + sizeof slices];
     bvx_grid g;
     bvx_buffer b = {0};
+
     plain_head(file, &l, w.low, w.size);
     memcpy(file + HEAD, slices, sizeof slices);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(check, file + 120, 8);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(file, sizeof file, BVX_FORMAT_BVX, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(file, sizeof file, BVX_FORMAT_BVX, NULL, &g),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_HEX64(3, g.words[0]);
     TEST_ASSERT_EQUAL_HEX64(0, g.words[1] | g.words[2] | g.words[3]);
     TEST_ASSERT_EQUAL_INT32(4, g.low[2]);
@@ -189,6 +200,7 @@ static void test_bvx_workers_words_limits_and_cancel(void)
     bvx_lattice const l = lattice_of(300, 100, 60, 1, 1, 2, 3);
     bvx_grid g;
     bvx_buffer b = {0};
+
     for (int kind = KIND_NOISE; kind < KINDS; kind++) {
         grid_of(&g, &l, NULL, kind, 5);
         check_workers(&g, BVX_FORMAT_BVX);
@@ -227,6 +239,7 @@ static void test_bvx_in_parts(void)
 {
     bvx_lattice const l = lattice_of(100, 40, 50, 2, 1, 2, 3);
     uint64_t state = 17;
+
     for (int i = 0; i < 40; i++) {
         bvx_window const w = random_window(l.dims, &state);
         bvx_grid g, part;
@@ -243,7 +256,8 @@ static void test_bvx_in_parts(void)
             v.size[2] = 1 + (int32_t)((next_random(&state) >> 20) % (uint64_t)(w.size[2] - z));
             memset(&part, 0, sizeof part);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, &v, &part));
-            memcpy(part.words, g.words + (size_t)z * (size_t)g.words_per_row * (size_t)g.size[1], 8 * grid_words(&part));
+            memcpy(part.words, g.words + (size_t)z * (size_t)g.words_per_row * (size_t)g.size[1],
+                   8 * grid_words(&part));
             bvx_buffer_free(ctx, &b);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_slices(ctx, &part, &b));
             TEST_ASSERT_TRUE(at + b.size <= whole.size);
@@ -316,6 +330,7 @@ static void test_bvx_notices_every_byte(void)
 {
     bvx_grid g, back;
     bvx_buffer b = {0};
+
     make_small(&g, &b);
     TEST_ASSERT_EQUAL_UINT8(1, slice_at(&b, 1)[12]);
     TEST_ASSERT_EQUAL_UINT8(0, slice_at(&b, 2)[12]);
@@ -335,6 +350,7 @@ static void test_bvx_messages(void)
 {
     bvx_grid g;
     bvx_buffer b = {0};
+
     make_small(&g, &b);
     size_t const n = (size_t)b.size;
     uint8_t *const longer = malloc(n + 1);
@@ -346,14 +362,16 @@ static void test_bvx_messages(void)
     check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "a transfer took the file for text");
     memcpy(longer, b.bytes, n);
     longer[8] = 3;
-    check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_UNSUPPORTED, "of version 3, this library reads version 1");
+    check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_UNSUPPORTED,
+                         "of version 3, this library reads version 1");
     memcpy(longer, b.bytes, n);
     longer[20] ^= 1;
     check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "the head is damaged");
     memcpy(longer, b.bytes, n);
     longer[slice_at(&b, 3) - b.bytes + SLICE] ^= 1;
     longer[slice_at(&b, 2) - b.bytes + SLICE + 9] ^= 64;
-    check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "slice z 5: the slice is damaged"); /* the first one */
+    /* the first one */
+    check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "slice z 5: the slice is damaged");
     free(longer);
     bvx_buffer_free(ctx, &b);
     bvx_grid_free(ctx, &g);
@@ -367,6 +385,7 @@ static void test_bvx_head_replaced(void)
     bvx_grid g, back;
     bvx_buffer b = {0};
     int read = 0;
+
     make_small(&g, &b);
     uint8_t *const file = malloc((size_t)b.size);
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++)
@@ -379,7 +398,8 @@ static void test_bvx_head_replaced(void)
             bvx_memory_reset_peak(ctx);
             bvx_status const status = read_packed(file, (size_t)b.size, BVX_FORMAT_BVX, NULL, &back);
             TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - bvx_memory_used(ctx) <= 4 * b.size);
-            if (status == BVX_OK) { /* a lattice that is as good as the one before; reserved fields are all 0 */
+            /* a lattice that is as good as the one before; reserved fields are all 0 */
+            if (status == BVX_OK) {
                 TEST_ASSERT_TRUE(at[i] < 88 || at[i] == 96);
                 read++;
             } else {
@@ -405,9 +425,11 @@ static void test_bvx_head_replaced(void)
 }
 
 /* A file of one slice with these bytes, all checksums right. */
-static size_t one_slice(uint8_t *file, const bvx_lattice *l, uint32_t z, uint32_t encoding, const void *bytes, size_t n)
+static size_t one_slice(uint8_t *file, const bvx_lattice *l, uint32_t z, uint32_t encoding, const void *bytes,
+                        size_t n)
 {
     static const int32_t low[3] = {0, 0, 0};
+
     plain_head(file, l, low, l->dims);
     put_bytes(file + HEAD + 8, z, 4);
     put_bytes(file + HEAD + 12, encoding, 4);
@@ -417,23 +439,27 @@ static size_t one_slice(uint8_t *file, const bvx_lattice *l, uint32_t z, uint32_
     return HEAD + SLICE + n;
 }
 
-static void check_slice(int32_t nx, int32_t ny, uint32_t z, uint32_t encoding, const void *bytes, size_t n, const char *words)
+static void check_slice(int32_t nx, int32_t ny, uint32_t z, uint32_t encoding, const void *bytes, size_t n,
+                        const char *words)
 {
     bvx_lattice const l = lattice_of(nx, ny, 1, 0, 1, 1, 1);
     uint8_t file[HEAD + SLICE + 128];
     bvx_grid g;
     size_t const size = one_slice(file, &l, z, encoding, bytes, n);
+
     if (words != NULL) {
         check_packed_refused(file, size, BVX_FORMAT_BVX, BVX_ERR_FORMAT, words);
         return;
     }
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(file, size, BVX_FORMAT_BVX, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(file, size, BVX_FORMAT_BVX, NULL, &g),
+                                    bvx_last_message(ctx));
     bvx_grid_free(ctx, &g);
 }
 
 static void test_bvx_slices_with_right_checksums(void)
 {
     static const char run[] = "a length of a run", total[] = "do not add up", z[] = "in place of z 0";
+
     check_slice(4, 3, 0, 1, "\14", 1, NULL);
     check_slice(4, 3, 0, 1, "\0\14", 2, NULL);
     check_slice(4, 3, 0, 1, "\5\3\4", 3, NULL);
@@ -446,10 +472,10 @@ static void test_bvx_slices_with_right_checksums(void)
     check_slice(4, 3, 0, 1, "\5\3\4\1", 4, total);
     check_slice(4, 3, 0, 1, "\0", 1, total);
     check_slice(4, 3, 0, 1, "", 0, "cannot hold 1 slices");
-    check_slice(4, 3, 0, 1, "\14\0", 2, run);    /* nothing behind the end */
-    check_slice(4, 3, 0, 1, "\0\0\14", 3, run);  /* 0 in the middle */
-    check_slice(4, 3, 0, 1, "\214\0", 2, run);   /* longer than it needs to be */
-    check_slice(300, 1, 0, 1, "\xac", 1, run);   /* cut */
+    check_slice(4, 3, 0, 1, "\14\0", 2, run);   /* nothing behind the end */
+    check_slice(4, 3, 0, 1, "\0\0\14", 3, run); /* 0 in the middle */
+    check_slice(4, 3, 0, 1, "\214\0", 2, run);  /* longer than it needs to be */
+    check_slice(300, 1, 0, 1, "\xac", 1, run);  /* cut */
     check_slice(300, 1, 0, 1, "\xac\x82\x80\x80\x80\x80\x80\x80", 8, run);
     check_slice(300, 1, 0, 1, "\xac\x82\x80\x80\x80\x80\x80\x80\1", 9, run); /* 9 bytes */
     check_slice(300, 1, 0, 1, "\xff\xff\xff\xff\xff\xff\xff\x7f", 8, total); /* 2^56 - 1 */
@@ -469,10 +495,18 @@ static void test_bvx_mixed_parts(void)
 {
     bvx_lattice const l = lattice_of(10, 4, 6, 2, 1, 2, 3), shifted = lattice_of(10, 4, 6, 3, 1, 2, 3);
     bvx_window const w = window_of(2, 1, 1, 5, 2, 2);
-    bvx_window const parts[5] = {{{2, 1, 1}, {5, 2, 2}}, {{3, 1, 1}, {5, 2, 2}}, {{2, 1, 2}, {5, 2, 2}}, {{2, 1, 1}, {5, 2, 1}},
+    bvx_window const parts[5] = {{{2, 1, 1}, {5, 2, 2}},
+                                 {{3, 1, 1}, {5, 2, 2}},
+                                 {{2, 1, 2}, {5, 2, 2}},
+                                 {{2, 1, 1}, {5, 2, 1}},
                                  {{2, 0, 1}, {5, 3, 2}}};
-    static const char *const words[6] = {NULL, "of another lattice or window", "slice z 2 in place of z 1", "cannot hold 2 slices",
-                                         "of another lattice or window", "of another lattice or window"};
+    static const char *const words[6] = {NULL,
+                                         "of another lattice or window",
+                                         "slice z 2 in place of z 1",
+                                         "cannot hold 2 slices",
+                                         "of another lattice or window",
+                                         "of another lattice or window"};
+
     for (int i = 0; i < 6; i++) {
         bvx_grid g, back;
         bvx_buffer head = {0}, b = {0};
@@ -495,7 +529,8 @@ static void test_bvx_mixed_parts(void)
     }
 }
 
-/* A file of some 160 bytes that stands for 2^50 voxels: refused as a whole, at once; a window of it is read. */
+/* A file of some 160 bytes that stands for 2^50 voxels: refused as a whole, at once; a window of it is
+ * read. */
 static void test_bvx_huge_slice(void)
 {
     bvx_lattice const l = lattice_of(1 << 25, 1 << 25, 1, 0, 1, 1, 1);
@@ -503,6 +538,7 @@ static void test_bvx_huge_slice(void)
     uint8_t runs[24];
     bvx_grid g;
     size_t n = plain_length(runs, ((uint64_t)1 << 49) + 100); /* empty, set, empty */
+
     n += plain_length(runs + n, ((uint64_t)1 << 25) + 7);
     n += plain_length(runs + n, ((uint64_t)1 << 49) - 107 - ((uint64_t)1 << 25));
     size_t const size = one_slice(file, &l, 0, 1, runs, n);
@@ -522,6 +558,7 @@ static void test_bvx_runs_in_every_window(void)
 {
     bvx_lattice const l = lattice_of(9, 5, 1, 0, 1, 1, 1);
     uint8_t file[HEAD + SLICE + 16];
+
     for (int begin = 0; begin < 45; begin += 4)
         for (int end = begin + 1; end <= 45; end += 3) {
             uint8_t const runs[3] = {(uint8_t)begin, (uint8_t)(end - begin), (uint8_t)(45 - end)};

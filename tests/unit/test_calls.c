@@ -1,7 +1,8 @@
-/* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not BVX_OK, a message that
- * names the function, results left as they were, nothing kept. Each call is made rightly first, so that it is the damage which
- * is refused; then with each damage that one of its arguments can have. Then: choices out of range, sizes beyond memory, meshes
- * into arrays of the caller's, and sections that contradict themselves. */
+/* test_calls.c - what every public function owes to a caller who calls it wrongly: a status that is not
+ * BVX_OK, a message that names the function, results left as they were, nothing kept. Each call is made
+ * rightly first, so that it is the damage which is refused; then with each damage that one of its arguments
+ * can have. Then: choices out of range, sizes beyond memory, meshes into arrays of the caller's, and sections
+ * that contradict themselves. */
 #include "unity.h"
 
 #include "call_table.h"
@@ -10,8 +11,12 @@
 #include <stdio.h>
 #include <string.h>
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 /* ---- Damages ---- */
 
@@ -28,38 +33,122 @@ static float bad_corner[8][3];
 static uint32_t bad_cube[12][3];
 
 enum {
-    NO_CONTEXT, NO_OUT, USED_OUT, NO_SECOND, OPTIONS_SIZE, OPTIONS_RESERVED,
-    NO_MESH, MESH_TYPE, MESH_STRIDE, MESH_ARRAY, MESH_RESERVED, MESH_NUMBER, MESH_NAN,
-    NO_POINTS, POINTS_TYPE, POINTS_NAN, NO_LATTICE, LATTICE_DIMS, LATTICE_SPACING, LATTICE_NAN,
-    NO_GRID, GRID_WORDS, GRID_SIZE, GRID_ROW, GRID_LATTICE, NO_OTHER, OTHER_WORDS, OTHER_ROW, NO_TREE,
-    NO_FIELD, FIELD_TYPE, FIELD_ROWS, NO_SECTIONS, SECTIONS_RESERVED, SECTIONS_NORMAL, SECTIONS_POINTS, SECTIONS_COUNT,
-    NO_VOLUME, VOLUME_TYPE, VOLUME_SAMPLES, VOLUME_RESERVED, NO_BODY, BODY_TYPE, BODY_ARRAY, BODY_RESERVED,
-    NO_IMAGE, IMAGE_SIZE, IMAGE_PIXELS, NO_BYTES, NO_SIZE, DAMAGES
+    NO_CONTEXT,
+    NO_OUT,
+    USED_OUT,
+    NO_SECOND,
+    OPTIONS_SIZE,
+    OPTIONS_RESERVED,
+    NO_MESH,
+    MESH_TYPE,
+    MESH_STRIDE,
+    MESH_ARRAY,
+    MESH_RESERVED,
+    MESH_NUMBER,
+    MESH_NAN,
+    NO_POINTS,
+    POINTS_TYPE,
+    POINTS_NAN,
+    NO_LATTICE,
+    LATTICE_DIMS,
+    LATTICE_SPACING,
+    LATTICE_NAN,
+    NO_GRID,
+    GRID_WORDS,
+    GRID_SIZE,
+    GRID_ROW,
+    GRID_LATTICE,
+    NO_OTHER,
+    OTHER_WORDS,
+    OTHER_ROW,
+    NO_TREE,
+    NO_FIELD,
+    FIELD_TYPE,
+    FIELD_ROWS,
+    NO_SECTIONS,
+    SECTIONS_RESERVED,
+    SECTIONS_NORMAL,
+    SECTIONS_POINTS,
+    SECTIONS_COUNT,
+    NO_VOLUME,
+    VOLUME_TYPE,
+    VOLUME_SAMPLES,
+    VOLUME_RESERVED,
+    NO_BODY,
+    BODY_TYPE,
+    BODY_ARRAY,
+    BODY_RESERVED,
+    NO_IMAGE,
+    IMAGE_SIZE,
+    IMAGE_PIXELS,
+    NO_BYTES,
+    NO_SIZE,
+    DAMAGES
 };
-static const char *const damage_name[DAMAGES] = {
-    "no context", "no result", "a result in use", "no second result", "options of size 1", "options with something reserved",
-    "no mesh", "a mesh of no type", "a mesh with a short stride", "a mesh without positions", "a mesh with something reserved",
-    "a vertex number too high", "a position that is no number", "no points", "points of no type", "a point that is no number",
-    "no lattice", "a lattice without voxels", "a lattice of negative voxels", "a lattice nowhere",
-    "no grid", "a grid without words", "a grid without voxels", "a grid with wrong rows", "a grid outside its lattice",
-    "no other grid", "another grid without words", "another grid with wrong rows", "no tree",
-    "no field", "a field of no type", "a field without rows", "no sections", "sections with something reserved",
-    "sections without a normal", "sections without points", "too many sections", "no volume", "a volume of no type", "a volume without samples",
-    "a volume with something reserved", "no body", "a body of no type", "a body without triangles", "a body with something reserved",
-    "no image", "an image without pixels", "an image without memory", "no bytes", "a file of no bytes"
-};
+static const char *const damage_name[DAMAGES] = {"no context",
+                                                 "no result",
+                                                 "a result in use",
+                                                 "no second result",
+                                                 "options of size 1",
+                                                 "options with something reserved",
+                                                 "no mesh",
+                                                 "a mesh of no type",
+                                                 "a mesh with a short stride",
+                                                 "a mesh without positions",
+                                                 "a mesh with something reserved",
+                                                 "a vertex number too high",
+                                                 "a position that is no number",
+                                                 "no points",
+                                                 "points of no type",
+                                                 "a point that is no number",
+                                                 "no lattice",
+                                                 "a lattice without voxels",
+                                                 "a lattice of negative voxels",
+                                                 "a lattice nowhere",
+                                                 "no grid",
+                                                 "a grid without words",
+                                                 "a grid without voxels",
+                                                 "a grid with wrong rows",
+                                                 "a grid outside its lattice",
+                                                 "no other grid",
+                                                 "another grid without words",
+                                                 "another grid with wrong rows",
+                                                 "no tree",
+                                                 "no field",
+                                                 "a field of no type",
+                                                 "a field without rows",
+                                                 "no sections",
+                                                 "sections with something reserved",
+                                                 "sections without a normal",
+                                                 "sections without points",
+                                                 "too many sections",
+                                                 "no volume",
+                                                 "a volume of no type",
+                                                 "a volume without samples",
+                                                 "a volume with something reserved",
+                                                 "no body",
+                                                 "a body of no type",
+                                                 "a body without triangles",
+                                                 "a body with something reserved",
+                                                 "no image",
+                                                 "an image without pixels",
+                                                 "an image without memory",
+                                                 "no bytes",
+                                                 "a file of no bytes"};
 
 /* 0 when the call has nothing that this damage could be done to. */
 static int do_damage(const call *c, int damage, world *w)
 {
     int const takes = c->takes;
+
     switch (damage) {
     case NO_CONTEXT: w->ctx = NULL; return 1;
     case NO_OUT: w->out = NULL; return (takes & SLOT) == 0;
     case NO_SECOND: w->second = NULL; return (takes & SECOND) != 0;
     case USED_OUT:
         memset(out.plain, 0x40, sizeof out);
-        return c->to == TO_FIELD || c->to == TO_SECTIONS; /* not zeroed and not the library's: owned is neither 0 nor 1 */
+        /* not zeroed and not the library's: owned is neither 0 nor 1 */
+        return c->to == TO_FIELD || c->to == TO_SECTIONS;
     case OPTIONS_SIZE: w->wrong_size = 1; return (takes & OPTIONS) != 0;
     case OPTIONS_RESERVED: w->wrong_reserved = 1; return (takes & RESERVED) != 0;
     case NO_MESH: w->mesh = NULL; return (takes & MESH) != 0;
@@ -73,8 +162,17 @@ static int do_damage(const call *c, int damage, world *w)
     case NO_VOLUME: w->volume = NULL; return (takes & VOLUME) != 0;
     case NO_BODY: w->body = NULL; return (takes & BODY) != 0;
     case NO_IMAGE: w->image = NULL; return (takes & IMAGE) != 0;
-    case NO_BYTES: bad_file = npy; bad_file.bytes = NULL; w->file = w->lattice_file = &bad_file; return (takes & BYTES) != 0;
-    case NO_SIZE: bad_file = npy; bad_file.size = 0; w->file = &bad_file; return (takes & BYTES) != 0 && c->make != read_lattice; /* a fault of its text */
+    case NO_BYTES:
+        bad_file = npy;
+        bad_file.bytes = NULL;
+        w->file = w->lattice_file = &bad_file;
+        return (takes & BYTES) != 0;
+    /* a fault of its text */
+    case NO_SIZE:
+        bad_file = npy;
+        bad_file.size = 0;
+        w->file = &bad_file;
+        return (takes & BYTES) != 0 && c->make != read_lattice;
     default: break;
     }
     if (damage >= MESH_TYPE && damage <= MESH_NAN) {
@@ -114,7 +212,8 @@ static int do_damage(const call *c, int damage, world *w)
     if ((damage >= GRID_WORDS && damage <= GRID_LATTICE) || damage == OTHER_WORDS || damage == OTHER_ROW) {
         bad_grid = solid;
         switch (damage) {
-        case GRID_WORDS: case OTHER_WORDS: bad_grid.words = NULL; break;
+        case GRID_WORDS:
+        case OTHER_WORDS: bad_grid.words = NULL; break;
         case GRID_SIZE: bad_grid.size[0] = 0; break;
         case GRID_LATTICE: bad_grid.low[2] = 1; break;
         default: bad_grid.words_per_row = 2; break;
@@ -166,12 +265,26 @@ static int do_damage(const call *c, int damage, world *w)
 static int32_t reason_of_damage(int damage)
 {
     switch (damage) {
-    case NO_OUT: case NO_MESH: case NO_POINTS: case NO_LATTICE: case NO_GRID: case NO_OTHER: case NO_TREE: case NO_FIELD: case NO_SECTIONS:
-    case NO_VOLUME: case NO_BODY: return BVX_REASON_NULL;
+    case NO_OUT:
+    case NO_MESH:
+    case NO_POINTS:
+    case NO_LATTICE:
+    case NO_GRID:
+    case NO_OTHER:
+    case NO_TREE:
+    case NO_FIELD:
+    case NO_SECTIONS:
+    case NO_VOLUME:
+    case NO_BODY: return BVX_REASON_NULL;
     case OPTIONS_SIZE: return BVX_REASON_OPTIONS;
-    case OPTIONS_RESERVED: case MESH_RESERVED: case SECTIONS_RESERVED: case VOLUME_RESERVED: case BODY_RESERVED: return BVX_REASON_RESERVED;
+    case OPTIONS_RESERVED:
+    case MESH_RESERVED:
+    case SECTIONS_RESERVED:
+    case VOLUME_RESERVED:
+    case BODY_RESERVED: return BVX_REASON_RESERVED;
     case MESH_NUMBER: return BVX_REASON_INDEX;
-    case MESH_NAN: case POINTS_NAN: return BVX_REASON_NOT_FINITE;
+    case MESH_NAN:
+    case POINTS_NAN: return BVX_REASON_NOT_FINITE;
     default: return BVX_REASON_NONE;
     }
 }
@@ -181,26 +294,32 @@ static const char *wrong_error(const call *c, const bvx_context *ctx, int damage
 {
     const bvx_error *const e = bvx_last_error(ctx);
     int32_t const expected = reason_of_damage(damage);
+
     if (e->status != status) return "gives another status in bvx_last_error";
     if (e->reason == BVX_REASON_NONE || e->reason >= BVX_REASON_COUNT) return "gives no reason";
     if (expected != BVX_REASON_NONE && e->reason != expected) return bvx_reason_text(e->reason);
     if (strcmp(e->function, c->name) != 0) return e->function;
     if (damage == MESH_NUMBER && e->index != 7) return "names another triangle";
     if (damage == MESH_NAN && e->index != 5) return "names another vertex";
-    if (strcmp(e->message, bvx_last_message(ctx)) != 0 || strstr(e->message, e->text) == NULL || e->text[0] == 0) return "gives no text";
+    if (strcmp(e->message, bvx_last_message(ctx)) != 0 || strstr(e->message, e->text) == NULL ||
+        e->text[0] == 0)
+        return "gives no text";
     return NULL;
 }
 
 /* NULL, or what was wrong with the refusal. */
-static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx, uint64_t held, int damage, bvx_status status)
+static const char *wrong_refusal(const call *c, const world *w, bvx_context *ctx, uint64_t held, int damage,
+                                 bvx_status status)
 {
     static result before;
+
     memset(&before, out.plain[0], sizeof before);
     if (status == BVX_OK) return "was not refused";
     if (status != BVX_ERR_ARGUMENT && w->ctx == NULL) return "gives another status";
     if (memcmp(&before, &out, sizeof out) != 0) return "wrote something";
     if (bvx_memory_used(ctx) != held) return "kept memory";
-    if (w->ctx != NULL && strstr(bvx_last_message(ctx), (c->takes & INNER) != 0 ? "bvx_" : c->name) == NULL) return "gives a message that does not name the function";
+    if (w->ctx != NULL && strstr(bvx_last_message(ctx), (c->takes & INNER) != 0 ? "bvx_" : c->name) == NULL)
+        return "gives a message that does not name the function";
     return w->ctx != NULL ? wrong_error(c, ctx, damage, status) : NULL;
 }
 
@@ -208,6 +327,7 @@ static void test_every_call_refuses_every_damage(void)
 {
     bvx_context *ctx = NULL;
     int wrong = 0, refusals = 0;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(ctx);
     for (int i = 0; i < CALLS; i++) {
@@ -231,7 +351,8 @@ static void test_every_call_refuses_every_damage(void)
             status = calls[i].make(&w);
             what = wrong_refusal(&calls[i], &w, ctx, held, damage, status);
             if (what != NULL) {
-                printf("%s with %s %s: %s\n", calls[i].name, damage_name[damage], what, bvx_last_message(ctx));
+                printf("%s with %s %s: %s\n", calls[i].name, damage_name[damage], what,
+                       bvx_last_message(ctx));
                 wrong++;
                 if (status == BVX_OK) free_result(ctx, calls[i].to);
             }
@@ -251,65 +372,160 @@ typedef struct choice {
     size_t at, size;
     double value; /* becomes the field's type */
 } choice;
-#define BAD(call, kind, field, value) {"bvx_" #call " with " #field " = " #value, call, offsetof(bvx_##kind##_options, field), \
-    sizeof ((bvx_##kind##_options *)0)->field, value}
+#define BAD(call, kind, field, value)                                                           \
+    {                                                                                           \
+        "bvx_" #call " with " #field " = " #value, call, offsetof(bvx_##kind##_options, field), \
+            sizeof((bvx_##kind##_options *)0)->field, value                                     \
+    }
 #define BAD_SWITCH(call, kind, field) BAD(call, kind, field, 2), BAD(call, kind, field, -1)
-#define BAD_SURFACE(call, kind) BAD(call, kind, face_rule, 9), BAD(call, kind, face_rule, -1), BAD(call, kind, position_type, 9), \
-    BAD_SWITCH(call, kind, local_frame)
+#define BAD_SURFACE(call, kind)                                                                       \
+    BAD(call, kind, face_rule, 9), BAD(call, kind, face_rule, -1), BAD(call, kind, position_type, 9), \
+        BAD_SWITCH(call, kind, local_frame)
 
 /* Options outside of what the header allows; fields of 4 bytes are whole numbers, those of 8 are doubles. */
 static void test_choices_out_of_range(void)
 {
     static const choice bad[] = {
-        BAD(lattice_fit_with, lattice, padding, -1), BAD(voxelize_solid, voxelize, fill, 99), BAD(voxelize_solid, voxelize, fill, -1),
-        BAD(voxelize_solid, voxelize, close_gaps, -1), BAD_SWITCH(voxelize_solid, voxelize, add_shell),
-        BAD_SWITCH(voxelize_solid, voxelize, check_edges), BAD(voxelize_solid, voxelize, check_thin, 2), BAD(voxelize_solid, voxelize, check_thin, -2),
+        BAD(lattice_fit_with, lattice, padding, -1),
+        BAD(voxelize_solid, voxelize, fill, 99),
+        BAD(voxelize_solid, voxelize, fill, -1),
+        BAD(voxelize_solid, voxelize, close_gaps, -1),
+        BAD_SWITCH(voxelize_solid, voxelize, add_shell),
+        BAD_SWITCH(voxelize_solid, voxelize, check_edges),
+        BAD(voxelize_solid, voxelize, check_thin, 2),
+        BAD(voxelize_solid, voxelize, check_thin, -2),
         BAD(voxelize_solid, voxelize, axis, 3),
-        BAD(compare_fills, compare_fills, close_gaps, -1), BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
-        BAD(voxelize_surface, surface, mode, 99), BAD(voxelize_surface, surface, mode, -1), BAD(grid_dilate, morph, neighbourhood, 5),
-        BAD(grid_erode, morph, steps, -1), BAD(grid_open, morph, beyond, 2), BAD(grid_close, morph, radius, -1),
-        BAD(grid_hollow, hollow, drain_side, 7), BAD(grid_hollow, hollow, drain_side, -1), BAD_SWITCH(grid_hollow, hollow, drain_placed),
-        BAD_SWITCH(grid_hollow, hollow, beyond), BAD(grid_hollow, hollow, drain_radius, -1), BAD(grid_distance, distance, side, 9),
-        BAD(grid_distance, distance, beyond, 9), BAD(grid_distance_squares, distance, side, -1), BAD(refine, refine, start_level, 7),
-        BAD(refine, refine, start_level, -2), BAD(refine, refine, outer_levels, 5), BAD(refine, refine, outer_levels, -1),
-        BAD(refine, refine, tolerance, -1), BAD(refine, refine, tolerance, (double)INFINITY), BAD(refine, refine, tolerance, (double)NAN),
-        BAD(voxelize_points, points, minimum, 0), BAD(voxelize_points, points, body, 9), BAD(voxelize_points, points, close_gaps, -1),
-        BAD(grid_keep, keep, connectivity, 7), BAD_SURFACE(extract_surface, extract), BAD(extract_surface, extract, open_sides, 64),
-        BAD_SWITCH(extract_surface, extract, keys), BAD(extract_octree, extract, face_rule, 9), BAD(extract_count, extract, position_type, 9),
-        BAD(extract_faces, faces, position_type, 9), BAD_SWITCH(extract_faces, faces, local_frame), BAD_SWITCH(extract_faces, faces, merged),
-        BAD_SURFACE(extract_scalar, scalar), BAD_SWITCH(extract_scalar, scalar, below), BAD(extract_scalar, scalar, open_sides, 64), BAD(extract_scalar, scalar, open_sides, -1),
-        BAD_SWITCH(extract_scalar, scalar, keys), BAD(measure_field, field, sign, 99), BAD(measure_field, field, sign, -1),
-        BAD(measure_field, field, value_type, 9), BAD_SWITCH(measure_field, field, no_vectors), BAD_SWITCH(measure_field, field, features),
-        BAD_SURFACE(extract_field_surface, field_surface), BAD(extract_field_surface, field_surface, interpolation, 99),
-        BAD(extract_field_surface, field_surface, interpolation, -1), BAD_SWITCH(extract_field_surface, field_surface, sharp),
-        BAD_SURFACE(boolean, boolean), BAD(boolean, boolean, fill, 99), BAD(boolean, boolean, interpolation, 99),
-        BAD_SWITCH(boolean, boolean, keep_crumbs), BAD(boolean, boolean, sharp, 2), BAD(boolean, boolean, sharp, -2), BAD(build_lods, lod, method, 9), BAD(build_lods, lod, method, -1),
-        BAD(build_lods, lod, edge_samples, -1), BAD(build_lods, lod, first_level, -1), BAD(build_lods, lod, threshold, (double)NAN), BAD_SURFACE(build_lods, lod),
-        BAD(build_lods, lod, collapse, -1), BAD(build_sections, sections, layers, -1), BAD(build_sections, sections, caps, 9),
-        BAD(build_sections, sections, crossings, 9), BAD(build_sections, sections, depth, -1), BAD(build_sections, sections, depth, 99),
-        BAD(build_sections, sections, position_type, 9), BAD(build_sections, sections, spacing, -1), BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
-        BAD_SURFACE(repair, repair), BAD(repair, repair, sign, 99), BAD(repair, repair, sign, -1), BAD(repair, repair, sign, BVX_SIGN_NORMAL),
-        BAD(repair, repair, interpolation, 99), BAD(repair, repair, sharp, 2), BAD(repair, repair, sharp, -2), BAD_SWITCH(repair, repair, measure), BAD_SWITCH(repair, repair, keep_crumbs), BAD_SWITCH(repair, repair, if_needed),
-        BAD(repair, repair, shell, 0.5), BAD(repair, repair, shell, (double)NAN), BAD(repair, repair, shell, 1e7),
-        BAD(mesh_simplify, simplify, error_kind, 2), BAD(mesh_simplify, simplify, error_kind, -1), BAD(mesh_simplify, simplify, position_type, 9),
-        BAD(mesh_simplify, simplify, even, -1), BAD(mesh_simplify, simplify, even, 1.5), BAD(mesh_simplify, simplify, even, (double)NAN),
-        BAD_SWITCH(mesh_simplify, simplify, strict), BAD(mesh_simplify, simplify, open, 3), BAD(mesh_simplify, simplify, open, -1),
-        BAD(build_levels, levels, open, 3), BAD(build_levels, levels, open, -1), BAD(build_levels, levels, reserved0, 1), BAD(build_levels, levels, colour_weight, 2), BAD(plan_levels, levels, source, 9),
-        BAD(plan_levels, levels, resolution, -1), BAD(build_levels, levels, error_kind, 2), BAD(build_levels, levels, position_type, 9),
-        BAD(build_levels, levels, even, -1), BAD(build_levels, levels, even, (double)NAN), BAD_SWITCH(build_levels, levels, strict),
-        BAD(build_levels, levels, source, 9), BAD(build_levels, levels, source, -1), BAD(build_levels, levels, resolution, -1),
-        BAD(build_levels, levels, resolution, (1 << 24) + 1), BAD(build_levels, levels, sharp, 2), BAD(build_levels, levels, sharp, -2),
-        BAD_SWITCH(build_levels, levels, outer), BAD(build_levels, levels, sign, 99), BAD(build_levels, levels, sign, -1),
-        BAD(build_levels, levels, sign, BVX_SIGN_NORMAL), BAD(read_sections, read_sections, close_gap, -1), BAD(read_sections, read_sections, close_gap, (double)NAN),
-        BAD(render_mesh, render, samples, -1), BAD(render_mesh, render, samples, 99), BAD_SWITCH(render_mesh, render, smooth),
-        BAD_SWITCH(render_mesh, render, wireframe), BAD(render_grid, render, samples, 99),
+        BAD(compare_fills, compare_fills, close_gaps, -1),
+        BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
+        BAD(voxelize_surface, surface, mode, 99),
+        BAD(voxelize_surface, surface, mode, -1),
+        BAD(grid_dilate, morph, neighbourhood, 5),
+        BAD(grid_erode, morph, steps, -1),
+        BAD(grid_open, morph, beyond, 2),
+        BAD(grid_close, morph, radius, -1),
+        BAD(grid_hollow, hollow, drain_side, 7),
+        BAD(grid_hollow, hollow, drain_side, -1),
+        BAD_SWITCH(grid_hollow, hollow, drain_placed),
+        BAD_SWITCH(grid_hollow, hollow, beyond),
+        BAD(grid_hollow, hollow, drain_radius, -1),
+        BAD(grid_distance, distance, side, 9),
+        BAD(grid_distance, distance, beyond, 9),
+        BAD(grid_distance_squares, distance, side, -1),
+        BAD(refine, refine, start_level, 7),
+        BAD(refine, refine, start_level, -2),
+        BAD(refine, refine, outer_levels, 5),
+        BAD(refine, refine, outer_levels, -1),
+        BAD(refine, refine, tolerance, -1),
+        BAD(refine, refine, tolerance, (double)INFINITY),
+        BAD(refine, refine, tolerance, (double)NAN),
+        BAD(voxelize_points, points, minimum, 0),
+        BAD(voxelize_points, points, body, 9),
+        BAD(voxelize_points, points, close_gaps, -1),
+        BAD(grid_keep, keep, connectivity, 7),
+        BAD_SURFACE(extract_surface, extract),
+        BAD(extract_surface, extract, open_sides, 64),
+        BAD_SWITCH(extract_surface, extract, keys),
+        BAD(extract_octree, extract, face_rule, 9),
+        BAD(extract_count, extract, position_type, 9),
+        BAD(extract_faces, faces, position_type, 9),
+        BAD_SWITCH(extract_faces, faces, local_frame),
+        BAD_SWITCH(extract_faces, faces, merged),
+        BAD_SURFACE(extract_scalar, scalar),
+        BAD_SWITCH(extract_scalar, scalar, below),
+        BAD(extract_scalar, scalar, open_sides, 64),
+        BAD(extract_scalar, scalar, open_sides, -1),
+        BAD_SWITCH(extract_scalar, scalar, keys),
+        BAD(measure_field, field, sign, 99),
+        BAD(measure_field, field, sign, -1),
+        BAD(measure_field, field, value_type, 9),
+        BAD_SWITCH(measure_field, field, no_vectors),
+        BAD_SWITCH(measure_field, field, features),
+        BAD_SURFACE(extract_field_surface, field_surface),
+        BAD(extract_field_surface, field_surface, interpolation, 99),
+        BAD(extract_field_surface, field_surface, interpolation, -1),
+        BAD_SWITCH(extract_field_surface, field_surface, sharp),
+        BAD_SURFACE(boolean, boolean),
+        BAD(boolean, boolean, fill, 99),
+        BAD(boolean, boolean, interpolation, 99),
+        BAD_SWITCH(boolean, boolean, keep_crumbs),
+        BAD(boolean, boolean, sharp, 2),
+        BAD(boolean, boolean, sharp, -2),
+        BAD(build_lods, lod, method, 9),
+        BAD(build_lods, lod, method, -1),
+        BAD(build_lods, lod, edge_samples, -1),
+        BAD(build_lods, lod, first_level, -1),
+        BAD(build_lods, lod, threshold, (double)NAN),
+        BAD_SURFACE(build_lods, lod),
+        BAD(build_lods, lod, collapse, -1),
+        BAD(build_sections, sections, layers, -1),
+        BAD(build_sections, sections, caps, 9),
+        BAD(build_sections, sections, crossings, 9),
+        BAD(build_sections, sections, depth, -1),
+        BAD(build_sections, sections, depth, 99),
+        BAD(build_sections, sections, position_type, 9),
+        BAD(build_sections, sections, spacing, -1),
+        BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
+        BAD_SURFACE(repair, repair),
+        BAD(repair, repair, sign, 99),
+        BAD(repair, repair, sign, -1),
+        BAD(repair, repair, sign, BVX_SIGN_NORMAL),
+        BAD(repair, repair, interpolation, 99),
+        BAD(repair, repair, sharp, 2),
+        BAD(repair, repair, sharp, -2),
+        BAD_SWITCH(repair, repair, measure),
+        BAD_SWITCH(repair, repair, keep_crumbs),
+        BAD_SWITCH(repair, repair, if_needed),
+        BAD(repair, repair, shell, 0.5),
+        BAD(repair, repair, shell, (double)NAN),
+        BAD(repair, repair, shell, 1e7),
+        BAD(mesh_simplify, simplify, error_kind, 2),
+        BAD(mesh_simplify, simplify, error_kind, -1),
+        BAD(mesh_simplify, simplify, position_type, 9),
+        BAD(mesh_simplify, simplify, even, -1),
+        BAD(mesh_simplify, simplify, even, 1.5),
+        BAD(mesh_simplify, simplify, even, (double)NAN),
+        BAD_SWITCH(mesh_simplify, simplify, strict),
+        BAD(mesh_simplify, simplify, open, 3),
+        BAD(mesh_simplify, simplify, open, -1),
+        BAD(build_levels, levels, open, 3),
+        BAD(build_levels, levels, open, -1),
+        BAD(build_levels, levels, reserved0, 1),
+        BAD(build_levels, levels, colour_weight, 2),
+        BAD(plan_levels, levels, source, 9),
+        BAD(plan_levels, levels, resolution, -1),
+        BAD(build_levels, levels, error_kind, 2),
+        BAD(build_levels, levels, position_type, 9),
+        BAD(build_levels, levels, even, -1),
+        BAD(build_levels, levels, even, (double)NAN),
+        BAD_SWITCH(build_levels, levels, strict),
+        BAD(build_levels, levels, source, 9),
+        BAD(build_levels, levels, source, -1),
+        BAD(build_levels, levels, resolution, -1),
+        BAD(build_levels, levels, resolution, (1 << 24) + 1),
+        BAD(build_levels, levels, sharp, 2),
+        BAD(build_levels, levels, sharp, -2),
+        BAD_SWITCH(build_levels, levels, outer),
+        BAD(build_levels, levels, sign, 99),
+        BAD(build_levels, levels, sign, -1),
+        BAD(build_levels, levels, sign, BVX_SIGN_NORMAL),
+        BAD(read_sections, read_sections, close_gap, -1),
+        BAD(read_sections, read_sections, close_gap, (double)NAN),
+        BAD(render_mesh, render, samples, -1),
+        BAD(render_mesh, render, samples, 99),
+        BAD_SWITCH(render_mesh, render, smooth),
+        BAD_SWITCH(render_mesh, render, wireframe),
+        BAD(render_grid, render, samples, 99),
     };
     bvx_context *ctx = NULL;
     int wrong = 0;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(ctx);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        int32_t const whole = bad[i].value - bad[i].value == 0.0 && bad[i].value < 2147483648.0 && bad[i].value >= -2147483648.0 ? (int32_t)bad[i].value : 0;
+        int32_t const whole = bad[i].value - bad[i].value == 0.0 && bad[i].value < 2147483648.0 &&
+                                      bad[i].value >= -2147483648.0
+                                  ? (int32_t)bad[i].value
+                                  : 0;
         uint64_t const held = bvx_memory_used(ctx);
         world w = right_world(ctx);
         bvx_status status;
@@ -328,11 +544,13 @@ static void test_choices_out_of_range(void)
     TEST_ASSERT_EQUAL_INT(0, wrong);
 }
 
-/* What is not there, or empty, needs no memory back; without a context nothing can go back and nothing is touched. */
+/* What is not there, or empty, needs no memory back; without a context
+ * nothing can go back and nothing is touched. */
 static void test_nothing_is_freed(void)
 {
     bvx_context *ctx = NULL;
     bvx_attached attached;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     for (int given = 0; given < 2; given++) {
         bvx_context *const c = given ? ctx : NULL;
@@ -387,13 +605,15 @@ static void expect_refused(bvx_context *ctx, bvx_status status, const char *name
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), name), bvx_last_message(ctx));
 }
 
-/* No memory holds so many bytes or numbers, so they are refused before one is read; and of none there is nothing to do. */
+/* No memory holds so many bytes or numbers, so they are refused before one
+ * is read; and of none there is nothing to do. */
 static void test_sizes_beyond_memory_and_none(void)
 {
     static const uint64_t sizes[] = {UINT64_MAX, UINT64_MAX - 63, (uint64_t)SIZE_MAX / 2 + 1};
     static const char text[] = "x";
     bvx_context *ctx = NULL;
     bvx_closest *closest = NULL;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(ctx);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &mesh, &closest));
@@ -402,21 +622,28 @@ static void test_sizes_beyond_memory_and_none(void)
         uint64_t const n = sizes[i];
         bvx_read_volume_options o;
         expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
-        expect_refused(ctx, bvx_read_mesh_finite(ctx, text, n, BVX_FORMAT_PLY, second, &out.mesh), "bvx_read_mesh_finite");
+        expect_refused(ctx, bvx_read_mesh_finite(ctx, text, n, BVX_FORMAT_PLY, second, &out.mesh),
+                       "bvx_read_mesh_finite");
         expect_refused(ctx, bvx_read_points(ctx, text, n, BVX_FORMAT_XYZ, &out.mesh), "bvx_read_points");
         expect_refused(ctx, bvx_read_grid(ctx, text, n, BVX_FORMAT_NPY, NULL, &out.grid), "bvx_read_grid");
         expect_refused(ctx, bvx_read_octree(ctx, text, n, &out.tree), "bvx_read_octree");
-        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSV, NULL, &out.sections), "bvx_read_sections");
-        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSL, NULL, &out.sections), "bvx_read_sections");
-        expect_refused(ctx, bvx_read_volume(ctx, text, n, BVX_FORMAT_NRRD, NULL, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSV, NULL, &out.sections),
+                       "bvx_read_sections");
+        expect_refused(ctx, bvx_read_sections(ctx, text, n, BVX_FORMAT_CSL, NULL, &out.sections),
+                       "bvx_read_sections");
+        expect_refused(ctx, bvx_read_volume(ctx, text, n, BVX_FORMAT_NRRD, NULL, &out.volume),
+                       "bvx_read_volume");
         expect_refused(ctx, bvx_volume_data_name(ctx, text, n, 0, NULL, 0, second), "bvx_volume_data_name");
         bvx_read_volume_options_init(&o, sizeof o);
         o.data = text;
         o.data_size = n;
-        expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume), "bvx_read_volume");
+        expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume),
+                       "bvx_read_volume");
         expect_refused(ctx, bvx_grid_cast(ctx, &solid, a_ray, n, 1, (bvx_ray_hit *)&out), "bvx_grid_cast");
-        expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL), "bvx_grid_sample");
-        expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out), "bvx_closest_find");
+        expect_refused(ctx, bvx_grid_sample(ctx, &solid, a_point, n, (double *)&out, NULL),
+                       "bvx_grid_sample");
+        expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out),
+                       "bvx_closest_find");
     }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
@@ -437,16 +664,19 @@ static void test_sizes_beyond_memory_and_none(void)
             expect_refused(ctx, bvx_octree_at(ctx, tree, voxel, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
         }
     {
-        int32_t const sides[2][3] = {{1 << 25, 1 << 25, 1 << 25}, {1 << 25, 1 << 25, 1 << 19}}; /* 2^69 words, 2^63 words */
+        /* 2^69 words, 2^63 words */
+        int32_t const sides[2][3] = {{1 << 25, 1 << 25, 1 << 25}, {1 << 25, 1 << 25, 1 << 19}};
         int32_t const blocks[2][3] = {{65536, 65536, 1}, {65536, 65535, 2}};
         bvx_window const voxel = {{0, 0, 0}, {1, 1, 1}};
         for (int i = 0; i < 2; i++) {
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, unit_origin, unit_spacing, sides[i], &bad_lattice));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_lattice_make(ctx, unit_origin, unit_spacing, sides[i], &bad_lattice));
             TEST_ASSERT_EQUAL_UINT64(0, bvx_grid_bound(&bad_lattice, NULL));
             memset(&out, 0, sizeof out);
             expect_refused(ctx, bvx_grid_create(ctx, &bad_lattice, NULL, &out.grid), "bvx_grid_create");
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &bad_lattice, &voxel, &out.grid));
-            expect_refused(ctx, bvx_grid_coverage(ctx, &out.grid, blocks[i], NULL, 0, second), "bvx_grid_coverage");
+            expect_refused(ctx, bvx_grid_coverage(ctx, &out.grid, blocks[i], NULL, 0, second),
+                           "bvx_grid_coverage");
             bvx_grid_free(ctx, &out.grid);
         }
     }
@@ -470,7 +700,21 @@ static void test_a_mesh_in_the_callers_arrays(void)
     static uint64_t keys[4000];
     static uint8_t colours[4];
     static float uvs[2];
-    enum { RIGHT, NO_TRIANGLES, NO_POSITIONS, OTHER_TYPE, FEW_VERTICES, FEW_TRIANGLES, VERTEX_KEYS, TRIANGLE_KEYS, COLOURS, UVS, UV_TRIANGLES, WAYS };
+
+    enum {
+        RIGHT,
+        NO_TRIANGLES,
+        NO_POSITIONS,
+        OTHER_TYPE,
+        FEW_VERTICES,
+        FEW_TRIANGLES,
+        VERTEX_KEYS,
+        TRIANGLE_KEYS,
+        COLOURS,
+        UVS,
+        UV_TRIANGLES,
+        WAYS
+    };
     bvx_context *ctx = NULL;
     uint64_t wanted = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
@@ -508,7 +752,8 @@ static void test_a_mesh_in_the_callers_arrays(void)
                 if (wanted == 0) wanted = hash;
                 TEST_ASSERT_EQUAL_HEX64(wanted, hash);
             } else {
-                int32_t const want = way == FEW_VERTICES || way == FEW_TRIANGLES ? BVX_ERR_CAPACITY : BVX_ERR_ARGUMENT;
+                int32_t const want = way == FEW_VERTICES || way == FEW_TRIANGLES ? BVX_ERR_CAPACITY
+                                                                                 : BVX_ERR_ARGUMENT;
                 TEST_ASSERT_EQUAL_INT32_MESSAGE(want, status, bvx_last_message(ctx));
                 TEST_ASSERT_EQUAL_MEMORY(&before, &given, sizeof given);
                 TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_extract_surface"));
@@ -523,6 +768,7 @@ static void test_sections_that_contradict_themselves(void)
 {
     bvx_context *ctx = NULL;
     bvx_section_loop *loops;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(ctx);
     loops = sections.loops;

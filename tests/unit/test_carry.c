@@ -1,5 +1,5 @@
-/* test_carry.c - colours and texture coordinates carried from mesh to mesh: blends worked by hand, and against the nearest
- * points that bvx_closest_find gives. */
+/* test_carry.c - colours and texture coordinates carried from mesh to mesh: blends worked by hand, and
+ * against the nearest points that bvx_closest_find gives. */
 #include "mesh/mesh.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
@@ -44,8 +44,10 @@ static void take_mesh(bvx_mesh *mesh, int32_t type)
 
 static void give_colours(bvx_mesh *mesh)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 4, "test", &mesh->colours));
-    for (uint64_t i = 0; i < mesh->vertex_capacity * 4; i++) mesh->colours[i] = (uint8_t)maker_below(&seed, 256);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 4, "test", &mesh->colours));
+    for (uint64_t i = 0; i < mesh->vertex_capacity * 4; i++)
+        mesh->colours[i] = (uint8_t)maker_below(&seed, 256);
 }
 
 static void give_uvs(bvx_mesh *mesh, uint64_t count, int by_corner)
@@ -54,8 +56,10 @@ static void give_uvs(bvx_mesh *mesh, uint64_t count, int by_corner)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, count * 8, "test", &mesh->uvs));
     for (uint64_t i = 0; i < count * 2; i++) mesh->uvs[i] = (float)maker_below(&seed, 1000) / 256.0f;
     if (!by_corner) return;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 12, "test", &mesh->uv_triangles));
-    for (uint64_t i = 0; i < mesh->triangle_count * 3; i++) mesh->uv_triangles[i] = (uint32_t)maker_below(&seed, (int32_t)count);
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 12, "test", &mesh->uv_triangles));
+    for (uint64_t i = 0; i < mesh->triangle_count * 3; i++)
+        mesh->uv_triangles[i] = (uint32_t)maker_below(&seed, (int32_t)count);
 }
 
 /* Two triangles of a square, and points on it as a mesh of their own. */
@@ -93,11 +97,13 @@ static void test_carry_blends_by_hand(void)
 {
     static const double points[6][3] = {{8, 0, 5}, {4, 0, 0}, {7, 0, -1}, {6, 2, 1}, {-3, -3, 0}, {8, 9, 0}};
     static const uint8_t colours[16] = {0, 10, 255, 255, 255, 20, 0, 255, 255, 40, 0, 0, 1, 2, 3, 4};
-    static const uint8_t want[24] = {255, 20, 0,  255,                      /* corner 1 */
-                                     128, 15, 128, 255,                     /* halves go up */
-                                     223, 19, 32, 255,                      /* 223.125, 18.75, 31.875 */
-                                     191, 23, 64, 191,                      /* a quarter, a half, a quarter */
-                                     0,  10, 255, 255, 255, 40, 0, 0};      /* corners 0 and 2, from beyond them */
+    static const uint8_t want[24] = {255, 20, 0, 255,   /* corner 1 */
+                                     128, 15, 128, 255, /* halves go up */
+                                     223, 19, 32, 255,  /* 223.125, 18.75, 31.875 */
+                                     191, 23, 64, 191,  /* a quarter, a half, a quarter */
+                                     /* corners 0 and 2, from beyond them */
+                                     0, 10, 255, 255, 255, 40, 0, 0};
+
     make_square();
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, 16, "test", &source.colours));
     memcpy(source.colours, colours, 16);
@@ -114,6 +120,7 @@ static void test_carry_keeps_to_the_side_of_a_seam(void)
     static const double points[3][3] = {{6, 2, 0}, {2, 6, 0}, {0, 8, 3}};
     static const float uvs[12] = {0, 0, 1, 0, 1, 1, 10, 10, 20, 20, 10, 20};
     static const float want[6] = {0.75f, 0.25f, 12.5f, 17.5f, 10, 20};
+
     make_square();
     give_uvs(&source, 6, 1);
     memcpy(source.uvs, uvs, sizeof uvs);
@@ -132,13 +139,15 @@ static void world_of(const bvx_mesh *mesh, uint64_t i, double p[3])
 {
     for (int a = 0; a < 3; a++)
         p[a] = (mesh->position_type == BVX_F32 ? (double)((const float *)mesh->positions)[3 * i + (uint64_t)a]
-                                               : ((const double *)mesh->positions)[3 * i + (uint64_t)a]) + mesh->frame[a];
+                                               : ((const double *)mesh->positions)[3 * i + (uint64_t)a]) +
+               mesh->frame[a];
 }
 
 static void expect_carried(const bvx_mesh *from, const bvx_mesh *to)
 {
     bvx_mesh_view view;
     bvx_closest *closest;
+
     TEST_ASSERT_NULL(to->uv_triangles);
     bvx_mesh_view_of(from, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &view, &closest));
@@ -149,7 +158,8 @@ static void expect_carried(const bvx_mesh *from, const bvx_mesh *to)
         for (int a = 0; a < 3; a++) p[a] -= from->frame[a];
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, p, 1, &f));
         const uint32_t *const c = from->triangles + 3 * (size_t)f.triangle;
-        const uint32_t *const n = from->uv_triangles != NULL ? from->uv_triangles + 3 * (size_t)f.triangle : c;
+        const uint32_t *const n = from->uv_triangles != NULL ? from->uv_triangles + 3 * (size_t)f.triangle
+                                                             : c;
         for (int k = 0; k < 4 && from->colours != NULL; k++) {
             double v = 0.0;
             for (int j = 0; j < 3; j++) v += f.weight[j] * from->colours[4 * c[j] + (uint32_t)k];
@@ -197,6 +207,7 @@ static void test_carry_adds_the_frames(void)
     static const double shift[3] = {4096, -2048, 512};
     bvx_mesh_view view;
     uint8_t *plain;
+
     make_star(&source, BVX_F64, 7, 12);
     give_colours(&source);
     make_star(&target, BVX_F64, 6, 10);
@@ -204,10 +215,12 @@ static void test_carry_adds_the_frames(void)
     plain = malloc((size_t)target.vertex_count * 4);
     TEST_ASSERT_NOT_NULL(plain);
     memcpy(plain, target.colours, (size_t)target.vertex_count * 4);
-    for (int round = 0; round < 3; round++) { /* source, then target, then both move their numbers into the frame */
+    /* source, then target, then both move their numbers into the frame */
+    for (int round = 0; round < 3; round++) {
         bvx_mesh *const mesh = round == 0 ? &source : &target;
         if (round < 2)
-            for (uint64_t i = 0; i < mesh->vertex_count * 3; i++) ((double *)mesh->positions)[i] -= shift[i % 3];
+            for (uint64_t i = 0; i < mesh->vertex_count * 3; i++)
+                ((double *)mesh->positions)[i] -= shift[i % 3];
         if (round < 2) memcpy(mesh->frame, shift, sizeof shift);
         if (round == 2) TEST_ASSERT_TRUE(source.frame[0] == 4096 && target.frame[0] == 4096);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target));
@@ -221,6 +234,7 @@ static void test_carry_adds_the_frames(void)
 static void test_carry_leaves_alone_what_the_source_lacks(void)
 {
     bvx_mesh before;
+
     make_square();
     make_star(&target, BVX_F32, 6, 10);
     give_colours(&target);
@@ -230,7 +244,8 @@ static void test_carry_leaves_alone_what_the_source_lacks(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &target, sizeof before);
     give_colours(&source);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target)); /* colours alone */
-    TEST_ASSERT_TRUE(target.uvs == before.uvs && target.uv_triangles == before.uv_triangles && target.uv_count == 20);
+    TEST_ASSERT_TRUE(target.uvs == before.uvs && target.uv_triangles == before.uv_triangles &&
+                     target.uv_count == 20);
     TEST_ASSERT_TRUE(target.positions == before.positions && target.triangles == before.triangles);
 }
 
@@ -244,14 +259,17 @@ static void test_carry_clears_what_the_capacity_leaves(void)
     target.triangle_count = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target));
     TEST_ASSERT_EQUAL_UINT64(target.vertex_count + 5, target.uv_count);
-    for (uint64_t i = 4 * target.vertex_count; i < 4 * target.vertex_capacity; i++) TEST_ASSERT_EQUAL_UINT8(0, target.colours[i]);
-    for (uint64_t i = 2 * target.vertex_count; i < 2 * target.vertex_capacity; i++) TEST_ASSERT_TRUE(target.uvs[i] == 0.0f);
+    for (uint64_t i = 4 * target.vertex_count; i < 4 * target.vertex_capacity; i++)
+        TEST_ASSERT_EQUAL_UINT8(0, target.colours[i]);
+    for (uint64_t i = 2 * target.vertex_count; i < 2 * target.vertex_capacity; i++)
+        TEST_ASSERT_TRUE(target.uvs[i] == 0.0f);
 }
 
 static void test_carry_is_the_same_for_any_threads(void)
 {
     uint8_t *one = NULL;
     bvx_context_options o;
+
     make_star(&source, BVX_F32, 7, 12);
     give_colours(&source);
     make_star(&target, BVX_F32, 6, 30);
@@ -289,26 +307,34 @@ static void expect_refusal(bvx_status status, const char *word)
 static void test_carry_refuses_sources(void)
 {
     bvx_mesh good;
+
     make_square();
     give_colours(&source);
     give_uvs(&source, 6, 1);
     make_star(&target, BVX_F32, 6, 10);
     give_colours(&target);
     good = source;
-    source.triangle_count = 0, expect_refusal(BVX_ERR_EMPTY, "source: the mesh has no triangles"), source = good;
-    source.triangles = NULL, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.triangles is NULL"), source = good;
-    source.position_type = 9, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.position_type is 9"), source = good;
+    source.triangle_count = 0, expect_refusal(BVX_ERR_EMPTY, "source: the mesh has no triangles"),
+    source = good;
+    source.triangles = NULL, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.triangles is NULL"),
+    source = good;
+    source.position_type = 9, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.position_type is 9"),
+    source = good;
     source.reserved[3] = 1, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.reserved[3]"), source = good;
     source.frame[1] = HUGE_VAL, expect_refusal(BVX_ERR_RANGE, "source: mesh.frame"), source = good;
-    source.vertex_count = 3, expect_refusal(BVX_ERR_RANGE, "source: triangle 1 has vertex number 3"), source = good;
+    source.vertex_count = 3, expect_refusal(BVX_ERR_RANGE, "source: triangle 1 has vertex number 3"),
+    source = good;
     source.uvs = NULL, expect_refusal(BVX_ERR_ARGUMENT, "uv_triangles is given"), source = good;
-    source.uvs = NULL, source.colours = NULL, expect_refusal(BVX_ERR_ARGUMENT, "uv_triangles is given"), source = good;
-    source.uv_triangles[4] = 6, expect_refusal(BVX_ERR_RANGE, "triangle 1 has texture coordinate number 6, but there are 6");
+    source.uvs = NULL, source.colours = NULL, expect_refusal(BVX_ERR_ARGUMENT, "uv_triangles is given"),
+    source = good;
+    source.uv_triangles[4] = 6,
+    expect_refusal(BVX_ERR_RANGE, "triangle 1 has texture coordinate number 6, but there are 6");
     source.uv_triangles[4] = 5;
     source.uvs[11] = (float)HUGE_VAL, expect_refusal(BVX_ERR_RANGE, "texture coordinate 5 is not finite");
     source.uvs[11] = 0;
     source.uv_triangles = NULL, source.uv_count = 3;
-    expect_refusal(BVX_ERR_RANGE, "triangle 1 has texture coordinate number 3, but there are 3"), source = good;
+    expect_refusal(BVX_ERR_RANGE, "triangle 1 has texture coordinate number 3, but there are 3"),
+        source = good;
     ((double *)source.positions)[7] = nan("");
     expect_refusal(BVX_ERR_RANGE, "source: vertex 2 has y = nan");
 }
@@ -316,17 +342,23 @@ static void test_carry_refuses_sources(void)
 static void test_carry_refuses_targets(void)
 {
     bvx_mesh good;
+
     make_square();
     give_colours(&source);
     make_star(&target, BVX_F64, 6, 10);
     good = target;
-    target.owned = 0, expect_refusal(BVX_ERR_ARGUMENT, "target: its arrays are not the library's"), target = good;
-    target.position_type = 0, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.position_type is 0"), target = good;
+    target.owned = 0, expect_refusal(BVX_ERR_ARGUMENT, "target: its arrays are not the library's"),
+    target = good;
+    target.position_type = 0, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.position_type is 0"),
+    target = good;
     target.reserved[0] = 1, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.reserved[0]"), target = good;
     target.frame[2] = nan(""), expect_refusal(BVX_ERR_RANGE, "target: mesh.frame"), target = good;
-    target.vertex_capacity = 3, expect_refusal(BVX_ERR_ARGUMENT, "with a vertex_capacity of 3"), target = good;
-    target.vertex_capacity = (UINT64_C(1) << 61) + 4, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.vertex_capacity is 2305843009213693956"), target = good;
-    target.positions = NULL, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.positions is NULL"), target = good;
+    target.vertex_capacity = 3, expect_refusal(BVX_ERR_ARGUMENT, "with a vertex_capacity of 3"),
+    target = good;
+    target.vertex_capacity = (UINT64_C(1) << 61) + 4,
+    expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.vertex_capacity is 2305843009213693956"), target = good;
+    target.positions = NULL, expect_refusal(BVX_ERR_ARGUMENT, "target: mesh.positions is NULL"),
+    target = good;
     ((double *)target.positions)[3] = nan(""), expect_refusal(BVX_ERR_RANGE, "target: vertex 1 has x = nan");
     ((double *)target.positions)[3] = 1.7e308, target.frame[0] = 1.7e308;
     expect_refusal(BVX_ERR_RANGE, "target: vertex 1 is beyond a double's range"), target = good;

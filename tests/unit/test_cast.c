@@ -1,5 +1,5 @@
-/* test_cast.c - rays against asking every voxel: once by the numbers that cast.c states, which must agree to the last bit, and
- * once by slabs in the world, which must agree up to rounding. */
+/* test_cast.c - rays against asking every voxel: once by the numbers that cast.c states, which must agree to
+ * the last bit, and once by slabs in the world, which must agree up to rounding. */
 #include "tools/mesh_maker.h"
 #include "unity.h"
 
@@ -23,11 +23,13 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
-static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3], const int32_t size[3])
+static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3],
+                      const int32_t size[3])
 {
     int32_t const dims[3] = {low[0] + size[0] + 2, low[1] + size[1] + 1, low[2] + size[2]};
     bvx_window w;
     bvx_lattice l;
+
     memcpy(w.low, low, sizeof w.low);
     memcpy(w.size, size, sizeof w.size);
     bvx_grid_free(ctx, &grid);
@@ -48,7 +50,8 @@ static void scatter(int32_t per_mille)
 {
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
-            for (int32_t x = 0; x < grid.size[0]; x++) bvx_grid_set(&grid, x, y, z, maker_below(&seed, 1000) < per_mille);
+            for (int32_t x = 0; x < grid.size[0]; x++)
+                bvx_grid_set(&grid, x, y, z, maker_below(&seed, 1000) < per_mille);
 }
 
 static bvx_ray_hit cast_one(const double ray[6], double t_max)
@@ -62,12 +65,14 @@ static bvx_ray_hit cast_one(const double ray[6], double t_max)
 
 /* ---- Every voxel, by the numbers that cast.c states ---- */
 
-/* When the ray is between planes i and i + 1 (of the lattice) of an axis: [*enter, *leave], or always, or never. */
+/* When the ray is between planes i and i + 1 (of the lattice) of an axis:
+ * [*enter, *leave], or always, or never. */
 static void stated_slab(const double ray[6], int axis, int32_t i, double *enter, double *leave)
 {
     double const u = (ray[axis] - grid.lattice.origin[axis]) / grid.lattice.spacing[axis];
     double const step = ray[3 + axis] / grid.lattice.spacing[axis], per = 1.0 / step;
     double const s = ((double)i - u) * per, t = ((double)i + 1.0 - u) * per;
+
     *enter = step > 0.0 ? s : t;
     *leave = step > 0.0 ? t : s;
     if (step != 0.0) return;
@@ -78,6 +83,7 @@ static void stated_slab(const double ray[6], int axis, int32_t i, double *enter,
 static bvx_ray_hit stated_cast(const double ray[6], double t_max)
 {
     bvx_ray_hit best;
+
     memset(&best, 0, sizeof best);
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
@@ -95,7 +101,8 @@ static bvx_ray_hit stated_cast(const double ray[6], double t_max)
                     }
                     to = leave < to ? leave : to;
                 }
-                if (!(from <= to) || (best.hit && from >= best.t)) continue; /* the first in (z, y, x) wins ties */
+                /* the first in (z, y, x) wins ties */
+                if (!(from <= to) || (best.hit && from >= best.t)) continue;
                 best.hit = 1;
                 best.t = from;
                 best.axis = axis;
@@ -110,6 +117,7 @@ static bvx_ray_hit stated_cast(const double ray[6], double t_max)
 static int world_slabs(const double ray[6], const int32_t v[3], double *t, double tolerance)
 {
     double from = 0.0, to = HUGE_VAL;
+
     for (int a = 0; a < 3; a++) {
         double const low = grid.lattice.origin[a] + (v[a] + grid.low[a]) * grid.lattice.spacing[a];
         double const high = low + grid.lattice.spacing[a], d = ray[3 + a];
@@ -131,11 +139,13 @@ static void expect_world(const double ray[6], double t_max, const bvx_ray_hit *h
 {
     double const eps = 1e-9;
     double t;
+
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
             for (int32_t x = 0; x < grid.size[0]; x++) {
                 int32_t const v[3] = {x, y, z};
-                if (!bvx_grid_get(&grid, x, y, z) || !world_slabs(ray, v, &t, -eps) || t > t_max - eps) continue;
+                if (!bvx_grid_get(&grid, x, y, z) || !world_slabs(ray, v, &t, -eps) || t > t_max - eps)
+                    continue;
                 TEST_ASSERT_TRUE(hit->hit);
                 TEST_ASSERT_TRUE(hit->t <= t + eps * (1 + t));
             }
@@ -154,6 +164,7 @@ static uint64_t hits_seen, misses_seen;
 static void expect_all(const double rays[6 * COMPANY], double t_max)
 {
     static bvx_ray_hit hits[COMPANY];
+
     memset(hits, 0x55, sizeof hits);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &grid, rays, COMPANY, t_max, hits));
     for (int i = 0; i < COMPANY; i++) {
@@ -178,6 +189,7 @@ static void random_grid(int anisotropic)
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129};
     double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     int32_t low[3] = {0, 0, 0}, size[3];
+
     size[0] = maker_below(&seed, 2) ? sides[maker_below(&seed, 7)] : 1 + maker_below(&seed, 20);
     size[1] = 1 + maker_below(&seed, 20);
     size[2] = 1 + maker_below(&seed, 20);
@@ -200,6 +212,7 @@ static void test_cast_equals_asking_every_voxel(void)
 {
     static const int32_t densities[5] = {0, 1, 5, 100, 1000};
     double rays[6 * COMPANY];
+
     hits_seen = misses_seen = 0;
     for (int round = 0; round < 60; round++) {
         random_grid(1);
@@ -223,6 +236,7 @@ static void test_cast_through_edges_and_corners(void)
 {
     static const int32_t densities[4] = {2, 10, 100, 500};
     double rays[6 * COMPANY];
+
     hits_seen = misses_seen = 0;
     for (int round = 0; round < 60; round++) {
         random_grid(0);
@@ -241,7 +255,8 @@ static void test_cast_through_edges_and_corners(void)
     TEST_ASSERT_TRUE(hits_seen > 2000 && misses_seen > 2000);
 }
 
-/* One layer of voxels with x + y + z constant touches only across edges; yet no ray passes, least of all through corners. */
+/* One layer of voxels with x + y + z constant touches only across edges;
+ * yet no ray passes, least of all through corners. */
 static void test_cast_does_not_pass_a_diagonal_wall(void)
 {
     enum { RAYS = 4000 };
@@ -281,6 +296,7 @@ static void test_cast_by_hand(void)
     static const double on_face[6] = {65, 1.5, 2.5, -1, 0, 0}, down[6] = {65.25, 1.5, 40, 0, 0, -2};
     static const double between[6] = {0.5, 1, 2.5, 1, 0, 0}, beside[6] = {0.5, 4.001, 2.5, 1, 0, 0};
     bvx_ray_hit hit;
+
     make_plain(130, 4, 5);
     bvx_grid_set(&grid, 65, 1, 2, 1);
     hit = cast_one(along, HUGE_VAL);
@@ -306,14 +322,18 @@ static void test_cast_by_hand(void)
     TEST_ASSERT_TRUE(hit.hit == 0);
 }
 
-/* Far starts, long and short directions: right up to rounding where that means something, and never nonsense. */
+/* Far starts, long and short directions: right up to rounding where that means something, and never
+ * nonsense. */
 static void test_cast_at_the_ends_of_doubles(void)
 {
     static const double far[6] = {-1e300, 1.5, 2.5, 1e290, 0, 0}, back[6] = {1e15, 1.5, 2.5, -1, 0, 0};
-    static const double away[6] = {1e300, 1.5, 2.5, 1, 0, 0}, skew[6] = {-1e9, -1e9, -1e9, 1e9 + 65, 1e9 + 1.5, 1e9 + 2.5};
-    static const double least[6] = {64.5, 1.5, 2.5, 5e-324, 0, 0}, vast[6] = {-5, -5, -5, 1.7e308, 1.7e308, 1.7e308};
+    static const double away[6] = {1e300, 1.5, 2.5, 1, 0, 0};
+    static const double skew[6] = {-1e9, -1e9, -1e9, 1e9 + 65, 1e9 + 1.5, 1e9 + 2.5};
+    static const double least[6] = {64.5, 1.5, 2.5, 5e-324, 0, 0};
+    static const double vast[6] = {-5, -5, -5, 1.7e308, 1.7e308, 1.7e308};
     static const double diagonal[6] = {-1e300, -1e300, -1e300, 1, 1, 1};
     bvx_ray_hit hit;
+
     make_plain(130, 4, 5);
     bvx_grid_set(&grid, 65, 1, 2, 1);
     hit = cast_one(far, HUGE_VAL);
@@ -342,9 +362,13 @@ static void test_cast_at_the_ends_of_doubles(void)
 static void test_cast_is_the_same_in_a_window(void)
 {
     static const double origin[3] = {0.1, 0.2, 0.3}, spacing[3] = {0.7, 0.9, 1.1};
-    static const int32_t none[3] = {0, 0, 0}, size[3] = {150, 30, 30}, low[3] = {37, 11, 7}, part[3] = {70, 10, 15};
+    static const int32_t none[3] = {0, 0, 0};
+    static const int32_t size[3] = {150, 30, 30};
+    static const int32_t low[3] = {37, 11, 7};
+    static const int32_t part[3] = {70, 10, 15};
     bvx_grid whole;
     uint64_t hits = 0;
+
     make_grid(origin, spacing, none, size);
     for (int i = 0; i < 40; i++) {
         int32_t const x = low[0] + maker_below(&seed, part[0]), y = low[1] + maker_below(&seed, part[1]);
@@ -363,7 +387,8 @@ static void test_cast_is_the_same_in_a_window(void)
         bvx_ray_hit in_whole, in_part;
         for (int a = 0; a < 3; a++) {
             ray[a] = maker_between(&seed, -10, 120, 1000);
-            ray[3 + a] = maker_between(&seed, 0.2 + 0.7 * low[a], 0.2 + 0.9 * (low[a] + part[a]), 1000) - ray[a];
+            ray[3 + a] = maker_between(&seed, 0.2 + 0.7 * low[a], 0.2 + 0.9 * (low[a] + part[a]), 1000) -
+                         ray[a];
         }
         in_part = cast_one(ray, HUGE_VAL);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &whole, ray, 1, HUGE_VAL, &in_whole));
@@ -383,12 +408,14 @@ static void test_cast_is_the_same_for_any_threads(void)
     bvx_context_options o;
     make_plain(100, 50, 50);
     scatter(5);
-    for (int i = 0; i < 6 * RAYS; i++) rays[i] = maker_between(&seed, -10, 60, 100) - (i % 6 > 2 ? 25.005 : 0);
+    for (int i = 0; i < 6 * RAYS; i++)
+        rays[i] = maker_between(&seed, -10, 60, 100) - (i % 6 > 2 ? 25.005 : 0);
     bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 8; o.threads++) {
         bvx_context *other;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(other, &grid, rays, RAYS, 1e9, o.threads == 1 ? one : many));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                bvx_grid_cast(other, &grid, rays, RAYS, 1e9, o.threads == 1 ? one : many));
         if (o.threads > 1) TEST_ASSERT_EQUAL_MEMORY(one, many, sizeof one);
         bvx_context_destroy(other);
     }
@@ -404,6 +431,7 @@ static void test_cast_refuses_what_is_no_ray(void)
     bvx_ray_hit hits[2];
     bvx_grid good;
     uint64_t held;
+
     make_plain(5, 5, 5);
     held = bvx_memory_used(ctx);
     bvx_memory_reset_peak(ctx);
@@ -423,7 +451,8 @@ static void test_cast_refuses_what_is_no_ray(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_cast(ctx, &grid, rays, 2, 1, hits));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "ray 1 has a direction of length 0"));
     for (int k = 0; k < 6; k++) {
-        static const char *const part[6] = {"origin x", "origin y", "origin z", "direction x", "direction y", "direction z"};
+        static const char *const part[6] = {"origin x",    "origin y",    "origin z",
+                                            "direction x", "direction y", "direction z"};
         double const kept = rays[k];
         rays[k] = k % 2 ? HUGE_VAL : nan("");
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_cast(ctx, &grid, rays, 2, 1, hits));

@@ -78,6 +78,7 @@ static uint64_t count_pieces(uint32_t v)
 {
     uint8_t reached[ORACLE_TRIANGLES] = {0};
     uint64_t pieces = 0;
+
     for (size_t s = 0; s < kept_count; s++) {
         int grown = 1;
         if (reached[s] || (v != UINT32_MAX && !has_vertex(s, v))) continue;
@@ -152,8 +153,9 @@ static void oracle_measures(bvx_certificate *c)
 {
     for (size_t t = 0; t < kept_count; t++) {
         const double *const p = &mesh.p[3 * kept[t][0]], *const q = &mesh.p[3 * kept[t][1]],
-                     *const r = &mesh.p[3 * kept[t][2]];
-        double const u[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]}, v[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+                            *const r = &mesh.p[3 * kept[t][2]];
+        double const u[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+        double const v[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
         double const n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
         double const twice = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         c->degenerate += twice == 0.0;
@@ -172,13 +174,15 @@ static void oracle_measures(bvx_certificate *c)
                 p[k][a] = mesh.p[3 * kept[t][k] + (uint32_t)a] - (c->low[a] + c->high[a]) / 2;
         c->volume += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                       p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
-                      p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) / 6;
+                      p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
+                     6;
     }
 }
 
 static bvx_certificate oracle(int weld)
 {
     bvx_certificate c;
+
     memset(&c, 0, sizeof c);
     kept_count = 0;
     TEST_ASSERT_TRUE(mesh.triangles <= ORACLE_TRIANGLES);
@@ -191,7 +195,8 @@ static bvx_certificate oracle(int weld)
     c.triangles = kept_count;
     for (size_t t = 0; t < kept_count; t++) {
         int earlier = 0;
-        for (size_t s = 0; s < t; s++) earlier |= has_edge(s, kept[t][0], kept[t][1]) && has_vertex(s, kept[t][2]);
+        for (size_t s = 0; s < t; s++)
+            earlier |= has_edge(s, kept[t][0], kept[t][1]) && has_vertex(s, kept[t][2]);
         c.duplicates += (uint64_t)earlier;
     }
     c.oriented = kept_count != 0;
@@ -209,6 +214,7 @@ static bvx_certificate oracle(int weld)
 static void expect_oracle(int32_t weld)
 {
     bvx_certificate const want = oracle(weld), got = check(weld);
+
     TEST_ASSERT_EQUAL_UINT64(want.triangles, got.triangles);
     TEST_ASSERT_EQUAL_UINT64(want.collapsed, got.collapsed);
     TEST_ASSERT_EQUAL_UINT64(want.degenerate, got.degenerate);
@@ -293,7 +299,8 @@ static void make_cube(double x, double side)
     maker_box(&mesh, low, high);
 }
 
-static void expect_flags(const bvx_certificate *c, int closed, int edge_manifold, int vertex_manifold, int oriented)
+static void expect_flags(const bvx_certificate *c, int closed, int edge_manifold, int vertex_manifold,
+                         int oriented)
 {
     TEST_ASSERT_EQUAL_INT32(closed, c->closed);
     TEST_ASSERT_EQUAL_INT32(edge_manifold, c->edge_manifold);
@@ -304,6 +311,7 @@ static void expect_flags(const bvx_certificate *c, int closed, int edge_manifold
 static void test_a_cube(void)
 {
     bvx_certificate c;
+
     make_cube(3.0, 1.0);
     c = check(0);
     expect_flags(&c, 1, 1, 1, 1);
@@ -326,6 +334,7 @@ static void test_a_cube_without_indices_needs_welding(void)
     double p[36][3];
     bvx_mesh_view v;
     bvx_certificate c;
+
     make_cube(0.0, 2.0);
     for (int i = 0; i < 36; i++) memcpy(p[i], &mesh.p[3 * mesh.t[i]], sizeof p[i]);
     memset(&v, 0, sizeof v);
@@ -348,6 +357,7 @@ static void test_a_cube_without_indices_needs_welding(void)
 static void make_band(uint32_t n, uint32_t m, int around_m, int twist)
 {
     uint32_t const row = around_m ? m : m + 1;
+
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < row; j++)
             maker_vertex(&mesh, (double)i, (double)j, (double)((i * 7 + j * 3) % 5));
@@ -356,7 +366,8 @@ static void make_band(uint32_t n, uint32_t m, int around_m, int twist)
             uint32_t const j2 = (j + 1) % row, far = (i + 1) % n;
             int const turned = twist && i + 1 == n;
             uint32_t const a = i * row + j, b = i * row + j2;
-            uint32_t const c = far * row + (turned ? row - 1 - j2 : j2), d = far * row + (turned ? row - 1 - j : j);
+            uint32_t const c = far * row + (turned ? row - 1 - j2 : j2);
+            uint32_t const d = far * row + (turned ? row - 1 - j : j);
             maker_triangle(&mesh, a, d, c);
             maker_triangle(&mesh, a, c, b);
         }
@@ -376,6 +387,7 @@ static void test_a_torus_has_euler_number_zero(void)
 static void test_a_ring_and_a_moebius_strip(void)
 {
     bvx_certificate c;
+
     make_band(8, 2, 0, 0);
     c = check(0);
     expect_flags(&c, 0, 1, 1, 1);
@@ -395,6 +407,7 @@ static void make_bow_tie(int shared) /* two tetrahedra that share 1, 2 or no ver
     uint32_t const a = maker_vertex(&mesh, 0, 0, 0), b = maker_vertex(&mesh, 0, 0, 1);
     uint32_t const c = maker_vertex(&mesh, 1, 0, 0), d = maker_vertex(&mesh, 1, 1, 0);
     uint32_t const e = maker_vertex(&mesh, -1, 0, 0), f = maker_vertex(&mesh, -1, -1, 0);
+
     maker_tetrahedron(&mesh, a, b, c, d);
     if (shared == 2) {
         maker_tetrahedron(&mesh, a, b, e, f);
@@ -407,6 +420,7 @@ static void make_bow_tie(int shared) /* two tetrahedra that share 1, 2 or no ver
 static void test_parts_that_touch_in_a_vertex_or_an_edge(void)
 {
     bvx_certificate c;
+
     make_bow_tie(0);
     c = check(0);
     expect_flags(&c, 1, 1, 1, 1);
@@ -461,6 +475,7 @@ static void test_large_fans(void)
 static void test_sizes_at_the_ends_of_doubles(void)
 {
     static const int exponents[6] = {300, -300, 330, -330, 500, -357};
+
     for (int i = 0; i < 6; i++) {
         double const side = ldexp(1.0, exponents[i]);
         bvx_certificate c;
@@ -479,6 +494,7 @@ static void test_bounds_and_volume_leave_out_what_is_collapsed(void)
 {
     bvx_certificate c;
     uint32_t far;
+
     make_cube(1.0, 1.0);
     far = maker_vertex(&mesh, 1e6, -1e6, 0.1);
     maker_triangle(&mesh, far, far, 0);
@@ -497,6 +513,7 @@ static void test_all_types_and_strides_give_one_certificate(void)
     unsigned char positions[2000], indices[5000];
     bvx_certificate want;
     double const centre[3] = {0, 0, 0}, radius[3] = {5, 6, 7};
+
     maker_star(&mesh, &seed, centre, radius, 0.5, 5, 6, 4);
     maker_remove(&mesh, 3);
     maker_flip(&mesh, 0, 2);
@@ -516,7 +533,8 @@ static void test_all_types_and_strides_give_one_certificate(void)
                     uint16_t const s = (uint16_t)mesh.t[i];
                     uint64_t const w = mesh.t[i];
                     const void *const from = t == BVX_U16 ? (const void *)&s : (const void *)&w;
-                    memcpy(indices + extra + i / 3 * is + i % 3 * (own / 3), t == BVX_U32 ? &mesh.t[i] : from, own / 3);
+                    memcpy(indices + extra + i / 3 * is + i % 3 * (own / 3), t == BVX_U32 ? &mesh.t[i] : from,
+                           own / 3);
                 }
                 v.positions = positions + extra;
                 v.indices = indices + extra;
@@ -532,6 +550,7 @@ static void test_all_types_and_strides_give_one_certificate(void)
 static void test_empty_meshes_have_an_empty_certificate(void)
 {
     bvx_certificate c, zero;
+
     memset(&zero, 0, sizeof zero);
     c = check(0);
     TEST_ASSERT_EQUAL_MEMORY(&zero, &c, sizeof c);
@@ -559,6 +578,7 @@ static void test_check_refuses(void)
 {
     bvx_mesh_view v;
     bvx_certificate c;
+
     make_cube(0.0, 1.0);
     v = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_check(NULL, &v, 0, &c));

@@ -1,9 +1,15 @@
-/* test_check_written.c - far coordinates: what is written is what is certified, and what floats would spoil is refused. */
+/* test_check_written.c - far coordinates: what is written is what is
+ * certified, and what floats would spoil is refused. */
 #include "write_support.h"
 
 #include <math.h>
 
-enum { RINGS = 16, AROUND = 32, BALL_VERTICES = 2 + (RINGS - 1) * AROUND, BALL_TRIANGLES = 2 * AROUND * (RINGS - 1) };
+enum {
+    RINGS = 16,
+    AROUND = 32,
+    BALL_VERTICES = 2 + (RINGS - 1) * AROUND,
+    BALL_TRIANGLES = 2 * AROUND * (RINGS - 1)
+};
 
 static double ball_positions[BALL_VERTICES * 3];
 static float ball_floats[BALL_VERTICES * 3];
@@ -26,7 +32,8 @@ static bvx_mesh ball_at(double x, double y, double z)
 
     for (int i = 0; i < BALL_VERTICES; i++) {
         int const ring = i == 0 ? 0 : i == BALL_VERTICES - 1 ? RINGS : 1 + (i - 1) / AROUND;
-        double const polar = 3.14159265358979 * ring / RINGS, turn = 6.28318530717959 * ((i - 1) % AROUND) / AROUND;
+        double const polar = 3.14159265358979 * ring / RINGS;
+        double const turn = 6.28318530717959 * ((i - 1) % AROUND) / AROUND;
         double const p[3] = {sin(polar) * cos(turn), sin(polar) * sin(turn), cos(polar)};
         for (int a = 0; a < 3; a++) ball_positions[i * 3 + a] = 10.0 * p[a] + centre[a];
     }
@@ -38,7 +45,8 @@ static bvx_mesh ball_at(double x, double y, double z)
             put_triangle(&t, a, b + AROUND, b);
         }
     for (uint32_t j = 0; j < AROUND; j++)
-        put_triangle(&t, BALL_VERTICES - 1, 1 + (RINGS - 2) * AROUND + (j + 1) % AROUND, 1 + (RINGS - 2) * AROUND + j);
+        put_triangle(&t, BALL_VERTICES - 1, 1 + (RINGS - 2) * AROUND + (j + 1) % AROUND,
+                     1 + (RINGS - 2) * AROUND + j);
 
     m.positions = ball_positions;
     m.position_type = BVX_F64;
@@ -70,6 +78,7 @@ static void check_report_is_of_the_file(const bvx_mesh *m, int32_t format)
     bvx_write_report const r = report_of(m, format);
     bvx_buffer b = write_rounded(m, format);
     bvx_mesh back = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, &back));
     bvx_certificate const c = certificate_of(&back, format == BVX_FORMAT_STL);
     TEST_ASSERT_EQUAL_MEMORY(&c, &r.file, sizeof c);
@@ -101,12 +110,14 @@ static void test_other_formats_keep_what_is_far(void)
 {
     static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
     bvx_mesh const m = ball_at(600000, 5000000, 0);
+
     for (int i = 0; i < 4; i++) {
         bvx_buffer b = {0};
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, formats[i], &b));
         bvx_buffer_free(ctx, &b);
         bvx_write_report const r = report_of(&m, formats[i]);
-        TEST_ASSERT_TRUE(r.fits && r.file.closed && r.file.edge_manifold && r.file.vertex_manifold && r.file.oriented);
+        TEST_ASSERT_TRUE(r.fits && r.file.closed && r.file.edge_manifold && r.file.vertex_manifold &&
+                         r.file.oriented);
         TEST_ASSERT_EQUAL_UINT64(0, r.merged + r.spoilt);
     }
 }
@@ -114,6 +125,7 @@ static void test_other_formats_keep_what_is_far(void)
 static void test_a_frame_brings_it_near(void)
 {
     bvx_mesh m = ball_at(600000, 5000000, 0);
+
     m.frame[0] = -600000;
     m.frame[1] = -5000000;
     bvx_write_report const r = report_of(&m, BVX_FORMAT_STL);
@@ -145,12 +157,14 @@ static void test_levels_far_apart_are_refused(void)
     bvx_mesh level[2];
     bvx_write_report r[2];
     bvx_buffer b = {0};
+
     level[0] = ball_at(1e8, 0, 0);
     memcpy(far_positions, ball_positions, sizeof far_positions);
     level[1] = ball_at(-1e8, 0, 0);
     level[0].positions = far_positions;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_levels(ctx, level, 2, BVX_FORMAT_GLB, &b));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_write_levels: level 0: the format's 32-bit floats move"));
+    TEST_ASSERT_NOT_NULL(
+        strstr(bvx_last_message(ctx), "bvx_write_levels: level 0: the format's 32-bit floats move"));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, level, 2, BVX_FORMAT_GLB, r));
     TEST_ASSERT_FALSE(r[0].fits || r[1].fits);
     TEST_ASSERT_TRUE(report_of(&level[0], BVX_FORMAT_GLB).fits); /* alone it lies about its own middle */
@@ -162,6 +176,7 @@ static void test_the_report_is_of_the_file(void)
 {
     static const int32_t formats[] = {BVX_FORMAT_STL, BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_OFF};
     static const double at[] = {0, 1.5, 1e4, 3e6, 1e8};
+
     for (int f = 0; f < 4; f++)
         for (int i = 0; i < 5; i++) {
             bvx_mesh m = ball_at(at[i], -at[i], at[i] / 3);
@@ -177,6 +192,7 @@ static void test_stl_joins_equal_positions(void)
     bvx_mesh m = ball_at(0, 0, 0);
     static uint32_t apart[BALL_TRIANGLES * 3];
     static double corners[BALL_TRIANGLES * 9];
+
     for (uint32_t i = 0; i < BALL_TRIANGLES * 3; i++) {
         memcpy(&corners[i * 3], &ball_positions[ball_triangles[i] * 3], 3 * sizeof(double));
         apart[i] = i;
@@ -193,6 +209,7 @@ static void test_stl_joins_equal_positions(void)
 static void test_a_sliver_is_counted(void)
 {
     bvx_mesh m = ball_at(0, 0, 0);
+
     memcpy(&ball_positions[3 * 40], &ball_positions[3 * 41], 3 * sizeof(double));
     ball_positions[3 * 40 + 2] += 1e-9;
     bvx_write_report const r = report_of(&m, BVX_FORMAT_STL);
@@ -207,6 +224,7 @@ static void test_wrong_calls(void)
 {
     bvx_mesh m = ball_at(0, 0, 0);
     bvx_write_report r;
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(NULL, &m, 1, BVX_FORMAT_STL, &r));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, NULL, 1, BVX_FORMAT_STL, &r));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, &m, 1, BVX_FORMAT_STL, NULL));

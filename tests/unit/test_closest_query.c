@@ -1,4 +1,5 @@
-/* test_closest_query.c - nearest points against looking at every triangle; features against exact integers. */
+/* test_closest_query.c - nearest points against looking at every triangle; features against exact
+ * integers. */
 #include "mesh/closest.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
@@ -46,11 +47,14 @@ static void corners_of(const bvx_mesh_view *v, uint64_t t, double c[3][3])
     for (int k = 0; k < 3; k++) bvxi_view_position(v, n[k], c[k]);
 }
 
-/* The least (distance, number) over all triangles, each by itself, in the units of the mesh's power of two. */
-static void nearest_of_all(const bvx_mesh_view *v, double scale, const double point[3], bvx_closest_point *best)
+/* The least (distance, number) over all triangles, each by itself, in the units of the mesh's power of
+ * two. */
+static void nearest_of_all(const bvx_mesh_view *v, double scale, const double point[3],
+                           bvx_closest_point *best)
 {
     double const p[3] = {point[0] * scale, point[1] * scale, point[2] * scale};
     double least = HUGE_VAL, c[3][3], q[3];
+
     for (uint64_t t = 0; t < v->triangle_count; t++) {
         corners_of(v, t, c);
         for (int k = 0; k < 9; k++) c[k / 3][k % 3] *= scale;
@@ -68,6 +72,7 @@ static void expect_place(const bvx_mesh_view *v, double scale, const bvx_closest
 {
     double c[3][3], sum = 0.0;
     int zeros = 0;
+
     TEST_ASSERT_TRUE(f->feature >= 0 && f->feature <= 6);
     corners_of(v, f->triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -95,6 +100,7 @@ static void expect_nearest(const bvx_mesh_view *v, const double *points, int cou
     bvx_closest_point *const found = malloc((size_t)count * sizeof *found);
     double low[3], high[3], scale;
     bvx_closest *closest;
+
     TEST_ASSERT_NOT_NULL(found);
     memset(found, 0x55, (size_t)count * sizeof *found);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_view_bounds(ctx, "test", v, low, high));
@@ -116,7 +122,11 @@ static void expect_nearest(const bvx_mesh_view *v, const double *points, int cou
 
 static void make_mesh(int kind)
 {
-    static const double low[3] = {-9, -8, -7}, high[3] = {9, 8, 7}, centre[3] = {1, 2, 3}, radius[3] = {7, 6, 5};
+    static const double low[3] = {-9, -8, -7};
+    static const double high[3] = {9, 8, 7};
+    static const double centre[3] = {1, 2, 3};
+    static const double radius[3] = {7, 6, 5};
+
     maker_clear(&m);
     if (kind == 0) maker_soup(&m, &seed, 60, low, high, 1000);
     if (kind == 1) maker_needles(&m, &seed, 60, low, high, 65536);
@@ -174,21 +184,25 @@ static int64_t dot(ints a, ints b)
 
 static ints cross(ints a, ints b)
 {
-    ints const n = {{a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]}};
+    ints const n = {{a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2],
+                     a.v[0] * b.v[1] - a.v[1] * b.v[0]}};
     return n;
 }
 
-/* The feature of a triangle with area: the corner whose both edges lead away from p; the edge beside which p lies, and
- * between its ends; else the face. */
+/* The feature of a triangle with area: the corner whose both edges lead away from p; the edge beside which p
+ * lies, and between its ends; else the face. */
 static int32_t exact_feature(ints p, const ints t[3])
 {
     ints const n = cross(minus(t[1], t[0]), minus(t[2], t[0]));
+
     for (int32_t k = 0; k < 3; k++)
-        if (dot(minus(p, t[k]), minus(t[(k + 1) % 3], t[k])) <= 0 && dot(minus(p, t[k]), minus(t[(k + 2) % 3], t[k])) <= 0)
+        if (dot(minus(p, t[k]), minus(t[(k + 1) % 3], t[k])) <= 0 &&
+            dot(minus(p, t[k]), minus(t[(k + 2) % 3], t[k])) <= 0)
             return 4 + k;
     for (int32_t k = 0; k < 3; k++) {
         ints const a = t[k], b = t[(k + 1) % 3], e = minus(b, a);
-        if (dot(cross(e, minus(p, a)), n) <= 0 && dot(minus(p, a), e) > 0 && dot(minus(p, b), e) < 0) return 1 + k;
+        if (dot(cross(e, minus(p, a)), n) <= 0 && dot(minus(p, a), e) > 0 && dot(minus(p, b), e) < 0)
+            return 1 + k;
     }
     return 0;
 }
@@ -227,6 +241,7 @@ static void test_closest_on_triangles_without_area(void)
     static const uint32_t corners[4][3] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
     static const double beside[3] = {1, 3, 0}, before[3] = {-2, 1, 0};
     static const double shares[4] = {1, 0.75, 0.75, 0.75}; /* of vertex 0 at the point beside */
+
     for (int i = 0; i < 4; i++) {
         double at_0 = 0.0;
         bvx_mesh_view v;
@@ -254,6 +269,7 @@ static void test_closest_on_triangles_without_area(void)
 static void test_closest_from_far_away(void)
 {
     static const double reaches[8] = {1e3, 1e9, 1e16, 1e40, 1e150, 1e200, 1e300, 1.7e308};
+
     make_mesh(3);
     bvx_mesh_view const v = maker_view(&m);
     for (int i = 0; i < 8; i++)
@@ -265,7 +281,8 @@ static void test_closest_from_far_away(void)
             TEST_ASSERT_TRUE(f.distance >= along * (1 - 1e-15));
             TEST_ASSERT_TRUE(f.distance <= along * (1 + 1e-15) + 200 / along);
             TEST_ASSERT_TRUE(f.triangle < m.triangles);
-            TEST_ASSERT_TRUE(fabs(f.position[0]) < 12 && fabs(f.position[1]) < 12 && fabs(f.position[2]) < 12);
+            TEST_ASSERT_TRUE(fabs(f.position[0]) < 12 && fabs(f.position[1]) < 12 &&
+                             fabs(f.position[2]) < 12);
             expect_place(&v, 0.0625, &f);
             if (i >= 3) TEST_ASSERT_EQUAL_UINT32(0, f.triangle); /* all tie */
         }
@@ -277,6 +294,7 @@ static void test_closest_of_vast_and_tiny_meshes(void)
 {
     static const double factors[4] = {0x1p1000, 0x1p-1000, 0x1p-300, 0x1p300};
     double points[30], whole[3 * 30];
+
     make_mesh(3);
     bvx_mesh_view v = maker_view(&m);
     size_t const n = 3 * m.vertices;
@@ -301,7 +319,8 @@ static void test_closest_of_vast_and_tiny_meshes(void)
             TEST_ASSERT_EQUAL_INT32(want[i].feature, got[i].feature);
             TEST_ASSERT_TRUE(want[i].distance * factors[f] == got[i].distance);
             TEST_ASSERT_EQUAL_MEMORY(want[i].weight, got[i].weight, sizeof want[i].weight);
-            for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(want[i].position[a] * factors[f] == got[i].position[a]);
+            for (int a = 0; a < 3; a++)
+                TEST_ASSERT_TRUE(want[i].position[a] * factors[f] == got[i].position[a]);
         }
     }
     double const p[3] = {3, 4, 0}; /* from a point of the usual size to a tiny mesh, last of all */
@@ -342,7 +361,8 @@ static void test_closest_is_the_same_for_any_threads(void)
     }
 }
 
-/* Many points are put in order, in more than one batch: each answer is the one that its point has alone, with vectors and without. */
+/* Many points are put in order, in more than one batch: each answer is the
+ * one that its point has alone, with vectors and without. */
 static void test_closest_in_any_company(void)
 {
     enum { POINTS = (1 << 16) + 500 };
@@ -354,7 +374,8 @@ static void test_closest_in_any_company(void)
     make_mesh(3);
     v = maker_view(&m);
     for (int i = 0; i < POINTS; i++)
-        for (int a = 0; a < 3; a++) points[3 * i + a] = maker_between(&seed, -12, 12, 10) * (i % 7 == 0 ? 40.0 : 1.0);
+        for (int a = 0; a < 3; a++)
+            points[3 * i + a] = maker_between(&seed, -12, 12, 10) * (i % 7 == 0 ? 40.0 : 1.0);
     for (int a = 0; a < 3; a++) points[a] = 0x1p900; /* a box in which the others share a cell */
 
     bvx_context_options_init(&o, sizeof o);
@@ -387,6 +408,7 @@ static void test_closest_keeps_what_it_needs(void)
     bvx_closest *closest;
     bvx_closest_point want, got;
     uint64_t used;
+
     make_mesh(3);
     bvx_mesh_view const v = maker_view(&m);
     want = ask(&v, p);

@@ -1,4 +1,5 @@
-/* test_collapse.c - levels with collapsed edges: still closed manifolds of the same shape, nearer at equal count. */
+/* test_collapse.c - levels with collapsed edges: still closed manifolds of
+ * the same shape, nearer at equal count. */
 #include "../golden/shapes.h"
 
 #include <stdlib.h>
@@ -82,6 +83,7 @@ static void test_torus_keeps_its_handle_and_comes_nearer(void)
 {
     static const uint64_t targets[] = {3000, 1000, 400};
     bvx_grid solid = {0};
+
     shape_torus(&source, 96, 40, 0.0, 1);
     solid_of_source(200, &solid);
     for (size_t t = 0; t < sizeof targets / sizeof targets[0]; t++) {
@@ -106,6 +108,7 @@ static void test_noise_stays_manifold(void)
     static const int32_t dims[3] = {40, 37, 33};
     bvx_lattice lattice;
     uint64_t seed = 99;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     for (uint64_t every = 2; every < 12; every += 3) {
         bvx_grid noise = {0};
@@ -114,7 +117,8 @@ static void test_noise_stays_manifold(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &noise));
         for (int32_t z = 0; z < dims[2]; z++)
             for (int32_t y = 0; y < dims[1]; y++)
-                for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&noise, x, y, z, (shape_random(&seed) >> 33) % every == 0);
+                for (int32_t x = 0; x < dims[0]; x++)
+                    bvx_grid_set(&noise, x, y, z, (shape_random(&seed) >> 33) % every == 0);
         bvx_extract_options options;
         bvx_extract_options_init(&options, sizeof options);
         options.position_type = BVX_F64;
@@ -141,6 +145,7 @@ static void test_flat_faces_cost_nothing(void)
     bvx_mesh mesh = {0}, fewer = {0};
     bvx_extract_options options;
     bvx_certificate before, after;
+
     bvx_extract_options_init(&options, sizeof options);
     options.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
@@ -163,7 +168,8 @@ static void test_flat_faces_cost_nothing(void)
 static void test_open_mesh_is_refused(void)
 {
     double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    bvx_mesh_view const view = {.positions = positions, .vertex_count = 3, .triangle_count = 1, .position_type = BVX_F64};
+    bvx_mesh_view const view = {
+        .positions = positions, .vertex_count = 3, .triangle_count = 1, .position_type = BVX_F64};
     bvxi_collapse_options const options = {.position_type = BVX_F64};
     bvxi_collapse *collapse = NULL;
 
@@ -177,6 +183,7 @@ static void test_bad_options_are_named(void)
     bvx_mesh mesh = {0};
     bvx_lod_options options;
     int32_t const resolution = 8;
+
     shape_ball(&source, 4);
     solid_of_source(16, &solid);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, level(&solid, 100, 0.5, BVX_F32, &mesh));
@@ -189,8 +196,8 @@ static void test_bad_options_are_named(void)
     bvx_grid_free(ctx, &solid);
 }
 
-/* Floats are rounded before an edge is judged, so that no rounding comes after the guarantee: other edges may go, but the
- * surfaces are as near to each other as to the ball. */
+/* Floats are rounded before an edge is judged, so that no rounding comes after the guarantee: other edges may
+ * go, but the surfaces are as near to each other as to the ball. */
 static void test_f64_and_f32_are_the_same_surface(void)
 {
     bvx_grid solid = {0};

@@ -27,6 +27,7 @@ static void make_grids(int32_t x, int32_t y, int32_t z)
     int32_t const dims[3] = {x + 5, y + 4, z + 3};
     bvx_window const window = {{2, 3, 1}, {x, y, z}};
     bvx_lattice l;
+
     bvx_grid_free(ctx, &a);
     bvx_grid_free(ctx, &b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
@@ -43,18 +44,24 @@ static void slow_components(const bvx_grid *one, const bvx_grid *other, uint64_t
     size_t const slice = (size_t)n[0] * (size_t)n[1], all = slice * (size_t)n[2];
     size_t *const label = calloc(all, sizeof *label), *const size = calloc(all + 1, sizeof *size);
     int changed = 1;
+
     TEST_ASSERT_NOT_NULL(label);
     TEST_ASSERT_NOT_NULL(size);
     for (size_t i = 0; i < all; i++) {
-        int32_t const x = (int32_t)(i % (size_t)n[0]), y = (int32_t)(i / (size_t)n[0] % (size_t)n[1]), z = (int32_t)(i / slice);
+        int32_t const x = (int32_t)(i % (size_t)n[0]);
+        int32_t const y = (int32_t)(i / (size_t)n[0] % (size_t)n[1]);
+        int32_t const z = (int32_t)(i / slice);
         if (bvx_grid_get(one, x, y, z) && !bvx_grid_get(other, x, y, z)) label[i] = i + 1;
     }
     while (changed) {
         changed = 0;
         for (size_t i = 0; i < all; i++) {
-            size_t const step[3] = {1, (size_t)n[0], slice}, place[3] = {i % step[1], i / step[1] % (size_t)n[1], i / slice};
+            size_t const step[3] = {1, (size_t)n[0], slice};
+            size_t const place[3] = {i % step[1], i / step[1] % (size_t)n[1], i / slice};
             for (int k = 0; k < 3; k++) {
-                if (label[i] == 0 || place[k] == 0 || label[i - step[k]] == 0 || label[i] == label[i - step[k]]) continue;
+                if (label[i] == 0 || place[k] == 0 || label[i - step[k]] == 0 ||
+                    label[i] == label[i - step[k]])
+                    continue;
                 if (label[i] < label[i - step[k]]) label[i - step[k]] = label[i];
                 else label[i] = label[i - step[k]];
                 changed = 1;
@@ -75,6 +82,7 @@ static void expect_slow_comparison(void)
 {
     bvx_grid_difference want, got;
     int32_t high[3] = {-1, -1, -1};
+
     memset(&want, 0, sizeof want);
     memset(&got, 0x55, sizeof got);
     for (int i = 0; i < 3; i++) want.low[i] = a.size[i];
@@ -114,7 +122,8 @@ static void scatter(bvx_grid *g, int32_t percent)
 {
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
-            for (int32_t x = 0; x < g->size[0]; x++) bvx_grid_set(g, x, y, z, maker_below(&seed, 100) < percent);
+            for (int32_t x = 0; x < g->size[0]; x++)
+                bvx_grid_set(g, x, y, z, maker_below(&seed, 100) < percent);
 }
 
 /* ---- Tests ---- */
@@ -122,12 +131,14 @@ static void scatter(bvx_grid *g, int32_t percent)
 static void test_compare_equals_the_slow_way(void)
 {
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129};
+
     for (int s = 0; s < 7; s++)
         for (int round = 0; round < 8; round++) {
             make_grids(sides[s], 1 + maker_below(&seed, 6), 1 + maker_below(&seed, 6));
             scatter(&a, 50);
             scatter(&b, round < 4 ? 50 : 4);
-            if (round % 4 == 1) memcpy(b.words, a.words, (size_t)(a.size[1] * a.size[2] * a.words_per_row) * 8);
+            if (round % 4 == 1)
+                memcpy(b.words, a.words, (size_t)(a.size[1] * a.size[2] * a.words_per_row) * 8);
             if (round % 4 == 2) scatter(&a, 0);
             if (round % 4 == 3) scatter(&b, 100);
             expect_slow_comparison();
@@ -137,6 +148,7 @@ static void test_compare_equals_the_slow_way(void)
 static void test_compare_of_one_voxel_everywhere(void)
 {
     static const int32_t places[6] = {0, 1, 63, 64, 127, 128};
+
     make_grids(129, 3, 3);
     for (int i = 0; i < 6; i++)
         for (int32_t row = 0; row < 9; row++) {
@@ -151,6 +163,7 @@ static void test_compare_of_one_voxel_everywhere(void)
 static void test_compare_by_hand(void)
 {
     bvx_grid_difference d;
+
     make_grids(128, 2, 2);
     for (int32_t x = 60; x < 128; x++) bvx_grid_set(&a, x, 1, 0, 1);
     for (int32_t x = 64; x < 70; x++) bvx_grid_set(&b, x, 1, 0, 1);
@@ -174,6 +187,7 @@ static void test_compare_by_hand(void)
 static void test_compare_over_a_shared_word(void)
 {
     bvx_grid_difference d;
+
     make_grids(200, 1, 1);
     for (int32_t x = 0; x < 200; x++) bvx_grid_set(&a, x, 0, 0, 1);
     for (int32_t x = 64; x < 128; x++) bvx_grid_set(&b, x, 0, 0, 1);
@@ -189,6 +203,7 @@ static void test_compare_is_the_same_for_any_threads(void)
 {
     bvx_grid_difference one, many;
     bvx_context_options o;
+
     make_grids(200, 60, 50);
     scatter(&a, 20);
     scatter(&b, 20);
@@ -207,6 +222,7 @@ static void test_compare_takes_what_it_says(void)
 {
     bvx_grid_difference d;
     uint64_t held, runs;
+
     make_grids(64, 40, 40);
     for (int32_t z = 0; z < 40; z++) /* the most runs, none of them connected, and then all of them */
         for (int32_t y = 0; y < 40; y++) a.words[z * 40 + y] = UINT64_C(0x5555555555555555) << ((y + z) & 1);
@@ -239,12 +255,15 @@ static void expect_refusal(bvx_status status, const char *word)
 static void test_compare_names_what_differs(void)
 {
     bvx_grid good;
+
     make_grids(20, 10, 10);
     good = b;
-    b.lattice.origin[1] = 0.25, expect_refusal(BVX_ERR_LATTICE, "origin along y, 0.5 in a and 0.25 in b"), b = good;
+    b.lattice.origin[1] = 0.25, expect_refusal(BVX_ERR_LATTICE, "origin along y, 0.5 in a and 0.25 in b"),
+    b = good;
     b.lattice.spacing[2] = 3, expect_refusal(BVX_ERR_LATTICE, "spacing along z, 2 in a and 3 in b"), b = good;
     b.lattice.dims[0] = 99, expect_refusal(BVX_ERR_LATTICE, "dims along x, 25 in a and 99 in b"), b = good;
-    b.lattice.fraction_bits = 9, expect_refusal(BVX_ERR_LATTICE, "fraction_bits, 16 in a and 9 in b"), b = good;
+    b.lattice.fraction_bits = 9, expect_refusal(BVX_ERR_LATTICE, "fraction_bits, 16 in a and 9 in b"),
+    b = good;
     b.low[0] = 4, expect_refusal(BVX_ERR_LATTICE, "low along x, 2 in a and 4 in b"), b = good;
     b.size[1] = 9, expect_refusal(BVX_ERR_LATTICE, "size along y, 10 in a and 9 in b"), b = good;
 }
@@ -253,6 +272,7 @@ static void test_compare_refuses_what_is_no_grid(void)
 {
     bvx_grid_difference d;
     bvx_grid good;
+
     make_grids(20, 10, 10);
     good = a;
     a.words = NULL, expect_refusal(BVX_ERR_ARGUMENT, "grid a: the grid has no words"), a = good;

@@ -42,6 +42,7 @@ static box box_of(int32_t x, int32_t y, int32_t z)
 {
     box b = {{0, 0, 0}, NULL, NULL, 0};
     size_t const n = (size_t)x * (size_t)y * (size_t)z;
+
     b.size[0] = x;
     b.size[1] = y;
     b.size[2] = z;
@@ -64,6 +65,7 @@ static void flood(box *b, int32_t connectivity)
     int32_t const most = connectivity == 6 ? 1 : connectivity == 18 ? 2 : 3;
     size_t const n = (size_t)b->size[0] * (size_t)b->size[1] * (size_t)b->size[2];
     size_t *const stack = malloc((n + 1) * sizeof *stack);
+
     TEST_ASSERT_NOT_NULL(stack);
     b->labels = 0;
     for (size_t i = 0; i < n; i++) b->label[i] = -1;
@@ -80,7 +82,8 @@ static void flood(box *b, int32_t connectivity)
                 int32_t const dx = d % 3 - 1, dy = d / 3 % 3 - 1, dz = d / 9 - 1;
                 int32_t const u = x + dx, v = y + dy, w = z + dz;
                 if ((dx != 0) + (dy != 0) + (dz != 0) > most) continue;
-                if (u < 0 || v < 0 || w < 0 || u >= b->size[0] || v >= b->size[1] || w >= b->size[2]) continue;
+                if (u < 0 || v < 0 || w < 0 || u >= b->size[0] || v >= b->size[1] || w >= b->size[2])
+                    continue;
                 size_t const j = at(b, u, v, w);
                 if (!b->set[j] || b->label[j] >= 0) continue;
                 b->label[j] = b->labels;
@@ -97,11 +100,13 @@ static void flood(box *b, int32_t connectivity)
 static void add_rows(const box *b, bvxi_components *c)
 {
     int32_t const words = bvxi_row_words(b->size[0]);
+
     for (int32_t z = 0; z < b->size[2]; z++)
         for (int32_t y = 0; y < b->size[1]; y++) {
             uint64_t *const row = bvxi_components_row(c, y, z);
             memset(row, 0, (size_t)words * 8);
-            for (int32_t x = 0; x < b->size[0]; x++) row[x >> 6] |= (uint64_t)b->set[at(b, x, y, z)] << (x & 63);
+            for (int32_t x = 0; x < b->size[0]; x++)
+                row[x >> 6] |= (uint64_t)b->set[at(b, x, y, z)] << (x & 63);
             bvxi_components_add(c, y, z);
         }
 }
@@ -110,6 +115,7 @@ static void add_rows(const box *b, bvxi_components *c)
 static uint64_t runs_of(const box *b, int32_t *labels)
 {
     uint64_t n = 0;
+
     for (int32_t z = 0; z < b->size[2]; z++)
         for (int32_t y = 0; y < b->size[1]; y++)
             for (int32_t x = 0; x < b->size[0]; x++) {
@@ -125,6 +131,7 @@ static void expect_flood(box *b)
     static const int32_t kinds[3] = {BVXI_CONNECT_6, BVXI_CONNECT_18, BVXI_CONNECT_26};
     uint64_t const count = runs_of(b, NULL);
     int32_t *const want = malloc((size_t)(count + 1) * sizeof *want);
+
     TEST_ASSERT_NOT_NULL(want);
     for (int k = 0; k < 6; k++) {
         bvx_context *const with = k < 3 ? ctx : portable;
@@ -152,6 +159,7 @@ static void scatter(box *b, int32_t percent)
 static void test_components_equal_a_flood(void)
 {
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129}, percents[7] = {0, 2, 10, 31, 50, 80, 100};
+
     for (int s = 0; s < 7; s++)
         for (int p = 0; p < 7; p++) {
             box b = box_of(sides[s], 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9));
@@ -169,11 +177,16 @@ static void test_components_join_what_meets_late(void)
         for (int32_t z = 0; z < 9; z++)
             for (int32_t y = 0; y < 31; y++)
                 for (int32_t x = 0; x < 33; x++) {
-                    int32_t const ring = y < 30 - y ? y : 30 - y, side = x < 32 - x ? x : 32 - x, r = ring < side ? ring : side;
+                    int32_t const ring = y < 30 - y ? y : 30 - y;
+                    int32_t const side = x < 32 - x ? x : 32 - x;
+                    int32_t const r = ring < side ? ring : side;
                     int32_t set = 0;
-                    if (turn == 0) set = z == 8 || (x % 2 == 0 && y % 2 == 0);              /* teeth joined at the last slice */
-                    if (turn == 1) set = r % 2 == 0 && !(x == r && y == r + 1 && r < 14);   /* a spiral of open rings */
-                    if (turn == 2) set = (x + y + z) % 2 == 0;                              /* touches across edges alone */
+                    /* teeth joined at the last slice */
+                    if (turn == 0) set = z == 8 || (x % 2 == 0 && y % 2 == 0);
+                    /* a spiral of open rings */
+                    if (turn == 1) set = r % 2 == 0 && !(x == r && y == r + 1 && r < 14);
+                    /* touches across edges alone */
+                    if (turn == 2) set = (x + y + z) % 2 == 0;
                     b.set[at(&b, x, y, z)] = (uint8_t)set;
                 }
         expect_flood(&b);
@@ -181,10 +194,12 @@ static void test_components_join_what_meets_late(void)
     }
 }
 
-/* Voxels that touch across a face, an edge, a corner, and not at all: on each side, also where rows and slices wrap. */
+/* Voxels that touch across a face, an edge, a corner, and not at all: on
+ * each side, also where rows and slices wrap. */
 static void test_components_of_two_voxels(void)
 {
     box b = box_of(4, 4, 4);
+
     for (int32_t i = 0; i < 64; i++)
         for (int32_t j = 0; j < i; j++) {
             memset(b.set, 0, 64);
@@ -202,7 +217,8 @@ static void test_components_pass_over_gaps(void)
         scatter(&b, 40);
         for (int32_t z = 0; z < 12; z++)
             for (int32_t y = 0; y < 12; y++)
-                if (maker_below(&seed, 3) == 0 || z % 5 == round % 5) memset(b.set + at(&b, 0, y, z), 0, (size_t)b.size[0]);
+                if (maker_below(&seed, 3) == 0 || z % 5 == round % 5)
+                    memset(b.set + at(&b, 0, y, z), 0, (size_t)b.size[0]);
         expect_flood(&b);
         box_free(&b);
     }
@@ -212,9 +228,11 @@ static void test_components_keep_to_their_memory(void)
 {
     static const int32_t size[3] = {8, 3, 1000};
     bvxi_components c;
+
     bvx_memory_reset_peak(ctx);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_components_open(ctx, "test", BVXI_CONNECT_6, size, 3000, &c));
-    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= 3000 * 4 + 3 * 5 * 24); /* five rows of a word, with a word on either side */
+    /* five rows of a word, with a word on either side */
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= 3000 * 4 + 3 * 5 * 24);
     for (int32_t z = 0; z < 1000; z++)
         for (int32_t y = 0; y < 3; y++) {
             *bvxi_components_row(&c, y, z) = 0xff;
@@ -229,7 +247,8 @@ static void test_components_keep_to_their_memory(void)
     bvxi_components_number(&c);
     TEST_ASSERT_EQUAL_UINT64(0, c.component_count);
     bvxi_components_free(&c);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_components_open(ctx, "test", BVXI_CONNECT_6, size, UINT32_MAX, &c));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                            bvxi_components_open(ctx, "test", BVXI_CONNECT_6, size, UINT32_MAX, &c));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "4294967295 runs"));
 }
 

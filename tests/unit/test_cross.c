@@ -1,8 +1,10 @@
-/* test_cross.c - signs of orient.h against whole numbers, crossing triangles against the points that they have in common.
+/* test_cross.c - signs of orient.h against whole numbers, crossing triangles against the points that they
+ * have in common.
  *
- * The oracle of triangles finds all corners of the common part (corners of one in the other, edges through faces, edges across
- * edges) as fractions, and looks whether one is outside what is shared. That part is convex, and so is a shared corner or
- * edge, so there is such a corner or none. It knows no planes' sides and no projections. */
+ * The oracle of triangles finds all corners of the common part (corners of one in the other, edges through
+ * faces, edges across edges) as fractions, and looks whether one is outside what is shared. That part is
+ * convex, and so is a shared corner or edge, so there is such a corner or none. It knows no planes' sides and
+ * no projections. */
 #include "mesh/cross.h"
 #include "tools/crossing_oracle.h"
 #include "tools/mesh_maker.h"
@@ -15,11 +17,14 @@ void setUp(void)
     seed = 20;
 }
 
-void tearDown(void) {}
+void tearDown(void)
+{
+}
 
 /* ---- Signs ---- */
 
-/* Sign of det(a - d, b - d, c - d) in whole numbers: the volume (b - a) x (c - a) . (d - a) has the other one. */
+/* Sign of det(a - d, b - d, c - d) in whole numbers: the volume (b - a) x
+ * (c - a) . (d - a) has the other one. */
 static int whole_sign(int64_t q[4][3])
 {
     return -crossing_volume(q[0], q[1], q[2], q[3]);
@@ -34,10 +39,15 @@ static void to_doubles(int64_t q[4][3], double p[4][3])
 /* All orders of the points, with and without the filter. */
 static void expect_sign(int expected, double p[4][3])
 {
-    static const int order[6][4] = {{0, 1, 2, 3}, {1, 2, 0, 3}, {1, 0, 2, 3}, {3, 0, 1, 2}, {0, 3, 2, 1}, {2, 3, 0, 1}};
+    static const int order[6][4] = {{0, 1, 2, 3}, {1, 2, 0, 3}, {1, 0, 2, 3},
+                                    {3, 0, 1, 2}, {0, 3, 2, 1}, {2, 3, 0, 1}};
     static const int sign[6] = {1, 1, -1, -1, -1, 1};
+
     for (int i = 0; i < 6; i++) {
-        const double *const a = p[order[i][0]], *const b = p[order[i][1]], *const c = p[order[i][2]], *const d = p[order[i][3]];
+        const double *const a = p[order[i][0]];
+        const double *const b = p[order[i][1]];
+        const double *const c = p[order[i][2]];
+        const double *const d = p[order[i][3]];
         TEST_ASSERT_EQUAL_INT(expected * sign[i], bvxi_orient(a, b, c, d));
         TEST_ASSERT_EQUAL_INT(expected * sign[i], bvxi_orient_exact(a, b, c, d));
     }
@@ -46,6 +56,7 @@ static void expect_sign(int expected, double p[4][3])
 static void test_orient_says_which_side(void)
 {
     double p[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, -1}};
+
     expect_sign(1, p); /* below a triangle that is seen from above */
     p[3][2] = 1;
     expect_sign(-1, p);
@@ -60,6 +71,7 @@ static void test_orient_says_which_side(void)
 static void test_orient_is_exact_near_planes(void)
 {
     int wrong = 0;
+
     for (int n = 0; n < 20000; n++) {
         int32_t const digits = 5 + maker_below(&seed, 47);
         int64_t const size = INT64_C(1) << digits;
@@ -67,14 +79,17 @@ static void test_orient_is_exact_near_planes(void)
         double p[4][3], u[3][3], naive;
         double const s = maker_between(&seed, 0, 1, 16), t = maker_between(&seed, 0, 1, 16);
         for (int i = 0; i < 3; i++) /* multiples of 16: many points are on the plane exactly */
-            for (int k = 0; k < 3; k++) q[i][k] = ((int64_t)(maker_random(&seed) % (uint64_t)size) - size / 2) / 16 * 16 + n % 2;
+            for (int k = 0; k < 3; k++)
+                q[i][k] = ((int64_t)(maker_random(&seed) % (uint64_t)size) - size / 2) / 16 * 16 + n % 2;
         for (int k = 0; k < 3; k++)
-            q[3][k] = q[0][k] + (int64_t)(s * (double)(q[1][k] - q[0][k])) + (int64_t)(t * (double)(q[2][k] - q[0][k]));
+            q[3][k] = q[0][k] + (int64_t)(s * (double)(q[1][k] - q[0][k])) +
+                      (int64_t)(t * (double)(q[2][k] - q[0][k]));
         to_doubles(q, p);
         expect_sign(whole_sign(q), p);
         for (int i = 0; i < 3; i++)
             for (int k = 0; k < 3; k++) u[i][k] = p[i][k] - p[3][k];
-        naive = u[0][0] * (u[1][1] * u[2][2] - u[1][2] * u[2][1]) + u[0][1] * (u[1][2] * u[2][0] - u[1][0] * u[2][2]) +
+        naive = u[0][0] * (u[1][1] * u[2][2] - u[1][2] * u[2][1]) +
+                u[0][1] * (u[1][2] * u[2][0] - u[1][0] * u[2][2]) +
                 u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
         wrong += (naive > 0) - (naive < 0) != whole_sign(q);
         for (int axis = 0; axis < 3; axis++) {
@@ -82,7 +97,8 @@ static void test_orient_is_exact_near_planes(void)
             TEST_ASSERT_EQUAL_INT(flat, bvxi_orient_flat(p[0], p[1], p[2], axis));
             TEST_ASSERT_EQUAL_INT(flat, bvxi_orient_flat_exact(p[0], p[1], p[2], axis));
             TEST_ASSERT_EQUAL_INT(-flat, bvxi_orient_flat_exact(p[0], p[2], p[1], axis));
-            TEST_ASSERT_EQUAL_INT(crossing_area(q[0], q[1], q[3], axis), bvxi_orient_flat(p[0], p[1], p[3], axis));
+            TEST_ASSERT_EQUAL_INT(crossing_area(q[0], q[1], q[3], axis),
+                                  bvxi_orient_flat(p[0], p[1], p[3], axis));
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(1000, wrong);
@@ -95,7 +111,8 @@ static double times_power(double x, int power)
     return x;
 }
 
-/* With d at the origin each row and each column may be multiplied by a power of two of its own, as far as doubles go. */
+/* With d at the origin each row and each column may be multiplied by a
+ * power of two of its own, as far as doubles go. */
 static void test_orient_is_exact_for_all_exponents(void)
 {
     for (int n = 0; n < 20000; n++) {
@@ -105,7 +122,8 @@ static void test_orient_is_exact_for_all_exponents(void)
         for (int i = 0; i < 3; i++) {
             row[i] = maker_below(&seed, 1000) - 500;
             column[i] = maker_below(&seed, 1000) - 500;
-            for (int k = 0; k < 3; k++) q[i][k] = maker_below(&seed, 5) == 0 ? 0 : maker_below(&seed, 2001) - 1000;
+            for (int k = 0; k < 3; k++)
+                q[i][k] = maker_below(&seed, 5) == 0 ? 0 : maker_below(&seed, 2001) - 1000;
         }
         if (n % 3 == 0) /* one plane, or nearly */
             for (int k = 0; k < 3; k++) q[2][k] = 3 * q[0][k] - 2 * q[1][k] + (n % 2 == 0 && k == 0);
@@ -113,7 +131,8 @@ static void test_orient_is_exact_for_all_exponents(void)
             for (int k = 0; k < 3; k++) p[i][k] = times_power((double)q[i][k], row[i] + column[k]);
         expect_sign(whole_sign(q), p);
         for (int axis = 0; axis < 3; axis++)
-            TEST_ASSERT_EQUAL_INT(crossing_area(q[0], q[1], q[3], axis), bvxi_orient_flat(p[0], p[1], p[3], axis));
+            TEST_ASSERT_EQUAL_INT(crossing_area(q[0], q[1], q[3], axis),
+                                  bvxi_orient_flat(p[0], p[1], p[3], axis));
     }
 }
 
@@ -121,7 +140,8 @@ static void test_orient_at_the_ends_of_doubles(void)
 {
     double const most = 1.7976931348623157e308, least = times_power(1.0, -1074);
     double p[4][3] = {{most, -most, most}, {-most, most, -most}, {-most, -most, most}, {most, most, least}};
-    int64_t q[4][3] = {{2, -2, 2}, {-2, 2, -2}, {-2, -2, 2}, {2, 2, 0}}; /* least is next to nothing, and no sign turns on it */
+    /* least is next to nothing, and no sign turns on it */
+    int64_t q[4][3] = {{2, -2, 2}, {-2, 2, -2}, {-2, -2, 2}, {2, 2, 0}};
     expect_sign(whole_sign(q), p);
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++) p[i][k] = (double)q[i][k] * least;
@@ -201,8 +221,10 @@ static void normal_of(const int64_t *const t[3], int64_t n[3])
 static int in_triangle(const point *p, const int64_t *const t[3])
 {
     int64_t n[3], to[3], edge[3], m[3];
+
     normal_of(t, n);
-    if (is_zero(n)) return on_segment(p, t[0], t[1]) || on_segment(p, t[1], t[2]) || on_segment(p, t[2], t[0]);
+    if (is_zero(n))
+        return on_segment(p, t[0], t[1]) || on_segment(p, t[1], t[2]) || on_segment(p, t[2], t[0]);
     from(p, t[0], to);
     if (dot(n, to) != 0) return 0;
     for (int i = 0; i < 3; i++) {
@@ -218,6 +240,7 @@ static int in_triangle(const point *p, const int64_t *const t[3])
 static point along(const int64_t a[3], const int64_t b[3], int64_t over, int64_t under)
 {
     point p;
+
     if (under < 0) {
         under = -under;
         over = -over;
@@ -231,6 +254,7 @@ static int is_shared(const point *p, const int64_t *const s[3], const int64_t *c
 {
     const int64_t *common[9];
     int count = 0;
+
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             if (s[i] == t[k]) common[count++] = s[i];
@@ -249,6 +273,7 @@ static int oracle_one_way(const int64_t *const s[3], const int64_t *const t[3])
 {
     int64_t n[3], edge[3], other[3], between[3], m[3], k[3];
     point p;
+
     normal_of(t, n);
     for (int i = 0; i < 3; i++) {
         const int64_t *const a = s[i], *const b = s[(i + 1) % 3];
@@ -260,7 +285,8 @@ static int oracle_one_way(const int64_t *const s[3], const int64_t *const t[3])
             p = along(a, b, dot(n, between), dot(n, edge));
             if (oracle_tries(&p, s, t)) return 1;
         }
-        for (int j = 0; j < 3; j++) { /* where lines of edges meet; one that is skew gives a point that is not in t */
+        /* where lines of edges meet; one that is skew gives a point that is not in t */
+        for (int j = 0; j < 3; j++) {
             minus(t[(j + 1) % 3], t[j], other);
             minus(t[j], a, between);
             cross_product(edge, other, m);
@@ -280,7 +306,8 @@ static int oracle_cross(const int64_t *const s[3], const int64_t *const t[3])
     for (int i = 0; i < 3; i++) same = same && (s[i] == t[0] || s[i] == t[1] || s[i] == t[2]);
     for (int i = 0; i < 3; i++) same = same && (t[i] == s[0] || t[i] == s[1] || t[i] == s[2]);
     normal_of(s, n);
-    if (same) return !is_zero(n); /* what is common reaches inside the triangle's edges, none of its corners does */
+    /* what is common reaches inside the triangle's edges, none of its corners does */
+    if (same) return !is_zero(n);
     return oracle_one_way(s, t) || oracle_one_way(t, s);
 }
 
@@ -297,25 +324,31 @@ static int cross_of(const places *p, const int s[3], const int t[3], int orders)
     const int64_t *const ws[3] = {p->whole[s[0]], p->whole[s[1]], p->whole[s[2]]};
     const int64_t *const wt[3] = {p->whole[t[0]], p->whole[t[1]], p->whole[t[2]]};
     int const expected = oracle_cross(ws, wt);
+
     for (int i = 0; i < orders; i++)
         for (int k = 0; k < orders; k++) {
-            const double *const a[3] = {p->real[s[order[i][0]]], p->real[s[order[i][1]]], p->real[s[order[i][2]]]};
-            const double *const b[3] = {p->real[t[order[k][0]]], p->real[t[order[k][1]]], p->real[t[order[k][2]]]};
+            const double *const a[3] = {p->real[s[order[i][0]]], p->real[s[order[i][1]]],
+                                        p->real[s[order[i][2]]]};
+            const double *const b[3] = {p->real[t[order[k][0]]], p->real[t[order[k][1]]],
+                                        p->real[t[order[k][2]]]};
             if (bvxi_triangles_cross(a, b) != expected || bvxi_triangles_cross(b, a) != expected ||
                 bvxi_triangles_cross_exact(a, b) != expected) {
                 char text[400];
-                snprintf(text, sizeof text, "expected %d of %d %d %d and %d %d %d among %g %g %g, %g %g %g, %g %g %g, %g %g %g, %g %g %g, %g %g %g",
-                         expected, s[0], s[1], s[2], t[0], t[1], t[2], p->real[0][0], p->real[0][1], p->real[0][2],
-                         p->real[1][0], p->real[1][1], p->real[1][2], p->real[2][0], p->real[2][1], p->real[2][2],
-                         p->real[3][0], p->real[3][1], p->real[3][2], p->real[4][0], p->real[4][1], p->real[4][2],
-                         p->real[5][0], p->real[5][1], p->real[5][2]);
+                snprintf(
+                    text, sizeof text,
+                    "expected %d of %d %d %d and %d %d %d among %g %g %g, %g %g %g, %g %g %g, %g %g %g, %g %g %g, %g %g %g",
+                    expected, s[0], s[1], s[2], t[0], t[1], t[2], p->real[0][0], p->real[0][1], p->real[0][2],
+                    p->real[1][0], p->real[1][1], p->real[1][2], p->real[2][0], p->real[2][1], p->real[2][2],
+                    p->real[3][0], p->real[3][1], p->real[3][2], p->real[4][0], p->real[4][1], p->real[4][2],
+                    p->real[5][0], p->real[5][1], p->real[5][2]);
                 TEST_FAIL_MESSAGE(text);
             }
         }
     return expected;
 }
 
-/* Different corners have different positions; range 2: -1, 0 and 1. flat: all in one plane, or on one line. */
+/* Different corners have different positions; range 2: -1, 0 and 1. flat: all in one plane, or on one
+ * line. */
 static void scatter(places *p, int range, int flat)
 {
     for (int i = 0; i < 6; i++) {
@@ -326,7 +359,8 @@ static void scatter(places *p, int range, int flat)
             if (flat > 0) p->whole[i][2] = p->whole[i][0] - 2 * p->whole[i][1];
             if (flat > 1) p->whole[i][1] = 3 - p->whole[i][0];
             if (flat > 1) p->whole[i][2] = 2 * p->whole[i][0];
-            for (int k = 0; k < i; k++) again = again || memcmp(p->whole[i], p->whole[k], sizeof p->whole[i]) == 0;
+            for (int k = 0; k < i; k++)
+                again = again || memcmp(p->whole[i], p->whole[k], sizeof p->whole[i]) == 0;
         } while (again);
         for (int k = 0; k < 3; k++) p->real[i][k] = (double)p->whole[i][k];
     }
@@ -335,10 +369,12 @@ static void scatter(places *p, int range, int flat)
 static void try_many(int range, int flat, int count)
 {
     static const int s[3] = {0, 1, 2};
-    static const int t[][3] = {{3, 4, 5}, {0, 3, 4}, {0, 1, 3}, {0, 1, 2}, {0, 0, 3}, {3, 3, 3}, {0, 0, 0}, {0, 1, 1}, {3, 3, 4}, {4, 2, 5}};
+    static const int t[][3] = {{3, 4, 5}, {0, 3, 4}, {0, 1, 3}, {0, 1, 2}, {0, 0, 3},
+                               {3, 3, 3}, {0, 0, 0}, {0, 1, 1}, {3, 3, 4}, {4, 2, 5}};
     static const int again[3] = {0, 0, 1};
     int met[10] = {0};
     places p;
+
     for (int n = 0; n < count; n++) {
         scatter(&p, range, flat);
         for (int i = 0; i < 10; i++) met[i] += cross_of(&p, s, t[i], n % 8 == 0 ? 6 : 2);
@@ -364,10 +400,12 @@ static void test_cross_in_a_plane_and_on_a_line(void)
     try_many(6, 2, 300);
 }
 
-/* Whole numbers of 50 digits: the last corner lies on or next to an edge or the face of the first triangle. */
+/* Whole numbers of 50 digits: the last corner lies on or next to an edge or the face of the first
+ * triangle. */
 static void test_cross_next_to_touching(void)
 {
     int met = 0, count = 20000;
+
     for (int n = 0; n < count; n++) {
         int64_t q[6][3];
         double p[6][3];
@@ -375,7 +413,8 @@ static void test_cross_next_to_touching(void)
         int32_t const half = maker_below(&seed, 2) * 512, off = maker_below(&seed, 3) - 1;
         for (int i = 0; i < 6; i++)
             for (int k = 0; k < 3; k++) q[i][k] = (int64_t)(maker_random(&seed) >> 14) / 1024 * 1024;
-        for (int k = 0; k < 3; k++) { /* a part of one, so on an edge, or half of that and half of the third corner */
+        /* a part of one, so on an edge, or half of that and half of the third corner */
+        for (int k = 0; k < 3; k++) {
             int64_t const edge = q[0][k] / 1024 * 700 + q[1][k] / 1024 * 324;
             q[5][k] = edge * (1024 - half) / 1024 + q[2][k] / 1024 * half;
             if (k == 1) q[5][k] += off;
@@ -394,17 +433,19 @@ static void test_cross_next_to_touching(void)
 
 static void test_cross_by_hand(void)
 {
-    double const p[8][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}, {1, 1, 5}, {9, 9, 5}, {4, 4, 0}, {2, 2, 0}};
+    double const p[8][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0},
+                            {1, 1, 5}, {9, 9, 5}, {4, 4, 0}, {2, 2, 0}};
     const double *const floor[3] = {p[0], p[1], p[2]};
     const double *const on_face[3] = {p[3], p[4], p[5]}, *const beside[3] = {p[1], p[6], p[2]};
     const double *const folded[3] = {p[0], p[3], p[1]}, *const on_edge[3] = {p[7], p[4], p[5]};
     const double *const wall[3] = {p[0], p[4], p[1]}, *const pierced[3] = {p[0], p[4], p[5]};
-    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, on_face));  /* a corner on the face */
-    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, on_edge));  /* a corner on an edge */
-    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, beside));   /* neighbours in a plane */
-    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, folded));   /* a fold that lies flat */
-    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, wall));     /* neighbours at an angle */
-    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, pierced));  /* a corner alone */
+
+    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, on_face)); /* a corner on the face */
+    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, on_edge)); /* a corner on an edge */
+    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, beside));  /* neighbours in a plane */
+    TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, folded));  /* a fold that lies flat */
+    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, wall));    /* neighbours at an angle */
+    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, pierced)); /* a corner alone */
     TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, floor));
     TEST_ASSERT_EQUAL_INT(1, bvxi_has_area(floor));
 }

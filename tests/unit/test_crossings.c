@@ -31,9 +31,11 @@ void tearDown(void)
 static uint64_t crossings_of(const bvx_mesh_view *v)
 {
     uint64_t count = 99, again = 99;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_crossings(ctx, v, &count, NULL, 0), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_crossings(ctx, v, &count, NULL, 0),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(count <= PAIRS);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_crossings(ctx, v, &again, pairs, PAIRS), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_crossings(ctx, v, &again, pairs, PAIRS),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(count, again);
     return count;
 }
@@ -53,12 +55,14 @@ static int boxes_apart(const int64_t *const s[3], const int64_t *const t[3])
     return 0;
 }
 
-/* All pairs of triangles with area, vertices at equal positions being the first of them; positions are multiples of 1/scale. */
+/* All pairs of triangles with area, vertices at equal positions being the
+ * first of them; positions are multiples of 1/scale. */
 static uint64_t list_all(const maker_mesh *m, double scale)
 {
     static int64_t whole[3 * CORNERS];
     static uint32_t first[CORNERS];
     uint64_t count = 0;
+
     TEST_ASSERT_TRUE(m->vertices <= CORNERS);
     for (size_t i = 0; i < 3 * m->vertices; i++) whole[i] = (int64_t)(m->p[i] * scale);
     for (size_t i = 0; i < m->vertices; i++)
@@ -70,7 +74,8 @@ static uint64_t list_all(const maker_mesh *m, double scale)
                 s[a] = whole + 3 * first[m->t[3 * i + (size_t)a]];
                 t[a] = whole + 3 * first[m->t[3 * k + (size_t)a]];
             }
-            if (boxes_apart(s, t) || crossing_axis(s) < 0 || crossing_axis(t) < 0 || !crossing_pair(s, t)) continue;
+            if (boxes_apart(s, t) || crossing_axis(s) < 0 || crossing_axis(t) < 0 || !crossing_pair(s, t))
+                continue;
             TEST_ASSERT_TRUE(count < PAIRS);
             wanted[2 * count] = (uint32_t)i;
             wanted[2 * count++ + 1] = (uint32_t)k;
@@ -91,8 +96,13 @@ static uint64_t expect_all(double scale)
 
 static void test_boxes_beside_and_in_each_other(void)
 {
-    double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4}, inner[3] = {1, 1, 1}, outer[3] = {2, 2, 2}, far[3] = {9, 9, 9};
+    double const low[3] = {0, 0, 0};
+    double const high[3] = {4, 4, 4};
+    double const inner[3] = {1, 1, 1};
+    double const outer[3] = {2, 2, 2};
+    double const far[3] = {9, 9, 9};
     double const on[3] = {4, 4, 4}, beyond[3] = {6, 6, 6};
+
     maker_box(&mesh, low, high);
     TEST_ASSERT_EQUAL_UINT64(0, expect_all(1));
     maker_box(&mesh, inner, outer); /* inside, apart */
@@ -107,6 +117,7 @@ static void test_what_counts_and_what_does_not(void)
 {
     uint32_t v[6];
     bvx_mesh_view view;
+
     v[0] = maker_vertex(&mesh, 0, 0, 0);
     v[1] = maker_vertex(&mesh, 4, 0, 0);
     v[2] = maker_vertex(&mesh, 0, 4, 0);
@@ -140,9 +151,13 @@ static void test_soups_equal_the_oracle(void)
 {
     double const low[3] = {-3, -3, -3}, high[3] = {3, 3, 3};
     uint64_t found = 0;
+
     for (int n = 0; n < 60; n++) {
         maker_clear(&mesh);
-        maker_soup(&mesh, &seed, 1 + maker_below(&seed, 60), low, high, n % 3 == 0 ? 1 : n % 3 == 1 ? 8 : 1 << 20);
+        maker_soup(&mesh, &seed, 1 + maker_below(&seed, 60), low, high,
+                   n % 3 == 0   ? 1
+                   : n % 3 == 1 ? 8
+                                : 1 << 20);
         maker_degenerate(&mesh, &seed, 3, low, high, 1);
         found += expect_all(1 << 20);
     }
@@ -153,6 +168,7 @@ static void test_spoiled_solids_equal_the_oracle(void)
 {
     double const centre[3] = {0, 0, 0}, radius[3] = {5, 6, 4};
     uint64_t found = 0;
+
     for (int n = 0; n < 20; n++) {
         maker_clear(&mesh);
         maker_star(&mesh, &seed, centre, radius, 0.6, 9, 12, 64);
@@ -168,7 +184,8 @@ static void test_spoiled_solids_equal_the_oracle(void)
     TEST_ASSERT_TRUE(found > 100);
 }
 
-/* A sheet of equal squares in a plane that no axis shows, some of them turned over: exact zeros everywhere. */
+/* A sheet of equal squares in a plane that no axis shows, some of them turned over: exact zeros
+ * everywhere. */
 static void test_a_flat_sheet_has_none_until_it_is_folded(void)
 {
     enum { SIDE = 20 };
@@ -206,6 +223,7 @@ static void test_all_types_give_the_same(void)
     static uint64_t u64[3 * CORNERS];
     bvx_mesh_view v;
     uint64_t want;
+
     make_spoiled(12);
     TEST_ASSERT_TRUE(mesh.vertices <= CORNERS && mesh.triangles <= CORNERS);
     want = expect_all(16);
@@ -233,6 +251,7 @@ static void test_sizes_at_the_ends_of_doubles(void)
     static int const power[] = {-1070, -1000, -500, 500, 1000, 1020};
     bvx_mesh_view v;
     uint64_t want;
+
     make_spoiled(10);
     want = expect_all(16);
     for (size_t n = 0; n < sizeof power / sizeof *power; n++) {
@@ -292,6 +311,7 @@ static void test_refusals(void)
 {
     bvx_mesh_view v;
     uint64_t count;
+
     make_spoiled(8);
     v = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_crossings(NULL, &v, &count, NULL, 0));
@@ -319,6 +339,7 @@ static void test_every_allocation_may_fail_and_every_progress_call_may_cancel(vo
 {
     uint64_t allocations = 0, calls = 0;
     bvx_context_options one_thread;
+
     bvx_context_options_init(&one_thread, sizeof one_thread);
     one_thread.threads = 1;
     make_spoiled(12);

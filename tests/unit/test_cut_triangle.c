@@ -1,5 +1,5 @@
-/* test_cut_triangle.c - what a box leaves of a triangle: cases worked by hand, points on the plane to the bit, and the same
- * points on an edge for both its triangles. */
+/* test_cut_triangle.c - what a box leaves of a triangle: cases worked by hand, points on the plane to the
+ * bit, and the same points on an edge for both its triangles. */
 #include "render_support.h"
 
 #include "render/cut_triangle.h"
@@ -13,7 +13,10 @@ static void cross_of(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static double dot_of(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot_of(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static int32_t cut_of(const double t[3][3], double low_x, double high_x, double corner[BVXI_CUT_MOST][3])
 {
@@ -33,10 +36,12 @@ static void has_corners(const double (*got)[3], int32_t n, const double (*want)[
 static void test_cut_triangle_by_hand(void)
 {
     static const double t[3][3] = {{0, 0, 0}, {4, 0, 8}, {2, 6, 4}};
-    static const double left[3][3] = {{0, 0, 0}, {1, 0, 2}, {1, 3, 2}}, right[4][3] = {{1, 0, 2}, {4, 0, 8}, {2, 6, 4}, {1, 3, 2}};
+    static const double left[3][3] = {{0, 0, 0}, {1, 0, 2}, {1, 3, 2}};
+    static const double right[4][3] = {{1, 0, 2}, {4, 0, 8}, {2, 6, 4}, {1, 3, 2}};
     static const double half[3][3] = {{0, 0, 0}, {2, 0, 4}, {2, 6, 4}}; /* a corner on the plane */
     static const double band[5][3] = {{1, 0, 2}, {3, 0, 6}, {3, 3, 6}, {2, 6, 4}, {1, 3, 2}};
     double got[BVXI_CUT_MOST][3];
+
     has_corners((const double(*)[3])got, cut_of(t, -inf, 1, got), left, 3);
     has_corners((const double(*)[3])got, cut_of(t, 1, inf, got), right, 4);
     has_corners((const double(*)[3])got, cut_of(t, -inf, 2, got), half, 3);
@@ -55,6 +60,7 @@ static void test_cut_triangle_has_many_corners(void)
     bvxi_cut cut = {1, {-1, -1, -1}, {1, 1, 1}};
     double got[BVXI_CUT_MOST][3];
     int32_t const n = bvxi_cut_triangle(&cut, t, got);
+
     TEST_ASSERT_EQUAL_INT32(6, n);
     for (int32_t i = 0; i < n; i++) {
         double product = 1;
@@ -68,6 +74,7 @@ static void test_cut_triangle_has_many_corners(void)
 static void test_cut_points_lie_on_the_plane(void)
 {
     int cut_points = 0;
+
     random_state = 14;
     for (int round = 0; round < 20000; round++) {
         double t[3][3], got[BVXI_CUT_MOST][3];
@@ -90,6 +97,7 @@ static void test_cut_points_lie_on_the_plane(void)
 static void test_cut_triangles_share_points_on_their_edge(void)
 {
     int shared = 0;
+
     random_state = 9;
     for (int round = 0; round < 20000; round++) {
         double p[4][3], first[3][3], second[3][3], a[BVXI_CUT_MOST][3], b[BVXI_CUT_MOST][3], edge[3];

@@ -1,4 +1,5 @@
-/* test_decimal.c - decimal numbers against exact whole numbers, and against the C library where it is trusted. */
+/* test_decimal.c - decimal numbers against exact whole numbers, and against
+ * the C library where it is trusted. */
 #include "core/core.h"
 #include "core/decimal.h"
 #include "core/decimal_big.h"
@@ -10,8 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 static uint64_t decimal_test_state;
 
@@ -118,34 +123,50 @@ static void test_parse_known_numbers(void)
         const char *text;
         uint64_t bits;
     } known[] = {
-        {"0", 0}, {"0000000000000000000000000", 0}, {"0.0000000000000000000000000", 0},
-        {"-0", UINT64_C(0x8000000000000000)}, {"0e999999999999999999999", 0}, {"0.000e-5", 0},
-        {"1", UINT64_C(0x3ff0000000000000)}, {"+1", UINT64_C(0x3ff0000000000000)},
+        {"0", 0},
+        {"0000000000000000000000000", 0},
+        {"0.0000000000000000000000000", 0},
+        {"-0", UINT64_C(0x8000000000000000)},
+        {"0e999999999999999999999", 0},
+        {"0.000e-5", 0},
+        {"1", UINT64_C(0x3ff0000000000000)},
+        {"+1", UINT64_C(0x3ff0000000000000)},
         {"-1.", UINT64_C(0xbff0000000000000)},
-        {".5", UINT64_C(0x3fe0000000000000)}, {"5E-1", UINT64_C(0x3fe0000000000000)},
+        {".5", UINT64_C(0x3fe0000000000000)},
+        {"5E-1", UINT64_C(0x3fe0000000000000)},
         {"000000000000000000000000000000000.5", UINT64_C(0x3fe0000000000000)},
-        {"0.1", UINT64_C(0x3fb999999999999a)}, {"0.3", UINT64_C(0x3fd3333333333333)},
+        {"0.1", UINT64_C(0x3fb999999999999a)},
+        {"0.3", UINT64_C(0x3fd3333333333333)},
         {"123456789012345678901234567890", UINT64_C(0x45f8ee90ff6c373e)},
         {"9007199254740993", UINT64_C(0x4340000000000000)}, /* 2^53 + 1: a tie to the even one below */
         {"9007199254740993.0000000000000000000000000001", UINT64_C(0x4340000000000001)},
         {"9007199254740995", UINT64_C(0x4340000000000002)}, /* a tie to the even one above */
         {"9007199254740994.9999999999999999999999999999", UINT64_C(0x4340000000000001)},
-        {"1e23", UINT64_C(0x44b52d02c7e14af6)}, {"8.5e22", UINT64_C(0x44b1ffdbf6b2b2eb)},
+        {"1e23", UINT64_C(0x44b52d02c7e14af6)},
+        {"8.5e22", UINT64_C(0x44b1ffdbf6b2b2eb)},
         {"1.7976931348623157e308", UINT64_C(0x7fefffffffffffff)},
         {"1.7976931348623158e308", UINT64_C(0x7fefffffffffffff)},
         {"1.7976931348623159e308", UINT64_C(0x7ff0000000000000)},
-        {"1e309", UINT64_C(0x7ff0000000000000)}, {"-1e99999999999999999999", UINT64_C(0xfff0000000000000)},
+        {"1e309", UINT64_C(0x7ff0000000000000)},
+        {"-1e99999999999999999999", UINT64_C(0xfff0000000000000)},
         {"2.2250738585072014e-308", UINT64_C(0x0010000000000000)},
         {"2.2250738585072011e-308", UINT64_C(0x000fffffffffffff)}, /* hung some other readers once */
         {"2.225073858507201136057409796709131975934819546351645648023426109724822222021076945516529523908135087914149"
          "15891303962110687008643869459464552765720740782062174337998814106326732925355228688137214901298112245145188"
-         "98490572223072852551331557550159143974763979834118019993239622824787e-308", UINT64_C(0x000fffffffffffff)},
-        {"5e-324", 1}, {"4.9406564584124654e-324", 1}, {"2.4703282292062328e-324", 1}, {"2.4703282292062327e-324", 0},
-        {"7.4109846876186981626485318930233e-324", 1}, {"7.4109846876186981626485318930234e-324", 2},
-        {"1e-324", 0}, {"-1e-999999999999", UINT64_C(0x8000000000000000)},
+         "98490572223072852551331557550159143974763979834118019993239622824787e-308",
+         UINT64_C(0x000fffffffffffff)},
+        {"5e-324", 1},
+        {"4.9406564584124654e-324", 1},
+        {"2.4703282292062328e-324", 1},
+        {"2.4703282292062327e-324", 0},
+        {"7.4109846876186981626485318930233e-324", 1},
+        {"7.4109846876186981626485318930234e-324", 2},
+        {"1e-324", 0},
+        {"-1e-999999999999", UINT64_C(0x8000000000000000)},
         {"6.631236871469758276785396630275243e-4", UINT64_C(0x3f45baaf4655fd5c)},
         {"3.2378839133029012895883524125015321748630994e-8", UINT64_C(0x3e61621d1fb55988)},
-        {"inf", UINT64_C(0x7ff0000000000000)}, {"-INFINITY", UINT64_C(0xfff0000000000000)},
+        {"inf", UINT64_C(0x7ff0000000000000)},
+        {"-INFINITY", UINT64_C(0xfff0000000000000)},
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         TEST_ASSERT_EQUAL_HEX64_MESSAGE(known[i].bits, bits_of(parse_all(known[i].text)), known[i].text);
@@ -159,17 +180,35 @@ static void test_parse_known_floats(void)
         const char *text;
         uint32_t bits;
     } known[] = {
-        {"0.1", 0x3dcccccdu}, {"-0", 0x80000000u}, {"16777217", 0x4b800000u}, {"16777219", 0x4b800002u},
-        {"16777217.000000000000000000000000000001", 0x4b800001u}, {"16777216.999999999999999999999", 0x4b800000u},
-        {"3.4028235e38", 0x7f7fffffu}, {"3.40282356e38", 0x7f7fffffu}, {"3.4028235677973367e38", 0x7f800000u},
-        {"3.4028235677973366e38", 0x7f7fffffu}, {"1.1754944e-38", 0x00800000u}, {"1.17549431e-38", 0x00800000u},
-        {"1.1754942e-38", 0x007fffffu}, {"1e-45", 1}, {"7.006492321624085e-46", 0}, {"7.0064923216240853e-46", 0},
-        {"7.0064923216240854e-46", 1}, {"1e-46", 0}, {"1e-300", 0}, {"1e300", 0x7f800000u}, {"-1e39", 0xff800000u},
-        {"1.00000017881393432617187499", 0x3f800001u}, {"1.00000017881393432617187500", 0x3f800002u},
-        {"1.00000017881393432617187501", 0x3f800002u}, {"inf", 0x7f800000u},
+        {"0.1", 0x3dcccccdu},
+        {"-0", 0x80000000u},
+        {"16777217", 0x4b800000u},
+        {"16777219", 0x4b800002u},
+        {"16777217.000000000000000000000000000001", 0x4b800001u},
+        {"16777216.999999999999999999999", 0x4b800000u},
+        {"3.4028235e38", 0x7f7fffffu},
+        {"3.40282356e38", 0x7f7fffffu},
+        {"3.4028235677973367e38", 0x7f800000u},
+        {"3.4028235677973366e38", 0x7f7fffffu},
+        {"1.1754944e-38", 0x00800000u},
+        {"1.17549431e-38", 0x00800000u},
+        {"1.1754942e-38", 0x007fffffu},
+        {"1e-45", 1},
+        {"7.006492321624085e-46", 0},
+        {"7.0064923216240853e-46", 0},
+        {"7.0064923216240854e-46", 1},
+        {"1e-46", 0},
+        {"1e-300", 0},
+        {"1e300", 0x7f800000u},
+        {"-1e39", 0xff800000u},
+        {"1.00000017881393432617187499", 0x3f800001u},
+        {"1.00000017881393432617187500", 0x3f800002u},
+        {"1.00000017881393432617187501", 0x3f800002u},
+        {"inf", 0x7f800000u},
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        TEST_ASSERT_EQUAL_HEX32_MESSAGE(known[i].bits, float_bits_of(parse_all_float(known[i].text)), known[i].text);
+        TEST_ASSERT_EQUAL_HEX32_MESSAGE(known[i].bits, float_bits_of(parse_all_float(known[i].text)),
+                                        known[i].text);
 }
 
 static void test_parse_takes_only_the_number(void)
@@ -179,10 +218,10 @@ static void test_parse_takes_only_the_number(void)
         size_t used;
         double value;
     } cases[] = {
-        {"", 0, 7}, {"+", 0, 7}, {"-", 0, 7}, {".", 0, 7}, {"-.", 0, 7}, {"e5", 0, 7}, {".e5", 0, 7}, {"--1", 0, 7},
-        {" 1", 0, 7}, {"x", 0, 7}, {"in", 0, 7}, {"na", 0, 7}, {"1e", 1, 1}, {"1e+", 1, 1}, {"1e-x", 1, 1},
-        {"1.e1", 4, 10}, {"1.5.5", 3, 1.5}, {"0x10", 1, 0}, {"1,5", 1, 1}, {"1e5e5", 3, 1e5}, {"2/3/4", 1, 2},
-        {"1d5", 1, 1}, {"1 2", 1, 1},
+        {"", 0, 7},    {"+", 0, 7},       {"-", 0, 7},     {".", 0, 7},     {"-.", 0, 7},      {"e5", 0, 7},
+        {".e5", 0, 7}, {"--1", 0, 7},     {" 1", 0, 7},    {"x", 0, 7},     {"in", 0, 7},      {"na", 0, 7},
+        {"1e", 1, 1},  {"1e+", 1, 1},     {"1e-x", 1, 1},  {"1.e1", 4, 10}, {"1.5.5", 3, 1.5}, {"0x10", 1, 0},
+        {"1,5", 1, 1}, {"1e5e5", 3, 1e5}, {"2/3/4", 1, 2}, {"1d5", 1, 1},   {"1 2", 1, 1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double v = 7;
@@ -195,12 +234,14 @@ static void test_parse_takes_only_the_number(void)
     }
     const char *const digits = "12345";
     double v = 0;
-    TEST_ASSERT_EQUAL_size_t(2, bvxi_parse_double(digits, digits + 2, &v)); /* the end counts, not what follows */
+    /* the end counts, not what follows */
+    TEST_ASSERT_EQUAL_size_t(2, bvxi_parse_double(digits, digits + 2, &v));
 }
 
 static void test_parse_stops_at_every_end(void)
 {
     const char *const text = "-123.4567890123456789012345678e-12";
+
     for (size_t n = 0; n <= strlen(text); n++) {
         char cut[64], *const exact = malloc(n > 0 ? n : 1);
         double got = 0;
@@ -221,6 +262,7 @@ static size_t exact_decimal(uint64_t c, int32_t q, char *text, int32_t *exponent
 {
     uint32_t nines[140]; /* base 10^9, lowest first: 2^1030 and 5^1075 * 2^54 fit */
     size_t count = 0, n = 0;
+
     for (; c != 0; c /= 1000000000u) nines[count++] = (uint32_t)(c % 1000000000u);
     *exponent = q < 0 ? q : 0;
     for (int32_t i = 0; i < (q < 0 ? -q : q); i++) {
@@ -243,6 +285,7 @@ static void check_middle(uint64_t bits, const decimal_kind *kind, uint64_t (*see
     char text[1400];
     uint64_t c;
     int32_t q, exponent;
+
     decimal_take_apart(bits, kind, &c, &q);
     size_t const n = exact_decimal(2 * c + 1, q - 1, text, &exponent);
     char *const tail = &text[n];
@@ -290,6 +333,7 @@ static void test_parse_any_number_of_digits(void)
 {
     size_t const n = 100000;
     char *const text = malloc(n + 100);
+
     text[0] = '1'; /* 1000...0e-100000 */
     memset(text + 1, '0', n);
     strcpy(text + 1 + n, "e-100000");
@@ -317,16 +361,21 @@ static void test_parse_any_number_of_digits(void)
 static void test_parse_agrees_with_the_library(void)
 {
     char text[64];
+
     decimal_test_state = 12;
     for (int i = 0; i < 60000; i++) {
         uint64_t const r = decimal_test_random();
         int const digits = 1 + (int)(decimal_test_random() % 24);
         double const v = double_of(r);
         if (i % 3 == 0 && isfinite(v)) sprintf(text, "%.*e", digits, v);
-        else if (i % 3 == 1) sprintf(text, "%.*f", digits % 12, (double)(int64_t)r / 9007199254740992.0 / 100.0);
-        else sprintf(text, "%llue%d", (unsigned long long)(r >> digits * 2), (int)(decimal_test_random() % 80) - 40);
+        else if (i % 3 == 1)
+            sprintf(text, "%.*f", digits % 12, (double)(int64_t)r / 9007199254740992.0 / 100.0);
+        else
+            sprintf(text, "%llue%d", (unsigned long long)(r >> digits * 2),
+                    (int)(decimal_test_random() % 80) - 40);
         TEST_ASSERT_EQUAL_HEX64_MESSAGE(bits_of(strtod(text, NULL)), bits_of(parse_all(text)), text);
-        TEST_ASSERT_EQUAL_HEX32_MESSAGE(float_bits_of(strtof(text, NULL)), float_bits_of(parse_all_float(text)), text);
+        TEST_ASSERT_EQUAL_HEX32_MESSAGE(float_bits_of(strtof(text, NULL)),
+                                        float_bits_of(parse_all_float(text)), text);
     }
 }
 
@@ -338,22 +387,55 @@ static void test_print_forms(void)
         double value;
         const char *text;
     } known[] = {
-        {0, "0"}, {-0.0, "-0"}, {1, "1"}, {-1, "-1"}, {0.1, "0.1"}, {0.3, "0.3"}, {100, "100"}, {123456, "123456"},
-        {1.5, "1.5"}, {-1234.5678, "-1234.5678"}, {0.000001, "0.000001"}, {0.00000123, "0.00000123"}, {1e-7, "1e-7"},
-        {1.5e-10, "1.5e-10"}, {1e20, "100000000000000000000"}, {1e21, "1e21"}, {1.25e21, "1.25e21"}, {1e23, "1e23"},
-        {123456789012345680.0, "123456789012345680"}, {9007199254740993.0, "9007199254740992"}, {5e-324, "5e-324"},
-        {1.7976931348623157e308, "1.7976931348623157e308"}, {2.2250738585072014e-308, "2.2250738585072014e-308"},
-        {2.2250738585072011e-308, "2.225073858507201e-308"}, {9.5367431640625e-07, "9.5367431640625e-7"},
-        {4.35, "4.35"}, {2e-44, "2e-44"}, {1.0 / 3, "0.3333333333333333"}, {HUGE_VAL, "inf"}, {-HUGE_VAL, "-inf"},
-        {1125899906842624.25, "1125899906842624.2"}, {1125899906842624.75, "1125899906842624.8"}, /* ties to even */
-        {9.007199254740991e22, "9.00719925474099e22"}, {6.666666666666666e-7, "6.666666666666666e-7"},
+        {0, "0"},
+        {-0.0, "-0"},
+        {1, "1"},
+        {-1, "-1"},
+        {0.1, "0.1"},
+        {0.3, "0.3"},
+        {100, "100"},
+        {123456, "123456"},
+        {1.5, "1.5"},
+        {-1234.5678, "-1234.5678"},
+        {0.000001, "0.000001"},
+        {0.00000123, "0.00000123"},
+        {1e-7, "1e-7"},
+        {1.5e-10, "1.5e-10"},
+        {1e20, "100000000000000000000"},
+        {1e21, "1e21"},
+        {1.25e21, "1.25e21"},
+        {1e23, "1e23"},
+        {123456789012345680.0, "123456789012345680"},
+        {9007199254740993.0, "9007199254740992"},
+        {5e-324, "5e-324"},
+        {1.7976931348623157e308, "1.7976931348623157e308"},
+        {2.2250738585072014e-308, "2.2250738585072014e-308"},
+        {2.2250738585072011e-308, "2.225073858507201e-308"},
+        {9.5367431640625e-07, "9.5367431640625e-7"},
+        {4.35, "4.35"},
+        {2e-44, "2e-44"},
+        {1.0 / 3, "0.3333333333333333"},
+        {HUGE_VAL, "inf"},
+        {-HUGE_VAL, "-inf"},
+        /* ties to even */
+        {1125899906842624.25, "1125899906842624.2"},
+        {1125899906842624.75, "1125899906842624.8"},
+        {9.007199254740991e22, "9.00719925474099e22"},
+        {6.666666666666666e-7, "6.666666666666666e-7"},
     };
     static const struct {
         float value;
         const char *text;
     } floats[] = {
-        {0.1f, "0.1"}, {16777216.0f, "16777216"}, {3.4028235e38f, "3.4028235e38"}, {1e-45f, "1e-45"}, {-0.0f, "-0"},
-        {1.17549435e-38f, "1.1754944e-38"}, {0.3f, "0.3"}, {33554432.0f, "33554432"}, {8388608.5f, "8388608"},
+        {0.1f, "0.1"},
+        {16777216.0f, "16777216"},
+        {3.4028235e38f, "3.4028235e38"},
+        {1e-45f, "1e-45"},
+        {-0.0f, "-0"},
+        {1.17549435e-38f, "1.1754944e-38"},
+        {0.3f, "0.3"},
+        {33554432.0f, "33554432"},
+        {8388608.5f, "8388608"},
         {1.0f / 3, "0.33333334"},
     };
     char text[32];
@@ -385,6 +467,7 @@ static void check_print_double(double v)
 {
     char text[32], other[64];
     int32_t const n = bvxi_print_double(v, text);
+
     TEST_ASSERT_TRUE(n < 27 && text[n] == 0);
     TEST_ASSERT_EQUAL_HEX64_MESSAGE(bits_of(v), bits_of(strtod(text, NULL)), text);
     TEST_ASSERT_EQUAL_HEX64_MESSAGE(bits_of(v), bits_of(parse_all(text)), text);
@@ -400,6 +483,7 @@ static void check_print_float(float v)
 {
     char text[32], other[64];
     int32_t const n = bvxi_print_float(v, text);
+
     TEST_ASSERT_TRUE(n < 27 && text[n] == 0);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(float_bits_of(v), float_bits_of(strtof(text, NULL)), text);
     TEST_ASSERT_EQUAL_HEX32_MESSAGE(float_bits_of(v), float_bits_of(parse_all_float(text)), text);
@@ -410,13 +494,15 @@ static void check_print_float(float v)
     TEST_ASSERT_TRUE_MESSAGE(float_bits_of(strtof(other, NULL)) != float_bits_of(v), text);
 }
 
-/* The printed digits are those of exact_decimal of the number, cut at their length and rounded to the nearest. */
+/* The printed digits are those of exact_decimal of the number, cut at their
+ * length and rounded to the nearest. */
 static void check_print_is_closest(uint64_t bits, const decimal_kind *kind, const char *text)
 {
     char exact[1400];
     char digits[24], *d = digits;
     uint64_t c;
     int32_t q, exponent;
+
     decimal_take_apart(bits, kind, &c, &q);
     size_t const n = exact_decimal(c, q, exact, &exponent);
     for (const char *p = text; *p != 0 && *p != 'e'; p++)
@@ -425,13 +511,15 @@ static void check_print_is_closest(uint64_t bits, const decimal_kind *kind, cons
     size_t const k = (size_t)(d - digits);
     *d = 0;
     if (k >= n) return; /* all digits of the number are there */
-    /* |10^(n-k) * digits - exact| must not be above half a unit of the last digit: compare the first k digits */
+    /* |10^(n-k) * digits - exact| must not be above half a unit of the last digit: compare the first k
+     * digits */
     int const rest = exact[k] > '5' ? 1 : exact[k] < '5' ? -1 : (int)(strspn(exact + k + 1, "0") < n - k - 1);
     char below[32];
     memcpy(below, exact, k);
     below[k] = 0;
     int const same = strcmp(below, digits) == 0;
-    if (c == UINT64_C(1) << (kind->precision - 1)) return; /* the interval is uneven: the closest may lie outside */
+    /* the interval is uneven: the closest may lie outside */
+    if (c == UINT64_C(1) << (kind->precision - 1)) return;
     if (rest < 0) TEST_ASSERT_TRUE_MESSAGE(same, text);
     if (rest > 0) TEST_ASSERT_TRUE_MESSAGE(!same, text);
 }
@@ -439,6 +527,7 @@ static void check_print_is_closest(uint64_t bits, const decimal_kind *kind, cons
 static void test_print_is_short_and_closest(void)
 {
     char text[32];
+
     decimal_test_state = 13;
     for (int i = 0; i < 30000; i++) {
         uint64_t const r = decimal_test_random();
@@ -471,6 +560,7 @@ static void test_a_locale_with_comma_changes_nothing(void)
     static const char point[] = "0.5", other[] = "0,5";
     char text[32];
     double v = 0;
+
     if (!set_comma_locale()) TEST_IGNORE_MESSAGE("no locale with a comma on this machine");
     size_t const used = bvxi_parse_double(point, point + 3, &v);
     size_t const comma = bvxi_parse_double(other, other + 3, &v);

@@ -45,6 +45,7 @@ static double distance_between(const double p[3], const double q[3])
 static double search_triangle(const double p[3], const double t[3][3])
 {
     double best = HUGE_VAL, centre[2] = {0.5, 0.5}, width = 0.5;
+
     while (width > 1e-9) {
         double next[2] = {centre[0], centre[1]};
         for (int i = -4; i <= 4; i++)
@@ -52,7 +53,8 @@ static double search_triangle(const double p[3], const double t[3][3])
                 double x = centre[0] + width * i / 4, y = centre[1] + width * j / 4, q[3], d;
                 x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
                 y = y < 0.0 ? 0.0 : y > 1.0 - x ? 1.0 - x : y;
-                for (int k = 0; k < 3; k++) q[k] = t[0][k] + x * (t[1][k] - t[0][k]) + y * (t[2][k] - t[0][k]);
+                for (int k = 0; k < 3; k++)
+                    q[k] = t[0][k] + x * (t[1][k] - t[0][k]) + y * (t[2][k] - t[0][k]);
                 d = distance_between(p, q);
                 if (d < best) {
                     best = d;
@@ -91,9 +93,10 @@ static void test_closest_on_triangle_in_every_region(void)
     static const double t[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
     static const double cases[7][7] = {
         /* point, closest, squared distance */
-        {-1, -2, 2, 0, 0, 0, 9}, {6, -1, 2, 4, 0, 0, 9}, {-1, 6, 2, 0, 4, 0, 9}, {2, -3, 4, 2, 0, 0, 25},
+        {-1, -2, 2, 0, 0, 0, 9}, {6, -1, 2, 4, 0, 0, 9}, {-1, 6, 2, 0, 4, 0, 9},  {2, -3, 4, 2, 0, 0, 25},
         {-3, 1, 4, 0, 1, 0, 25}, {4, 4, 0, 2, 2, 0, 8},  {1, 2, -5, 1, 2, 0, 25},
     };
+
     for (int i = 0; i < 7; i++) {
         double q[3];
         TEST_ASSERT_TRUE(bvxi_closest_on_triangle(cases[i], t, q) == cases[i][6]);
@@ -109,6 +112,7 @@ static void expect_closest(const maker_mesh *m, uint32_t type, const double *poi
     float *const floats = malloc(m->vertices * 12);
     bvxi_closest_tree tree;
     double low[3], high[3], scale;
+
     TEST_ASSERT_NOT_NULL(floats);
     for (size_t i = 0; i < 3 * m->vertices; i++) floats[i] = (float)m->p[i];
     if (type == BVX_F32) v.positions = floats;
@@ -151,16 +155,18 @@ static void make_points(double points[POINTS * 3], double centre, double reach, 
     for (int i = 0; i < POINTS * 3; i++) points[i] = centre + maker_between(&seed, -reach, reach, steps);
 }
 
-/* Exactly the least distance and, among equals, the least number: soups of every size, many ties on whole numbers,
- * with triangles without area, near and far. */
+/* Exactly the least distance and, among equals, the least number: soups of every size, many ties on whole
+ * numbers, with triangles without area, near and far. */
 static void test_the_tree_finds_what_a_loop_over_all_triangles_finds(void)
 {
     double points[POINTS * 3];
+
     for (int round = 0; round < 60; round++) {
         int32_t const n = round < 24 ? 1 + round : 1 + maker_below(&seed, 400);
         int32_t const steps = round % 3 == 0 ? 1 : 256;
         double const offset = round % 4 == 1 ? 5e6 : 0.0;
-        double const low[3] = {offset - 3, offset - 3, offset - 3}, high[3] = {offset + 3, offset + 3, offset + 3};
+        double const low[3] = {offset - 3, offset - 3, offset - 3};
+        double const high[3] = {offset + 3, offset + 3, offset + 3};
         maker_clear(&a);
         maker_soup(&a, &seed, n, low, high, steps);
         if (round % 5 == 0) maker_degenerate(&a, &seed, 10, low, high, steps);
@@ -173,7 +179,8 @@ static void test_the_tree_finds_what_a_loop_over_all_triangles_finds(void)
     }
 }
 
-/* Points at corners, on edges and on faces, where several triangles are nearest and all distances are rounding. */
+/* Points at corners, on edges and on faces, where several triangles are
+ * nearest and all distances are rounding. */
 static void test_the_tree_finds_the_least_number_on_the_surface_itself(void)
 {
     for (int round = 0; round < 20; round++) {
@@ -183,9 +190,12 @@ static void test_the_tree_finds_the_least_number_on_the_surface_itself(void)
         maker_star(&a, &seed, centre, radius, 0.3, 12, 11, 1000);
         for (int i = 0; i < POINTS; i++) {
             const uint32_t *const t = &a.t[3 * maker_below(&seed, (int32_t)a.triangles)];
-            double const x = maker_between(&seed, 0.0, 1.0, 1000), y = maker_between(&seed, 0.0, 1.0 - x, 1000);
-            double const w[3] = {i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1.0 - x : 1.0 - x - y, i % 3 == 0 ? 0.0 : x,
-                                 i % 3 == 2 ? y : 0.0};
+            double const x = maker_between(&seed, 0.0, 1.0, 1000);
+            double const y = maker_between(&seed, 0.0, 1.0 - x, 1000);
+            double const w[3] = {i % 3 == 0   ? 1.0
+                                 : i % 3 == 1 ? 1.0 - x
+                                              : 1.0 - x - y,
+                                 i % 3 == 0 ? 0.0 : x, i % 3 == 2 ? y : 0.0};
             for (int k = 0; k < 3; k++)
                 points[3 * i + k] = w[0] * a.p[3 * t[0] + (uint32_t)k] + w[1] * a.p[3 * t[1] + (uint32_t)k] +
                                     w[2] * a.p[3 * t[2] + (uint32_t)k];
@@ -195,8 +205,8 @@ static void test_the_tree_finds_the_least_number_on_the_surface_itself(void)
     }
 }
 
-/* Above the vertices of a flat net, six triangles are nearest by the same distance, which no float holds: a box dropped
- * too early would give another number than the least. */
+/* Above the vertices of a flat net, six triangles are nearest by the same distance, which no float holds: a
+ * box dropped too early would give another number than the least. */
 static void test_the_tree_keeps_boxes_at_exactly_the_best_distance(void)
 {
     enum { SIDE = 12 };
@@ -226,6 +236,7 @@ static void test_the_tree_holds_at_the_ends_of_doubles(void)
 {
     static const double sizes[4] = {1e200, 1e-200, 1e306, 1e-306};
     double points[POINTS * 3];
+
     for (int i = 0; i < 4; i++) {
         double const low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
         maker_clear(&a);
@@ -243,6 +254,7 @@ static bvx_distance_report measure_in(bvx_context *context, uint64_t samples, ui
 {
     bvx_mesh_view const va = maker_view(&a), vb = maker_view(&b);
     bvx_distance_report r;
+
     memset(&r, 0xff, sizeof r);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_distance(context, &va, &vb, samples, from_seed, &r),
                                     bvx_last_message(context));
@@ -262,6 +274,7 @@ static bvx_distance_report measure(uint64_t samples, uint64_t from_seed)
 static void make_square(maker_mesh *m, double side, double height, double slope, int turned)
 {
     uint32_t const v = maker_vertex(m, 0, 0, height);
+
     maker_vertex(m, side, 0, height + slope * side);
     maker_vertex(m, side, side, height + slope * side);
     maker_vertex(m, 0, side, height);
@@ -276,6 +289,7 @@ static void make_square(maker_mesh *m, double side, double height, double slope,
 static void test_parallel_squares(void)
 {
     bvx_distance_report r;
+
     make_square(&a, 2.0, 0.0, 0.0, 0);
     make_square(&b, 2.0, 0.75, 0.0, 0);
     r = measure(1000, 1);
@@ -294,6 +308,7 @@ static void test_parallel_squares(void)
 static void test_samples_are_spread_by_area(void)
 {
     double error = 0.0;
+
     for (uint64_t s = 0; s < 20; s++) {
         bvx_distance_report r;
         maker_clear(&a);
@@ -314,6 +329,7 @@ static void test_samples_are_spread_by_area(void)
 static void test_places_inside_a_triangle_are_uniform(void)
 {
     bvx_distance_report r;
+
     maker_vertex(&a, 0, 0, 0);
     maker_vertex(&a, 1, 0, 0);
     maker_vertex(&a, 0, 1, 0);
@@ -338,6 +354,7 @@ static void test_nested_boxes(void)
 {
     double const low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, low2[3] = {-3, -3, -3}, high2[3] = {3, 3, 3};
     bvx_distance_report r;
+
     maker_box(&a, low, high);
     maker_box(&b, low2, high2);
     r = measure(20000, 3);
@@ -351,6 +368,7 @@ static void test_a_mesh_has_no_distance_to_itself(void)
 {
     double const centre[3] = {100, 200, 300}, radius[3] = {5, 6, 7};
     bvx_distance_report r;
+
     maker_star(&a, &seed, centre, radius, 0.2, 8, 9, 64);
     maker_star(&b, &seed, centre, radius, 0.0, 2, 3, 64);
     maker_clear(&b);
@@ -367,6 +385,7 @@ static void test_distances_scale_by_powers_of_two(void)
 {
     double const centre[3] = {0, 0, 0}, radius[3] = {1, 2, 1}, wide[3] = {1.5, 2, 1};
     bvx_distance_report want, got;
+
     maker_star(&a, &seed, centre, radius, 0.1, 6, 7, 4096);
     maker_star(&b, &seed, centre, wide, 0.1, 5, 8, 4096);
     want = measure(500, 2);
@@ -400,6 +419,7 @@ static void test_threads_and_the_order_of_tasks_do_not_show(void)
     bvx_distance_report want, got;
     bvx_context_options o = one_thread;
     bvx_context *other;
+
     make_stars();
     want = measure(3000, 4);
     for (int32_t threads = 2; threads <= 5; threads++) {
@@ -414,7 +434,8 @@ static void test_threads_and_the_order_of_tasks_do_not_show(void)
     TEST_ASSERT_TRUE(got.mean_a_to_b != want.mean_a_to_b); /* another seed, other points */
 }
 
-/* Triangles, their corners and vertices in any order: also among many in one place of the curve, some twice, turned or without area. */
+/* Triangles, their corners and vertices in any order: also among many in
+ * one place of the curve, some twice, turned or without area. */
 static void test_order_does_not_show(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {5, 5, 5}, far_away[3] = {4e5, 4e5, 4e5};
@@ -431,7 +452,8 @@ static void test_order_does_not_show(void)
         }
         if (way == 2) /* all in one place of the curve, beside one that is far off */
             for (int i = 0; i < 3; i++) maker_vertex(&a, far_away[0] + i, far_away[1] + i * i, far_away[2]);
-        if (way == 2) maker_triangle(&a, (uint32_t)a.vertices - 3, (uint32_t)a.vertices - 2, (uint32_t)a.vertices - 1);
+        if (way == 2)
+            maker_triangle(&a, (uint32_t)a.vertices - 3, (uint32_t)a.vertices - 2, (uint32_t)a.vertices - 1);
         want = measure(3000, 4);
         TEST_ASSERT_TRUE(want.mean > 0);
         for (int trial = 0; trial < 5; trial++) {
@@ -448,6 +470,7 @@ static void test_distance_golden(void) /* two numbers, the same for every compil
 {
     bvx_distance_report r;
     uint64_t bits[2];
+
     make_stars();
     r = measure(2000, 7);
     memcpy(&bits[0], &r.mean, 8);
@@ -473,6 +496,7 @@ static void test_distance_refuses(void)
 {
     bvx_mesh_view va, vb, v;
     bvx_distance_report r;
+
     make_square(&a, 1.0, 0.0, 0.0, 0);
     make_square(&b, 1.0, 1.0, 0.0, 0);
     va = maker_view(&a);
@@ -506,6 +530,7 @@ static void test_every_allocation_may_fail_and_every_progress_call_may_cancel(vo
 {
     double const centre[3] = {1, 2, 3}, radius[3] = {5, 6, 7};
     uint64_t allocations = 0, calls = 0;
+
     maker_star(&a, &seed, centre, radius, 0.2, 10, 10, 1024);
     maker_star(&b, &seed, centre, radius, 0.1, 5, 8, 1024);
     TEST_ASSERT_NULL(fault_every_allocation(measure_some, NULL, &one_thread, &allocations));

@@ -1,4 +1,5 @@
-/* test_edge_vector.c - where an edge is cut: the formula's special cases, and the formula against lines in general place. */
+/* test_edge_vector.c - where an edge is cut: the formula's special cases,
+ * and the formula against lines in general place. */
 #include "surface/edge_vector.h"
 #include "tools/mesh_maker.h"
 
@@ -21,6 +22,7 @@ void tearDown(void)
 static bvxi_cut_edge unit_edge(const double a[3], const double b[3])
 {
     bvxi_cut_edge e;
+
     memset(&e, 0, sizeof e);
     e.length = 1.0;
     for (int k = 0; k < 3; k++) {
@@ -79,7 +81,8 @@ static void test_cut_is_the_plane_of_a_flat_surface(void)
 static double distance_to_line(double x, const double a[3], const double b[3])
 {
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {x - a[0], -a[1], -a[2]};
-    double const uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2], s = (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]) / uu;
+    double const uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    double const s = (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]) / uu;
     double d = 0;
     for (int k = 0; k < 3; k++) d += (w[k] - s * u[k]) * (w[k] - s * u[k]);
     return d;
@@ -88,6 +91,7 @@ static double distance_to_line(double x, const double a[3], const double b[3])
 static void test_cut_is_nearest_to_the_line(void)
 {
     int told = 0, beyond = 0;
+
     for (int n = 0; n < 20000; n++) {
         double a[3], b[3], t = -1;
         bvxi_cut_edge e;
@@ -112,21 +116,28 @@ static void test_cut_is_nearest_to_the_line(void)
     TEST_ASSERT_TRUE(told > 1000 && beyond > 1000);
 }
 
-/* A flat face square to the edge, the commonest case, and a corner beside it: one closest point for both ends. */
+/* A flat face square to the edge, the commonest case, and a corner beside
+ * it: one closest point for both ends. */
 static void test_cut_projects_a_common_point(void)
 {
-    double const on[3] = {0.25, 0, 0}, beside[3] = {0.75, 0.5, -2}, near[3] = {0.75, 0.5 + 1e-8, -2 - 1e-8}, behind[3] = {-0.5, 1, 0};
+    double const on[3] = {0.25, 0, 0};
+    double const beside[3] = {0.75, 0.5, -2};
+    double const near[3] = {0.75, 0.5 + 1e-8, -2 - 1e-8};
+    double const behind[3] = {-0.5, 1, 0};
     bvxi_cut_edge const e = unit_edge(behind, behind);
+
     assert_cut(on, on, BVX_EDGE_VECTOR, BVXI_CUT_VECTOR, 0.25);
     assert_cut(beside, beside, BVX_EDGE_VECTOR, BVXI_CUT_VECTOR, 0.75);
     assert_cut(beside, beside, BVX_EDGE_PAPER, BVXI_CUT_VECTOR, 0.75);
     {
-        bvxi_cut_edge const same = unit_edge(beside, near); /* as far apart as rounding to f32 would put them */
+        /* as far apart as rounding to f32 would put them */
+        bvxi_cut_edge const same = unit_edge(beside, near);
         double t;
         TEST_ASSERT_EQUAL_INT32(BVXI_CUT_VECTOR, bvxi_find_cut(&same, BVX_EDGE_VECTOR, &t));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.75, t);
     }
-    assert_cut(behind, behind, BVX_EDGE_VECTOR, BVXI_CUT_SCALAR, e.low_distance / (e.low_distance + e.high_distance));
+    assert_cut(behind, behind, BVX_EDGE_VECTOR, BVXI_CUT_SCALAR,
+               e.low_distance / (e.low_distance + e.high_distance));
     assert_cut(behind, behind, BVX_EDGE_PAPER, BVXI_CUT_SCALAR, 0.0);
 }
 
@@ -135,6 +146,7 @@ static void test_cut_along_the_edge_takes_the_distances_or_the_inner_end(void)
     double const a[3] = {0.1, 0.5, 0}, b[3] = {0.9, 0.5, 0};
     bvxi_cut_edge e = unit_edge(a, b);
     double t;
+
     assert_cut(a, b, BVX_EDGE_VECTOR, BVXI_CUT_SCALAR, 0.5);
     assert_cut(a, b, BVX_EDGE_PAPER, BVXI_CUT_SCALAR, 1.0);
     e.high_inside = 0;
@@ -155,6 +167,7 @@ static void test_cut_beyond_the_ends(void)
 static void test_tangent_is_exact_at_ridges_and_grooves(void)
 {
     int ridges = 0, grooves = 0, beside = 0;
+
     for (int trial = 0; trial < 200000; trial++) {
         double n[2][3], on[3], foot[2][3], d[2][2], a[3], b[3], where[2];
         int const ridge = maker_below(&seed, 2);
@@ -168,29 +181,35 @@ static void test_tangent_is_exact_at_ridges_and_grooves(void)
             for (int i = 0; i < 3; i++) n[k][i] /= sqrt(length);
         }
         for (int i = 0; i < 3; i++) on[i] = maker_between(&seed, -0.7, 0.7, 1 << 16) + (i == 0 ? 0.5 : 0);
-        for (int end = 0; end < 2; end++) { /* distances to both planes; inside: behind both (ridge), behind one (groove) */
-            for (int k = 0; k < 2; k++) d[end][k] = n[k][0] * (end - on[0]) - n[k][1] * on[1] - n[k][2] * on[2];
+        /* distances to both planes; inside: behind both (ridge), behind one (groove) */
+        for (int end = 0; end < 2; end++) {
+            for (int k = 0; k < 2; k++)
+                d[end][k] = n[k][0] * (end - on[0]) - n[k][1] * on[1] - n[k][2] * on[2];
             inside[end] = ridge ? d[end][0] < 0 && d[end][1] < 0 : d[end][0] < 0 || d[end][1] < 0;
         }
         if (inside[0] == inside[1]) continue;
-        for (int end = 0; end < 2; end++) { /* the nearer facet whose foot lies on the solid's border; else the place is another kind */
+        /* the nearer facet whose foot lies on the solid's border; else the place is another kind */
+        for (int end = 0; end < 2; end++) {
             of[end] = -1;
             for (int k = 0; k < 2; k++) {
                 double q[3], other;
                 for (int i = 0; i < 3; i++) q[i] = (i == 0 ? end : 0) - d[end][k] * n[k][i];
-                other = n[1 - k][0] * (q[0] - on[0]) + n[1 - k][1] * (q[1] - on[1]) + n[1 - k][2] * (q[2] - on[2]);
+                other = n[1 - k][0] * (q[0] - on[0]) + n[1 - k][1] * (q[1] - on[1]) +
+                        n[1 - k][2] * (q[2] - on[2]);
                 if (ridge ? other > 0 : other < 0) continue;
                 if (of[end] >= 0 && fabs(d[end][k]) >= fabs(d[end][of[end]])) continue;
                 of[end] = k;
                 memcpy(foot[end], q, sizeof q);
             }
         }
-        if (of[0] < 0 || of[1] < 0 || of[0] == of[1] || fabs(d[0][of[0]]) < 1e-3 || fabs(d[1][of[1]]) < 1e-3) continue;
+        if (of[0] < 0 || of[1] < 0 || of[0] == of[1] || fabs(d[0][of[0]]) < 1e-3 || fabs(d[1][of[1]]) < 1e-3)
+            continue;
         memcpy(a, foot[0], sizeof a);
         memcpy(b, foot[1], sizeof b);
         for (int k = 0; k < 2; k++) where[k] = d[0][k] / (d[0][k] - d[1][k]);
         { /* the only place in the edge where the solid's border is passed */
-            double const first = where[0] < where[1] ? where[0] : where[1], last = where[0] < where[1] ? where[1] : where[0];
+            double const first = where[0] < where[1] ? where[0] : where[1];
+            double const last = where[0] < where[1] ? where[1] : where[0];
             int const enters_late = ridge == inside[1];
             if (!(first >= 0)) expected = last;
             else if (!(last <= 1)) expected = first;
@@ -243,7 +262,9 @@ static void test_cut_is_the_same_along_every_axis_and_at_every_scale(void)
 /* Whatever the numbers are, the ratio is one. */
 static void test_cut_is_always_a_ratio(void)
 {
-    static const double odd[] = {0.0, -0.0, 1.0, -1.0, 1e-320, 1e-200, 1e200, 1e308, -1e308, INFINITY, -INFINITY, NAN, 0.3};
+    static const double odd[] = {0.0,   -0.0,   1.0,      -1.0,      1e-320, 1e-200, 1e200,
+                                 1e308, -1e308, INFINITY, -INFINITY, NAN,    0.3};
+
     for (int n = 0; n < 200000; n++) {
         bvxi_cut_edge e;
         double t;

@@ -1,4 +1,5 @@
-/* test_errors.c - bvx_last_error: status, reason, function, index and values of failures, which nobody has to read out of messages. */
+/* test_errors.c - bvx_last_error: status, reason, function, index and
+ * values of failures, which nobody has to read out of messages. */
 #include "unity.h"
 
 #include "bitvox.h"
@@ -118,7 +119,8 @@ static void test_the_element_that_is_wrong(void)
     TEST_ASSERT_EQUAL_INT32(BVX_REASON_NULL, bvx_last_error(ctx)->reason);
 }
 
-/* The function is the one that was called, whichever of its works failed; the message names which of two meshes. */
+/* The function is the one that was called, whichever of its works failed;
+ * the message names which of two meshes. */
 static void test_the_function_that_was_called(void)
 {
     bvx_mesh_view const good = tetrahedron();
@@ -127,13 +129,17 @@ static void test_the_function_that_was_called(void)
     bvx_levels_options o;
 
     bad.position_type = 9;
-    failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh), BVX_REASON_UNSPECIFIED, "bvx_boolean");
+    failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh),
+           BVX_REASON_UNSPECIFIED, "bvx_boolean");
     TEST_ASSERT_EQUAL_STRING_LEN("mesh b: ", error->text, 8);
     bvx_levels_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NORMAL;
     o.source = BVX_LEVELS_MEASURED;
-    failed(BVX_ERR_ARGUMENT, bvx_build_levels(ctx, &good, &o, 1, &mesh), BVX_REASON_CHOICE, "bvx_build_levels");
-    failed(BVX_ERR_ARGUMENT, bvx_lattice_make(ctx, NULL, NULL, NULL, NULL), BVX_REASON_NULL, "bvx_lattice_make"); /* reports no progress */
+    failed(BVX_ERR_ARGUMENT, bvx_build_levels(ctx, &good, &o, 1, &mesh), BVX_REASON_CHOICE,
+           "bvx_build_levels");
+    /* reports no progress */
+    failed(BVX_ERR_ARGUMENT, bvx_lattice_make(ctx, NULL, NULL, NULL, NULL), BVX_REASON_NULL,
+           "bvx_lattice_make");
 }
 
 /* ---- statuses that say it all ---- */
@@ -227,12 +233,14 @@ static void test_positions_that_are_too_coarse(void)
     bvx_scalar_options_init(&o, sizeof o);
     o.level = 0.5;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &volume.lattice));
-    failed(BVX_ERR_RANGE, bvx_extract_scalar(ctx, &volume, &o, &mesh), BVX_REASON_FLOATS_COARSE, "bvx_extract_scalar");
+    failed(BVX_ERR_RANGE, bvx_extract_scalar(ctx, &volume, &o, &mesh), BVX_REASON_FLOATS_COARSE,
+           "bvx_extract_scalar");
     TEST_ASSERT_EQUAL_DOUBLE(0.5, error->value[1]); /* the step of floats there */
 
     volume.lattice.origin[0] = 1e13;
     o.position_type = BVX_POSITION_AUTO;
-    failed(BVX_ERR_RANGE, bvx_extract_scalar(ctx, &volume, &o, &mesh), BVX_REASON_DOUBLES_COARSE, "bvx_extract_scalar");
+    failed(BVX_ERR_RANGE, bvx_extract_scalar(ctx, &volume, &o, &mesh), BVX_REASON_DOUBLES_COARSE,
+           "bvx_extract_scalar");
 }
 
 static void test_levels_by_their_numbers(void)
@@ -270,18 +278,22 @@ static void test_choices_and_reserved_fields(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 8, &lattice));
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = 99;
-    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_CHOICE, "bvx_voxelize_solid");
+    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_CHOICE,
+           "bvx_voxelize_solid");
     TEST_ASSERT_EQUAL_DOUBLE(99.0, error->value[0]);
     o.fill = BVX_FILL_PARITY;
     o.reserved = 1;
-    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_RESERVED, "bvx_voxelize_solid");
+    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_RESERVED,
+           "bvx_voxelize_solid");
     TEST_ASSERT_EQUAL_STRING("reserved must be 0", error->text);
     o.reserved = 0;
     o.struct_size = 2;
-    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_OPTIONS, "bvx_voxelize_solid");
+    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_OPTIONS,
+           "bvx_voxelize_solid");
 }
 
-static void build_contours(double *points, uint32_t count, int32_t second_label, bvx_status expected, int32_t reason, int64_t index)
+static void build_contours(double *points, uint32_t count, int32_t second_label, bvx_status expected,
+                           int32_t reason, int64_t index)
 {
     double positions[2] = {0, 1};
     bvx_section_loop loops[2] = {{0, count, 0, 1, 0}, {count, count, 1, second_label, 0}};
@@ -311,11 +323,12 @@ static void test_contours(void)
 
 static void test_packed_samples(void)
 {
-    static const char head[] = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\nxxxxxxxx";
+    static const char head[] =
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: gzip\n\nxxxxxxxx";
     bvx_volume volume = {0};
 
-    failed(BVX_ERR_UNSUPPORTED, bvx_read_volume(ctx, head, sizeof head - 1, BVX_FORMAT_NRRD, NULL, &volume), BVX_REASON_COMPRESSED,
-           "bvx_read_volume");
+    failed(BVX_ERR_UNSUPPORTED, bvx_read_volume(ctx, head, sizeof head - 1, BVX_FORMAT_NRRD, NULL, &volume),
+           BVX_REASON_COMPRESSED, "bvx_read_volume");
 }
 
 int main(void)

@@ -1,5 +1,5 @@
-/* test_faces.c - the mesh of exposed voxel faces against a list made face by face, and merged ones against a greedy cut of
- * single squares. */
+/* test_faces.c - the mesh of exposed voxel faces against a list made face
+ * by face, and merged ones against a greedy cut of single squares. */
 #include "solid_support.h"
 
 #include <math.h>
@@ -12,7 +12,8 @@ static bvx_grid noise_grid(bvx_context *c, const bvx_lattice *l, const bvx_windo
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(c, l, w, &g));
     for (int32_t z = 0; z < g.size[2]; z++)
         for (int32_t y = 0; y < g.size[1]; y++)
-            for (int32_t x = 0; x < g.size[0]; x++) bvx_grid_set(&g, x, y, z, one_in > 0 && maker_below(&seed, one_in) == 0);
+            for (int32_t x = 0; x < g.size[0]; x++)
+                bvx_grid_set(&g, x, y, z, one_in > 0 && maker_below(&seed, one_in) == 0);
     return g;
 }
 
@@ -20,6 +21,7 @@ static bvx_grid noise_grid(bvx_context *c, const bvx_lattice *l, const bvx_windo
 static bvx_grid boxes_grid(bvx_context *c, const bvx_lattice *l, int32_t count)
 {
     bvx_grid g = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(c, l, NULL, &g));
     for (int32_t n = 0; n < count; n++) {
         int32_t low[3], high[3];
@@ -63,7 +65,8 @@ typedef struct face_list {
     size_t count;
 } face_list;
 
-static void want_face(face_list *list, const int32_t low[3], int axis, int side, int32_t size_u, int32_t size_v)
+static void want_face(face_list *list, const int32_t low[3], int axis, int side, int32_t size_u,
+                      int32_t size_v)
 {
     list->face = maker_grow(list->face, (list->count + 1) * sizeof *list->face);
     memcpy(list->face[list->count].low, low, sizeof list->face->low);
@@ -77,11 +80,13 @@ static face_list single_list(const bvx_grid *g)
 {
     face_list list = {NULL, 0};
     int32_t at[3];
+
     for (at[2] = 0; at[2] <= g->size[2]; at[2]++)
         for (at[1] = 0; at[1] <= g->size[1]; at[1]++)
             for (at[0] = 0; at[0] <= g->size[0]; at[0]++)
                 for (int axis = 0; axis < 3; axis++)
-                    if (side_of_face(g, at, axis) != 0) want_face(&list, at, axis, side_of_face(g, at, axis), 1, 1);
+                    if (side_of_face(g, at, axis) != 0)
+                        want_face(&list, at, axis, side_of_face(g, at, axis), 1, 1);
     return list;
 }
 
@@ -92,6 +97,7 @@ static void merge_plane(const bvx_grid *g, int axis, int32_t plane, int side, fa
     int32_t const nu = g->size[u], nv = g->size[v];
     uint8_t *const left = maker_grow(NULL, (size_t)nu * (size_t)nv);
     int32_t at[3];
+
     at[axis] = plane;
     for (int32_t b = 0; b < nv; b++)
         for (int32_t a = 0; a < nu; a++) {
@@ -133,11 +139,13 @@ static bvx_mesh faces_of(bvx_context *c, const bvx_grid *g, int32_t merged, int3
     bvx_faces_options o;
     bvx_mesh m = {0};
     uint64_t vertices, triangles;
+
     bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
     o.position_type = type;
     o.local_frame = local;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_faces_count(c, g, &o, &vertices, &triangles), bvx_last_message(c));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_faces_count(c, g, &o, &vertices, &triangles),
+                                    bvx_last_message(c));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_faces(c, g, &o, &m), bvx_last_message(c));
     TEST_ASSERT_EQUAL_UINT64(vertices, m.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(triangles, m.triangle_count);
@@ -148,8 +156,9 @@ static bvx_mesh faces_of(bvx_context *c, const bvx_grid *g, int32_t merged, int3
 static void corner_of(const bvx_grid *g, const bvx_mesh *m, uint64_t vertex, int32_t corner[3])
 {
     for (int a = 0; a < 3; a++) {
-        double const p = m->position_type == BVX_F32 ? (double)((const float *)m->positions)[3 * vertex + (uint64_t)a]
-                                                     : ((const double *)m->positions)[3 * vertex + (uint64_t)a];
+        double const p = m->position_type == BVX_F32
+                             ? (double)((const float *)m->positions)[3 * vertex + (uint64_t)a]
+                             : ((const double *)m->positions)[3 * vertex + (uint64_t)a];
         double const world = p + m->frame[a], spacing = g->lattice.spacing[a];
         double const index = floor((world - g->lattice.origin[a]) / spacing - g->low[a] + 0.5);
         double const want = (m->frame[a] != 0 ? 0 : g->lattice.origin[a]) + (g->low[a] + index) * spacing;
@@ -165,6 +174,7 @@ static void assert_face(const bvx_grid *g, const bvx_mesh *m, uint64_t n, const 
     const uint32_t *const t = m->triangles + 6 * n;
     int32_t c[6][3];
     uint32_t seen = 0;
+
     for (int i = 0; i < 6; i++) {
         int at_u, at_v;
         corner_of(g, m, t[i], c[i]);
@@ -178,7 +188,8 @@ static void assert_face(const bvx_grid *g, const bvx_mesh *m, uint64_t n, const 
     TEST_ASSERT_EQUAL_UINT32(0xf, (seen | seen >> 4) & 0xf); /* all four corners */
     for (int i = 0; i < 6; i += 3) { /* twice the area, with its sign about the axis */
         int const p = (want->axis + 1) % 3, q = (want->axis + 2) % 3;
-        int32_t const area = (c[i + 1][p] - c[i][p]) * (c[i + 2][q] - c[i][q]) - (c[i + 1][q] - c[i][q]) * (c[i + 2][p] - c[i][p]);
+        int32_t const area = (c[i + 1][p] - c[i][p]) * (c[i + 2][q] - c[i][q]) -
+                             (c[i + 1][q] - c[i][q]) * (c[i + 2][p] - c[i][p]);
         TEST_ASSERT_EQUAL_INT32(want->side * want->size_u * want->size_v, area);
     }
     TEST_ASSERT_EQUAL_UINT32(t[0], t[3]); /* the diagonal */
@@ -191,6 +202,7 @@ static void assert_faces(bvx_context *c, const bvx_grid *g, int32_t merged, int3
     bvx_mesh m = faces_of(c, g, merged, type, local);
     int32_t last[3] = {-1, -1, -1};
     uint8_t *const used = maker_grow(NULL, (size_t)m.vertex_count + 1);
+
     TEST_ASSERT_EQUAL_UINT64(2 * (uint64_t)list.count, m.triangle_count);
     memset(used, 0, (size_t)m.vertex_count + 1);
     for (uint64_t n = 0; n < list.count; n++) assert_face(g, &m, n, &list.face[n]);
@@ -202,7 +214,8 @@ static void assert_faces(bvx_context *c, const bvx_grid *g, int32_t merged, int3
         int32_t at[3];
         TEST_ASSERT_TRUE(used[i]);
         corner_of(g, &m, i, at);
-        TEST_ASSERT_TRUE(at[2] > last[2] || (at[2] == last[2] && (at[1] > last[1] || (at[1] == last[1] && at[0] > last[0]))));
+        TEST_ASSERT_TRUE(at[2] > last[2] ||
+                         (at[2] == last[2] && (at[1] > last[1] || (at[1] == last[1] && at[0] > last[0]))));
         memcpy(last, at, sizeof last);
     }
     free(list.face);
@@ -210,20 +223,25 @@ static void assert_faces(bvx_context *c, const bvx_grid *g, int32_t merged, int3
     bvx_mesh_free(c, &m);
 }
 
-static const int32_t shapes[][3] = {{7, 6, 5}, {64, 3, 4}, {63, 4, 3}, {65, 5, 2}, {130, 2, 3}, {3, 70, 4}, {4, 128, 2}, {2, 3, 66},
-                                    {1, 1, 1}, {1, 9, 1},  {9, 1, 1},  {1, 1, 9},  {70, 65, 1}};
+static const int32_t shapes[][3] = {{7, 6, 5},  {64, 3, 4},  {63, 4, 3}, {65, 5, 2}, {130, 2, 3},
+                                    {3, 70, 4}, {4, 128, 2}, {2, 3, 66}, {1, 1, 1},  {1, 9, 1},
+                                    {9, 1, 1},  {1, 1, 9},   {70, 65, 1}};
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 static void check_faces_of(int32_t merged)
 {
     static const int32_t threads[] = {1, 2, 3, 8};
+
     for (int32_t trial = 0; trial < (quick ? 13 : 156); trial++) {
         const int32_t *const s = shapes[trial % SHAPES];
         bvx_lattice const l = lattice_of(s[0], s[1], s[2]);
-        bvx_context *const c = context_with(threads[trial / SHAPES % 4], trial % 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+        bvx_context *const c = context_with(threads[trial / SHAPES % 4],
+                                            trial % 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
         int32_t const kind = trial / SHAPES % 5;
-        bvx_grid g = kind == 0 ? noise_grid(c, &l, NULL, 2) : kind == 1 ? noise_grid(c, &l, NULL, 1) : kind == 2 ? noise_grid(c, &l, NULL, 0)
-                                                                                            : boxes_grid(c, &l, 4 + trial % 7);
+        bvx_grid g = kind == 0   ? noise_grid(c, &l, NULL, 2)
+                     : kind == 1 ? noise_grid(c, &l, NULL, 1)
+                     : kind == 2 ? noise_grid(c, &l, NULL, 0)
+                                 : boxes_grid(c, &l, 4 + trial % 7);
         assert_faces(c, &g, merged, trial % 3 == 0 ? BVX_F64 : BVX_F32, 0);
         bvx_grid_free(c, &g);
         TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
@@ -252,7 +270,8 @@ static void test_faces_of_windows_lie_in_the_world(void)
         bvx_grid g;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
         g = noise_grid(ctx, &l, &w, 3);
-        for (int32_t how = 0; how < 8; how++) assert_faces(ctx, &g, how & 1, (how & 2) != 0 ? BVX_F64 : BVX_F32, how >> 2);
+        for (int32_t how = 0; how < 8; how++)
+            assert_faces(ctx, &g, how & 1, (how & 2) != 0 ? BVX_F64 : BVX_F32, how >> 2);
         bvx_grid_free(ctx, &g);
     }
 }
@@ -271,7 +290,9 @@ static void test_certificates(void)
             bvx_mesh_view_of(&m, &view);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
             if (volume > 0 && !merged) TEST_ASSERT_EQUAL_INT32(1, c.closed);
-            if (volume > 0 && !merged) TEST_ASSERT_EQUAL_UINT64(0, c.boundary_edges + c.unused_vertices + c.duplicates + c.degenerate);
+            if (volume > 0 && !merged)
+                TEST_ASSERT_EQUAL_UINT64(0,
+                                         c.boundary_edges + c.unused_vertices + c.duplicates + c.degenerate);
             TEST_ASSERT_TRUE(fabs(c.volume - volume) < 1e-6 * (volume + 1));
             bvx_mesh_free(ctx, &m);
         }
@@ -279,7 +300,8 @@ static void test_certificates(void)
     }
 }
 
-/* By hand: two voxels side by side are a box of ten faces, six when merged; along an edge they are not manifold. */
+/* By hand: two voxels side by side are a box of ten faces, six when merged;
+ * along an edge they are not manifold. */
 static void test_two_voxels(void)
 {
     bvx_lattice const l = lattice_of(4, 4, 4);
@@ -287,6 +309,7 @@ static void test_two_voxels(void)
     bvx_certificate c;
     bvx_mesh_view view;
     bvx_mesh m;
+
     bvx_grid_set(&g, 1, 1, 1, 1);
     bvx_grid_set(&g, 2, 1, 1, 1);
     m = faces_of(ctx, &g, 0, BVX_F32, 0);
@@ -320,6 +343,7 @@ static void test_threads_change_nothing(void)
 {
     bvx_lattice const l = lattice_of(150, 140, 130);
     bvx_grid g = boxes_grid(ctx, &l, 9);
+
     for (int32_t merged = 0; merged < 2; merged++) {
         uint64_t want = 0;
         for (int32_t threads = 1; threads <= 8; threads++) {
@@ -341,6 +365,7 @@ static void test_fills_the_callers_arrays(void)
 {
     bvx_lattice const l = lattice_of(20, 9, 9);
     bvx_grid g = noise_grid(ctx, &l, NULL, 2);
+
     for (int32_t merged = 0; merged < 2; merged++) {
         bvx_mesh const own = faces_of(ctx, &g, merged, BVX_F32, 0);
         bvx_mesh m = {0}, mine = own;
@@ -367,7 +392,8 @@ static void test_fills_the_callers_arrays(void)
     bvx_grid_free(ctx, &g);
 }
 
-static void assert_faces_refused(const bvx_grid *g, const bvx_faces_options *o, bvx_status want, const char *word)
+static void assert_faces_refused(const bvx_grid *g, const bvx_faces_options *o, bvx_status want,
+                                 const char *word)
 {
     bvx_mesh m = {0};
     uint64_t v, t;
@@ -387,6 +413,7 @@ static void test_refusals(void)
     bvx_grid g;
     bvx_mesh m = {0};
     uint64_t n;
+
     for (int32_t merged = 0; merged < 2; merged++) {
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, far, fine, dims, &l));
         g = noise_grid(ctx, &l, NULL, 2);
@@ -408,7 +435,10 @@ static void test_refusals(void)
     for (int32_t field = 0; field < 4; field++) {
         static const char *const words[] = {"position_type", "merged", "local_frame", "reserved"};
         bvx_faces_options_init(&o, sizeof o);
-        *(field == 0 ? &o.position_type : field == 1 ? &o.merged : field == 2 ? &o.local_frame : &o.reserved) = 3;
+        *(field == 0   ? &o.position_type
+          : field == 1 ? &o.merged
+          : field == 2 ? &o.local_frame
+                       : &o.reserved) = 3;
         assert_faces_refused(&g, &o, BVX_ERR_ARGUMENT, words[field]);
     }
     for (o.reserved = 0, o.merged = 0; o.merged < 2; o.merged++) {

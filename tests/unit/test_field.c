@@ -1,4 +1,5 @@
-/* test_field.c - bvx_measure_field: values against every triangle in turn, windows, types, what may not change the bytes, refusals. */
+/* test_field.c - bvx_measure_field: values against every triangle in turn,
+ * windows, types, what may not change the bytes, refusals. */
 #include "field_support.h"
 
 static void add_star(const bvx_lattice *l)
@@ -9,7 +10,8 @@ static void add_star(const bvx_lattice *l)
         centre[a] = l->origin[a] + maker_between(&seed, 0.35 * side, 0.65 * side, 4096);
         radius[a] = maker_between(&seed, 0.15 * side, 0.4 * side, 4096);
     }
-    maker_star(&mesh, &seed, centre, radius, 0.4, 4 + maker_below(&seed, 4), 5 + maker_below(&seed, 5), 65536);
+    maker_star(&mesh, &seed, centre, radius, 0.4, 4 + maker_below(&seed, 4), 5 + maker_below(&seed, 5),
+               65536);
 }
 
 /* ---- values ---- */
@@ -19,6 +21,7 @@ static void assert_values(const bvx_field *f, double half_width)
 {
     double const tiny = 1e-7, width = f->half_width;
     uint64_t n = 0;
+
     TEST_ASSERT_EQUAL_DOUBLE(half_width, width);
     for (int32_t z = 0; z < f->band.size[2]; z++)
         for (int32_t y = 0; y < f->band.size[1]; y++) {
@@ -45,12 +48,14 @@ static void assert_values(const bvx_field *f, double half_width)
                 TEST_ASSERT_DOUBLE_WITHIN(f->value_type == BVX_F64 ? 1e-12 : 2e-6, want, fabs(d));
                 TEST_ASSERT_TRUE(f->triangles[n] < mesh.triangles);
                 TEST_ASSERT_DOUBLE_WITHIN(tiny, want, distance_to(f->triangles[n], c));
-                TEST_ASSERT_TRUE(distance_to(f->triangles[n], q) <= (f->value_type == BVX_F64 ? tiny : 2e-6)); /* needles: 2^-26 of an edge */
+                /* needles: 2^-26 of an edge */
+                TEST_ASSERT_TRUE(distance_to(f->triangles[n], q) <= (f->value_type == BVX_F64 ? tiny : 2e-6));
                 TEST_ASSERT_TRUE(f->features[n] <= 6);
                 if (f->features[n] >= 4) {
                     double t[3][3];
                     corners_of(f->triangles[n], t);
-                    for (int a = 0; a < 3; a++) TEST_ASSERT_DOUBLE_WITHIN(1e-5, t[f->features[n] - 4][a], q[a]);
+                    for (int a = 0; a < 3; a++)
+                        TEST_ASSERT_DOUBLE_WITHIN(1e-5, t[f->features[n] - 4][a], q[a]);
                 }
                 n++;
             }
@@ -61,10 +66,13 @@ static void assert_values(const bvx_field *f, double half_width)
 
 static void test_values_are_those_of_all_triangles(void)
 {
-    static const int32_t shapes[][3] = {{20, 18, 16}, {65, 7, 6}, {64, 5, 9}, {1, 12, 12}, {9, 1, 30}, {130, 3, 3}};
+    static const int32_t shapes[][3] = {{20, 18, 16}, {65, 7, 6}, {64, 5, 9},
+                                        {1, 12, 12},  {9, 1, 30}, {130, 3, 3}};
+
     for (int s = 0; s < 6; s++)
         for (int type = BVX_F32; type <= BVX_F64; type++) {
-            bvx_lattice const l = lattice_with(-3, 2, 0.25, 0.5, 0.75, 1, shapes[s][0], shapes[s][1], shapes[s][2]);
+            bvx_lattice const l = lattice_with(-3, 2, 0.25, 0.5, 0.75, 1, shapes[s][0], shapes[s][1],
+                                               shapes[s][2]);
             bvx_field_options o = field_options(s == 0 ? 2.5 : 1.25, BVX_SIGN_EXACT);
             bvx_field f;
             o.value_type = type;
@@ -81,6 +89,7 @@ static void test_values_are_those_of_all_triangles(void)
 static void test_soups_needles_and_triangles_without_area(void)
 {
     static const double low[3] = {-4, -4, -4}, high[3] = {20, 20, 20};
+
     for (int trial = 0; trial < (quick ? 2 : 8); trial++) {
         bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 17, 12, 9);
         bvx_field_options o = field_options(trial & 1 ? 1.5 : HUGE_VAL, BVX_SIGN_NONE);
@@ -102,6 +111,7 @@ static void test_the_least_triangle_wins_a_tie(void)
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 8, 8, 8);
     double const low[3] = {2, 2, 2}, high[3] = {6, 6, 6};
     bvx_field f;
+
     maker_box(&mesh, low, high);
     for (size_t i = 0; i < 12; i++) maker_duplicate(&mesh, i);
     f = field_of(&l, 2, BVX_SIGN_NONE);
@@ -116,6 +126,7 @@ static void test_box_by_hand(void)
     bvx_field_options o;
     bvx_field f;
     const float *d, *v;
+
     maker_box(&mesh, low, high);
     bvx_field_options_init(&o, sizeof o);
     o.half_width = 1;
@@ -127,7 +138,8 @@ static void test_box_by_hand(void)
     v = f.vectors;
     TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, bvx_field_value(&f, 58, 2, 2)); /* 1.5 before the face x = 60 */
     TEST_ASSERT_TRUE(bvx_field_value(&f, 60, 2, 2) < f.value_count);
-    for (int32_t n = -1; n < 4; n++) { /* a struct that is not what the words are; two words a row are right */
+    /* a struct that is not what the words are; two words a row are right */
+    for (int32_t n = -1; n < 4; n++) {
         bvx_field wrong = f;
         if (n < 2) wrong.band.words_per_row = n;
         else if (n == 2) wrong.band.size[0] += 64;
@@ -159,6 +171,7 @@ static void test_box_by_hand(void)
 static void test_options_choose_the_arrays(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 12, 12, 12);
+
     for (int32_t sign = BVX_SIGN_EXACT; sign <= BVX_SIGN_NONE; sign++)
         for (int choice = 0; choice < 4; choice++) {
             bvx_field_options o = field_options(2, sign);
@@ -185,6 +198,7 @@ static void test_floats_are_the_doubles_rounded(void)
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 0.5, 2, 14, 20, 8);
     bvx_field_options o = field_options(3, BVX_SIGN_EXACT);
     bvx_field f, d;
+
     add_star(&l);
     f = field_by(ctx, &l, &o);
     o.value_type = BVX_F64;
@@ -193,7 +207,8 @@ static void test_floats_are_the_doubles_rounded(void)
     TEST_ASSERT_EQUAL_DOUBLE(6.0, f.half_width);
     for (uint64_t i = 0; i < f.value_count; i++) {
         TEST_ASSERT_EQUAL_FLOAT((float)((double *)d.distances)[i], ((float *)f.distances)[i]);
-        for (uint64_t a = 3 * i; a < 3 * i + 3; a++) TEST_ASSERT_EQUAL_FLOAT((float)((double *)d.vectors)[a], ((float *)f.vectors)[a]);
+        for (uint64_t a = 3 * i; a < 3 * i + 3; a++)
+            TEST_ASSERT_EQUAL_FLOAT((float)((double *)d.vectors)[a], ((float *)f.vectors)[a]);
     }
     TEST_ASSERT_EQUAL_MEMORY(d.triangles, f.triangles, (size_t)f.value_count * 4);
     TEST_ASSERT_TRUE(same_bits(&d.inside, &f.inside));
@@ -205,6 +220,7 @@ static void test_all_centres(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 67, 9, 8);
     bvx_field f;
+
     add_star(&l);
     f = field_of(&l, HUGE_VAL, BVX_SIGN_EXACT);
     TEST_ASSERT_EQUAL_UINT64(67 * 9 * 8, f.value_count);
@@ -221,6 +237,7 @@ static void test_all_centres(void)
 static void assert_window_of(const bvx_field *whole, const bvx_field *part)
 {
     const int32_t *const low = part->band.low, *const size = part->band.size;
+
     for (int32_t z = 0; z < size[2]; z++)
         for (int32_t y = 0; y < size[1]; y++)
             for (int32_t x = 0; x < part->band.words_per_row * 64; x++) {
@@ -229,8 +246,10 @@ static void assert_window_of(const bvx_field *whole, const bvx_field *part)
                     TEST_ASSERT_EQUAL_INT(0, bvx_grid_get(&part->inside, x, y, z));
                     continue;
                 }
-                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole->band, low[0] + x, low[1] + y, low[2] + z), bvx_grid_get(&part->band, x, y, z));
-                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole->inside, low[0] + x, low[1] + y, low[2] + z), bvx_grid_get(&part->inside, x, y, z));
+                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole->band, low[0] + x, low[1] + y, low[2] + z),
+                                      bvx_grid_get(&part->band, x, y, z));
+                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole->inside, low[0] + x, low[1] + y, low[2] + z),
+                                      bvx_grid_get(&part->inside, x, y, z));
                 n = bvx_field_value(part, x, y, z);
                 w = bvx_field_value(whole, low[0] + x, low[1] + y, low[2] + z);
                 TEST_ASSERT_EQUAL_INT(w == UINT64_MAX, n == UINT64_MAX);
@@ -249,7 +268,8 @@ static void test_windows_are_cut_out_of_the_whole(void)
         maker_clear(&mesh);
         add_star(&l);
         add_star(&l);
-        for (int i = 0; i < trial; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        for (int i = 0; i < trial; i++)
+            maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         for (int32_t sign = BVX_SIGN_AUTO; sign < BVX_SIGN_NONE; sign++) {
             bvx_field_options o = field_options(1.5, sign);
             bvx_field whole;
@@ -285,12 +305,15 @@ static void assert_same_field(const bvx_field *a, const bvx_field *b)
 
 static void test_threads_and_code_paths_change_nothing(void)
 {
-    static const int32_t ways[][2] = {{1, BVX_CPU_PORTABLE}, {2, BVX_CPU_BEST}, {8, BVX_CPU_BEST}, {8, BVX_CPU_PORTABLE}};
+    static const int32_t ways[][2] = {
+        {1, BVX_CPU_PORTABLE}, {2, BVX_CPU_BEST}, {8, BVX_CPU_BEST}, {8, BVX_CPU_PORTABLE}};
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 0.5, 70, 60, 90);
+
     add_star(&l);
     add_star(&l);
     for (int holes = 0; holes < 2; holes++) {
-        for (int i = 0; i < 5 * holes; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        for (int i = 0; i < 5 * holes; i++)
+            maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         for (int32_t sign = BVX_SIGN_EXACT; sign < BVX_SIGN_NONE; sign++) {
             bvx_field_options const o = field_options(2, sign);
             bvx_field one;
@@ -316,6 +339,7 @@ static void test_views_of_any_type_change_nothing(void)
     uint64_t *indices;
     unsigned char *positions;
     bvx_field a, b = {0};
+
     add_star(&l);
     a = field_by(ctx, &l, &o);
     view = maker_view(&mesh);
@@ -338,12 +362,14 @@ static void test_views_of_any_type_change_nothing(void)
 
 /* ---- refusals ---- */
 
-static bvx_status refused(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l, const bvx_field_options *o, const char *word)
+static bvx_status refused(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l,
+                          const bvx_field_options *o, const char *word)
 {
     static const bvx_field empty = {0};
     bvx_field f = {0};
     uint64_t const held = bvx_memory_used(c);
     bvx_status const status = bvx_measure_field(c, view, l, o, &f);
+
     TEST_ASSERT_NOT_EQUAL(BVX_OK, status);
     TEST_ASSERT_EQUAL_MEMORY(&empty, &f, sizeof f);
     TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(c));
@@ -358,13 +384,14 @@ static void test_options_out_of_range(void)
     bvx_field_options o = field_options(2, BVX_SIGN_EXACT);
     bvx_field_options const good = o;
     bvx_field f = {0};
+
     add_star(&l);
     view = maker_view(&mesh);
-#define REFUSED(change, status, word)                                                   \
-    do {                                                                                \
-        o = good;                                                                       \
-        change;                                                                         \
-        TEST_ASSERT_EQUAL_INT32(status, refused(ctx, &view, &l, &o, word));             \
+#define REFUSED(change, status, word)                                       \
+    do {                                                                    \
+        o = good;                                                           \
+        change;                                                             \
+        TEST_ASSERT_EQUAL_INT32(status, refused(ctx, &view, &l, &o, word)); \
     } while (0)
     REFUSED(o.half_width = 0, BVX_ERR_ARGUMENT, "half_width is 0");
     REFUSED(o.half_width = -1, BVX_ERR_ARGUMENT, "half_width");
@@ -377,7 +404,8 @@ static void test_options_out_of_range(void)
     REFUSED(o.features = -1, BVX_ERR_ARGUMENT, "features is -1");
     REFUSED(o.reserved[1] = 1, BVX_ERR_ARGUMENT, "reserved[1]");
     REFUSED(o.window.size[0] = 3, BVX_ERR_RANGE, "window");
-    REFUSED((o.window.low[2] = 10, o.window.size[0] = o.window.size[1] = o.window.size[2] = 3), BVX_ERR_RANGE, "window");
+    REFUSED((o.window.low[2] = 10, o.window.size[0] = o.window.size[1] = o.window.size[2] = 3), BVX_ERR_RANGE,
+            "window");
     REFUSED(o.struct_size = 1, BVX_ERR_ARGUMENT, "size 1");
 #undef REFUSED
     o = good;
@@ -400,7 +428,8 @@ static void test_options_out_of_range(void)
     o = good;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_measure_field(ctx, &view, &l, &o, &f));
     f.band.owned = 0;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(ctx, &view, &l, &o, &f)); /* as if it were the caller's */
+    /* as if it were the caller's */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(ctx, &view, &l, &o, &f));
     TEST_ASSERT_TRUE(f.value_count > 0);
     f.band.owned = 1;
     bvx_field_free(ctx, &f);
@@ -412,6 +441,7 @@ static void test_meshes_that_cannot_be_measured(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 8, 8, 8);
     static const double low[3] = {1, 1, 1}, high[3] = {6, 6, 6};
+
     for (int32_t sign = BVX_SIGN_AUTO; sign <= BVX_SIGN_NONE; sign++) {
         bvx_field_options o = field_options(2, sign);
         bvx_mesh_view view;
@@ -433,7 +463,8 @@ static void test_meshes_that_cannot_be_measured(void)
         mesh.t[3 * mesh.triangles - 2] = 0;
         o.half_width = HUGE_VAL;
         mesh.p[1] = 1e39;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &l, &o, "do not fit the field's numbers: take BVX_F64"));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                                refused(ctx, &view, &l, &o, "do not fit the field's numbers: take BVX_F64"));
     }
 }
 
@@ -444,6 +475,7 @@ static void test_memory_limit_is_kept(void)
     bvx_context_options c;
     bvx_context *small = NULL;
     bvx_mesh_view view;
+
     add_star(&l);
     view = maker_view(&mesh);
     bvx_context_options_init(&c, sizeof c);
@@ -459,6 +491,7 @@ static void test_older_callers_keep_defaults(void)
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 12, 12, 12);
     bvx_field_options o = field_options(1, BVX_SIGN_VOTE);
     bvx_field f, plain;
+
     o.struct_size = offsetof(bvx_field_options, sign);
     add_star(&l);
     f = field_by(ctx, &l, &o);

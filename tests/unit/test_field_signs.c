@@ -1,4 +1,5 @@
-/* test_field_signs.c - the sign rules of distance fields against solids, shapes whose inside is known, and each other. */
+/* test_field_signs.c - the sign rules of distance fields against solids,
+ * shapes whose inside is known, and each other. */
 #include "field_support.h"
 
 /* Exact doubles keep outlines of the wedge on the fixed-point lattice. */
@@ -13,7 +14,8 @@ static void add_star(const bvx_lattice *l, double jitter)
         centre[a] = l->origin[a] + maker_between(&seed, 0.4 * side, 0.6 * side, 4096);
         radius[a] = maker_between(&seed, 0.2 * side, 0.4 * side, 4096);
     }
-    maker_star(&mesh, &seed, centre, radius, jitter, 4 + maker_below(&seed, 4), 5 + maker_below(&seed, 5), 65536);
+    maker_star(&mesh, &seed, centre, radius, jitter, 4 + maker_below(&seed, 4), 5 + maker_below(&seed, 5),
+               65536);
 }
 
 static bvx_grid solid_of(const bvx_lattice *l, int32_t fill)
@@ -35,7 +37,8 @@ static void assert_signs_agree(const bvx_field *f)
             for (int32_t x = 0; x < f->band.size[0]; x++) {
                 uint64_t const n = bvx_field_value(f, x, y, z);
                 if (n == UINT64_MAX) continue;
-                TEST_ASSERT_EQUAL_INT(f->inside.words != NULL && bvx_grid_get(&f->inside, x, y, z), signbit(number_at(f, f->distances, n)) != 0);
+                TEST_ASSERT_EQUAL_INT(f->inside.words != NULL && bvx_grid_get(&f->inside, x, y, z),
+                                      signbit(number_at(f, f->distances, n)) != 0);
             }
 }
 
@@ -58,7 +61,8 @@ static void test_exact_vote_and_winding_are_the_solids(void)
         maker_clear(&mesh);
         add_star(&l, 0.4);
         if (trial & 1) add_star(&l, 0.4);
-        for (int i = 0; i < trial / 4; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        for (int i = 0; i < trial / 4; i++)
+            maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         if (trial / 4 == 2) maker_flip(&mesh, 3, 9);
         assert_is_solid(&l, BVX_SIGN_EXACT, BVX_FILL_PARITY);
         assert_is_solid(&l, BVX_SIGN_VOTE, BVX_FILL_VOTE);
@@ -69,11 +73,12 @@ static void test_exact_vote_and_winding_are_the_solids(void)
 static void test_auto_looks_at_the_mesh(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 20, 20, 20);
+
     static const struct {
         int holes, flips, apart;
         int32_t sign;
-    } want[] = {{0, 0, 0, BVX_SIGN_EXACT}, {0, 0, 1, BVX_SIGN_EXACT}, {1, 0, 1, BVX_SIGN_WINDING}, {1, 0, 0, BVX_SIGN_WINDING},
-                {0, 1, 0, BVX_SIGN_EXACT}, {1, 1, 1, BVX_SIGN_WINDING}};
+    } want[] = {{0, 0, 0, BVX_SIGN_EXACT},   {0, 0, 1, BVX_SIGN_EXACT}, {1, 0, 1, BVX_SIGN_WINDING},
+                {1, 0, 0, BVX_SIGN_WINDING}, {0, 1, 0, BVX_SIGN_EXACT}, {1, 1, 1, BVX_SIGN_WINDING}};
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
         bvx_field f;
         maker_clear(&mesh);
@@ -91,6 +96,7 @@ static void test_no_sign(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 20, 20, 20);
     bvx_field f;
+
     add_star(&l, 0.2);
     f = field_of(&l, 2, BVX_SIGN_NONE);
     TEST_ASSERT_NULL(f.inside.words);
@@ -124,6 +130,7 @@ static int in_hollow_box(const double p[3])
     static const double low[3] = {6, 6, 6}, high[3] = {12, 13, 10};
     int const outer = in_box(p);
     int inner = 1;
+
     for (int a = 0; a < 3; a++) {
         if (near_zero(p[a] - low[a]) || near_zero(p[a] - high[a])) return -1;
         inner &= p[a] > low[a] && p[a] < high[a];
@@ -134,6 +141,7 @@ static int in_hollow_box(const double p[3])
 static int in_wedge(const double p[3])
 {
     int inside = 0;
+
     if (near_zero(p[2] - 4) || near_zero(p[2] - 14)) return -1;
     for (int i = 0; i < 7; i++) {
         const double *const a = wedge[i], *const b = wedge[(i + 1) % 7];
@@ -142,7 +150,8 @@ static int in_wedge(const double p[3])
         double const t = along < 0 ? 0 : along > 1 ? 1 : along;
         double const x = a[0] + t * (b[0] - a[0]) - p[0], y = a[1] + t * (b[1] - a[1]) - p[1];
         if (near_zero(x * x + y * y)) return -1;
-        if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+        if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+            inside = !inside;
     }
     return inside && p[2] > 4 && p[2] < 14;
 }
@@ -163,8 +172,12 @@ static int in_torus(const double p[3])
 
 static void make_shape(int shape)
 {
-    static const double low[3] = {3.25, 2.75, 4.125}, high[3] = {15.5, 16, 11.875}, inner_low[3] = {6, 6, 6}, inner_high[3] = {12, 13, 10};
+    static const double low[3] = {3.25, 2.75, 4.125};
+    static const double high[3] = {15.5, 16, 11.875};
+    static const double inner_low[3] = {6, 6, 6};
+    static const double inner_high[3] = {12, 13, 10};
     static const double sphere[3] = {10, 9.5, 9}, torus[3] = {10, 10, 9};
+
     maker_clear(&mesh);
     if (shape <= 1) maker_box(&mesh, low, high);
     if (shape == 1) {
@@ -180,6 +193,7 @@ static void make_shape(int shape)
 static uint64_t wrong_signs(const bvx_field *f, shape_fn *shape)
 {
     uint64_t wrong = 0;
+
     for (int32_t z = 0; z < f->inside.size[2]; z++)
         for (int32_t y = 0; y < f->inside.size[1]; y++)
             for (int32_t x = 0; x < f->inside.size[0]; x++) {
@@ -197,7 +211,9 @@ static void test_shapes_that_are_known(void)
     static shape_fn *const shapes[] = {in_box, in_hollow_box, in_wedge, in_sphere, in_torus};
     static const int32_t rules[] = {BVX_SIGN_EXACT, BVX_SIGN_PSEUDONORMAL, BVX_SIGN_WINDING, BVX_SIGN_VOTE};
     static const double widths[] = {0.9, 3, HUGE_VAL};
-    bvx_lattice const fine[2] = {lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 40, 36), lattice_with(-0.25, 0.125, 0, 1, 0.5, 0.75, 21, 40, 24)};
+    bvx_lattice const fine[2] = {lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 40, 36),
+                                 lattice_with(-0.25, 0.125, 0, 1, 0.5, 0.75, 21, 40, 24)};
+
     for (int shape = 0; shape < 5; shape++)
         for (int i = 0; i < 2; i++)
             for (int apart = 0; apart < 2; apart++) {
@@ -207,7 +223,8 @@ static void test_shapes_that_are_known(void)
                     for (int w = 0; w < (quick ? 1 : 3); w++) {
                         bvx_field f = field_of(&fine[i], widths[w], rules[r]);
                         char text[100];
-                        snprintf(text, sizeof text, "shape %d, rule %d, width %g", shape, (int)rules[r], widths[w]);
+                        snprintf(text, sizeof text, "shape %d, rule %d, width %g", shape, (int)rules[r],
+                                 widths[w]);
                         TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, wrong_signs(&f, shapes[shape]), text);
                         TEST_ASSERT_TRUE_MESSAGE(set_in(&f.inside) > 1000, text);
                         assert_signs_agree(&f);
@@ -216,7 +233,8 @@ static void test_shapes_that_are_known(void)
             }
 }
 
-/* Random bodies, also ones that touch nothing right: the pseudonormal is the parity but for centres that snapping moves over. */
+/* Random bodies, also ones that touch nothing right: the pseudonormal is
+ * the parity but for centres that snapping moves over. */
 static void test_pseudonormals_are_the_parity_of_closed_bodies(void)
 {
     for (int trial = 0; trial < (quick ? 3 : 20); trial++) {
@@ -232,19 +250,22 @@ static void test_pseudonormals_are_the_parity_of_closed_bodies(void)
                 for (int32_t x = 0; x < 30; x++) {
                     uint64_t const n = bvx_field_value(&exact, x, y, z);
                     if (fabs(number_at(&exact, exact.distances, n)) < 1e-4) continue;
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&exact.inside, x, y, z), bvx_grid_get(&pseudo.inside, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&exact.inside, x, y, z),
+                                          bvx_grid_get(&pseudo.inside, x, y, z));
                 }
         bvx_field_free(ctx, &exact);
         bvx_field_free(ctx, &pseudo);
     }
 }
 
-/* Faces that lie on centres: the centres count as moved, as in solids; those on edges and corners are left out. */
+/* Faces that lie on centres: the centres count as moved, as in solids;
+ * those on edges and corners are left out. */
 static void test_faces_on_centres(void)
 {
     static const double low[3] = {2.5, 3.5, 1.5}, high[3] = {9.5, 8.5, 7.5};
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 12, 12, 10);
     bvx_grid solid;
+
     maker_box(&mesh, low, high);
     solid = solid_of(&l, BVX_FILL_PARITY);
     for (int32_t sign = BVX_SIGN_NORMAL; sign <= BVX_SIGN_PSEUDONORMAL; sign++) {
@@ -264,8 +285,8 @@ static void test_faces_on_centres(void)
 
 /* ---- the paper's rule and its weakness ---- */
 
-/* A blade with a sharp edge at x = 4: in front of it both triangles at the edge are equally close, and the plane of either has
- * centres behind it that are outside. */
+/* A blade with a sharp edge at x = 4: in front of it both triangles at the edge are equally close, and the
+ * plane of either has centres behind it that are outside. */
 static void test_normals_are_wrong_at_a_sharp_edge(void)
 {
     static const double blade[3][2] = {{4, 8}, {16, 7}, {16, 9}};
@@ -273,6 +294,7 @@ static void test_normals_are_wrong_at_a_sharp_edge(void)
     bvx_lattice const l = lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 32, 24);
     bvx_field normal, pseudo;
     uint64_t wrong = 0;
+
     add_prism(blade, 3, cut, 1, 2, 10);
     normal = field_of(&l, 4, BVX_SIGN_NORMAL);
     pseudo = field_of(&l, 4, BVX_SIGN_PSEUDONORMAL);
@@ -291,6 +313,7 @@ static void test_normals_are_right_where_faces_are_closest(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 40, 36);
     bvx_field f;
+
     make_shape(0);
     f = field_of(&l, HUGE_VAL, BVX_SIGN_NORMAL);
     for (int32_t z = 0; z < 36; z++)
@@ -298,30 +321,37 @@ static void test_normals_are_right_where_faces_are_closest(void)
             for (int32_t x = 0; x < 40; x++) {
                 double c[3];
                 centre_of(&f.band, x, y, z, c);
-                if (in_box(c) < 0 || f.features[bvx_field_value(&f, x, y, z)] > 3) continue; /* an inner diagonal is an edge too */
-                if (f.features[bvx_field_value(&f, x, y, z)] == 0) TEST_ASSERT_EQUAL_INT(in_box(c), bvx_grid_get(&f.inside, x, y, z));
+                /* an inner diagonal is an edge too */
+                if (in_box(c) < 0 || f.features[bvx_field_value(&f, x, y, z)] > 3) continue;
+                if (f.features[bvx_field_value(&f, x, y, z)] == 0)
+                    TEST_ASSERT_EQUAL_INT(in_box(c), bvx_grid_get(&f.inside, x, y, z));
             }
     bvx_field_free(ctx, &f);
 }
 
 /* ---- beyond the band ---- */
 
-/* The definition, voxel by voxel: what is next to the known of one side alone takes it, of both sides is outside. */
+/* The definition, voxel by voxel: what is next to the known of one side
+ * alone takes it, of both sides is outside. */
 static void slow_fronts(const bvx_field *f, uint8_t *side) /* 0 not known, 1 outside, 2 inside */
 {
     const int32_t *const n = f->band.size;
     size_t const all = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
     size_t const step[3] = {1, (size_t)n[0], (size_t)n[0] * (size_t)n[1]};
     uint8_t *const next = maker_grow(NULL, all);
+
     for (size_t i = 0; i < all; i++) {
-        int32_t const x = (int32_t)(i % step[1]), y = (int32_t)(i / step[1] % (size_t)n[1]), z = (int32_t)(i / step[2]);
+        int32_t const x = (int32_t)(i % step[1]);
+        int32_t const y = (int32_t)(i / step[1] % (size_t)n[1]);
+        int32_t const z = (int32_t)(i / step[2]);
         side[i] = !bvx_grid_get(&f->band, x, y, z) ? 0 : bvx_grid_get(&f->inside, x, y, z) ? 2 : 1;
     }
     for (int changed = 1; changed;) {
         changed = 0;
         memcpy(next, side, all);
         for (size_t i = 0; i < all; i++) {
-            int32_t const at[3] = {(int32_t)(i % step[1]), (int32_t)(i / step[1] % (size_t)n[1]), (int32_t)(i / step[2])};
+            int32_t const at[3] = {(int32_t)(i % step[1]), (int32_t)(i / step[1] % (size_t)n[1]),
+                                   (int32_t)(i / step[2])};
             int seen = 0;
             if (side[i] != 0) continue;
             for (int a = 0; a < 3; a++) {
@@ -339,8 +369,10 @@ static void slow_fronts(const bvx_field *f, uint8_t *side) /* 0 not known, 1 out
 
 static void assert_fronts(const bvx_field *f)
 {
-    uint8_t *const side = maker_grow(NULL, (size_t)f->band.size[0] * (size_t)f->band.size[1] * (size_t)f->band.size[2]);
+    uint8_t *const side = maker_grow(NULL, (size_t)f->band.size[0] * (size_t)f->band.size[1] *
+                                               (size_t)f->band.size[2]);
     size_t i = 0;
+
     slow_fronts(f, side);
     for (int32_t z = 0; z < f->band.size[2]; z++)
         for (int32_t y = 0; y < f->band.size[1]; y++)
@@ -353,7 +385,9 @@ static void assert_fronts(const bvx_field *f)
 
 static void test_fronts_meet_in_holes(void)
 {
-    static const int32_t shapes[][3] = {{40, 30, 28}, {65, 20, 21}, {64, 18, 18}, {129, 12, 14}, {3, 40, 40}, {40, 2, 40}};
+    static const int32_t shapes[][3] = {{40, 30, 28},  {65, 20, 21}, {64, 18, 18},
+                                        {129, 12, 14}, {3, 40, 40},  {40, 2, 40}};
+
     for (int trial = 0; trial < (quick ? 4 : 18); trial++) {
         const int32_t *const n = shapes[trial % 6];
         bvx_lattice const l = lattice_with(0, 0, 0, 1, trial & 1 ? 1 : 0.75, 1, n[0], n[1], n[2]);
@@ -362,7 +396,8 @@ static void test_fronts_meet_in_holes(void)
             maker_clear(&mesh);
             add_star(&l, 0.3);
             if (trial % 3 != 0) /* a large hole */
-                for (int i = 0; i < trial; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles / 2));
+                for (int i = 0; i < trial; i++)
+                    maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles / 2));
             f = field_of(&l, trial % 3 == 2 ? 1.75 : 1, sign);
             assert_fronts(&f);
             bvx_field_free(ctx, &f);
@@ -374,6 +409,7 @@ static void test_fronts_meet_in_holes(void)
 static void test_thin_bands_have_the_signs_of_wide_ones(void)
 {
     static const double widths[] = {1e-9, 0.3, 0.99};
+
     for (int shape = 0; shape < 5; shape++)
         for (int32_t sign = BVX_SIGN_NORMAL; sign <= BVX_SIGN_PSEUDONORMAL; sign++) {
             bvx_lattice const l = lattice_with(0, 0, 0, 0.5, 0.75, 1, 40, 26, 18);
@@ -396,10 +432,12 @@ static void test_an_open_box(void)
     static const double low[3] = {4, 4, 4}, high[3] = {28, 28, 28};
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 32, 32, 40);
     bvx_field f;
+
     maker_box(&mesh, low, high);
     for (size_t i = 0; i < mesh.triangles;) {
         const uint32_t *const t = mesh.t + 3 * i;
-        if (mesh.p[3 * t[0] + 2] + mesh.p[3 * t[1] + 2] + mesh.p[3 * t[2] + 2] == 3 * 28) maker_remove(&mesh, i);
+        if (mesh.p[3 * t[0] + 2] + mesh.p[3 * t[1] + 2] + mesh.p[3 * t[2] + 2] == 3 * 28)
+            maker_remove(&mesh, i);
         else i++;
     }
     f = field_of(&l, 2, BVX_SIGN_PSEUDONORMAL);
@@ -414,8 +452,12 @@ static void test_an_open_box(void)
 
 static void test_a_lattice_without_any_band(void)
 {
-    static const double low[3] = {-100, -100, -100}, high[3] = {100, 100, 100}, far_low[3] = {300, 0, 0}, far_high[3] = {310, 10, 10};
+    static const double low[3] = {-100, -100, -100};
+    static const double high[3] = {100, 100, 100};
+    static const double far_low[3] = {300, 0, 0};
+    static const double far_high[3] = {310, 10, 10};
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 67, 9, 8);
+
     for (int inside = 0; inside < 2; inside++)
         for (int32_t sign = BVX_SIGN_EXACT; sign < BVX_SIGN_NONE; sign++)
             for (int window = 0; window < 2; window++) {
@@ -441,6 +483,7 @@ static void test_odd_meshes_have_signs_too(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 20, 19, 18);
     static const double low[3] = {2, 2, 2}, high[3] = {17, 16, 15};
+
     for (int trial = 0; trial < (quick ? 3 : 12); trial++)
         for (int32_t sign = BVX_SIGN_AUTO; sign <= BVX_SIGN_NONE; sign++) {
             bvx_field f;
@@ -457,11 +500,13 @@ static void test_odd_meshes_have_signs_too(void)
 static void test_degenerate_triangles_do_not_turn_signs(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 0.5, 0.5, 0.5, 40, 40, 36);
+
     make_shape(0);
     for (size_t i = 0, n = mesh.triangles; i < n; i++) {
         const uint32_t *const t = mesh.t + 3 * i;
         uint32_t const a = t[0], b = t[1];
-        uint32_t const middle = maker_vertex(&mesh, (mesh.p[3 * a] + mesh.p[3 * b]) / 2, (mesh.p[3 * a + 1] + mesh.p[3 * b + 1]) / 2,
+        uint32_t const middle = maker_vertex(&mesh, (mesh.p[3 * a] + mesh.p[3 * b]) / 2,
+                                             (mesh.p[3 * a + 1] + mesh.p[3 * b + 1]) / 2,
                                              (mesh.p[3 * a + 2] + mesh.p[3 * b + 2]) / 2);
         maker_triangle(&mesh, a, b, middle);
         maker_triangle(&mesh, a, a, b);

@@ -1,10 +1,12 @@
-/* test_field_surface_calls.c - bvx_extract_field_surface as it is called: arrays of the caller's, every refusal, nothing inside. */
+/* test_field_surface_calls.c - bvx_extract_field_surface as it is called:
+ * arrays of the caller's, every refusal, nothing inside. */
 #include "unit/field_surface_support.h"
 
 static void test_arrays_of_the_callers_are_filled(void)
 {
     double const origin[3] = {2, 2, 2}, spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_at(origin, spacing, 8, 8, 8);
+
     for (int32_t sharp = 0; sharp < 2; sharp++) {
         bvx_field_surface_options o = surface_options(sharp);
         bvx_mesh made, given = {0};
@@ -30,7 +32,8 @@ static void test_arrays_of_the_callers_are_filled(void)
 
 /* ---- refusals ---- */
 
-static void assert_refused(bvx_status status, const bvx_mesh_view *of, const bvx_field_surface_options *o, const char *part)
+static void assert_refused(bvx_status status, const bvx_mesh_view *of, const bvx_field_surface_options *o,
+                           const char *part)
 {
     bvx_mesh m = {0};
     TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_extract_field_surface(ctx, &field, of, o, &m), part);
@@ -44,6 +47,7 @@ static void test_wrong_options_are_refused(void)
     bvx_lattice const l = lattice_at(origin, spacing, 4, 4, 4);
     bvx_field_surface_options o = surface_options(0), bad;
     bvx_mesh m = {0};
+
     field_maker_noise(ctx, &seed, &l, 8, 15, 1, 0, BVX_F32, &field);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(NULL, &field, NULL, &o, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(ctx, NULL, NULL, &o, &m));
@@ -61,13 +65,17 @@ static void test_wrong_options_are_refused(void)
 
 static void test_wrong_fields_are_refused(void)
 {
-    double const origin[3] = {2, 2, 2}, far[3] = {1e9, 2, 2}, beyond[3] = {1e15, 2, 2}, spacing[3] = {1, 1, 1};
+    double const origin[3] = {2, 2, 2};
+    double const far[3] = {1e9, 2, 2};
+    double const beyond[3] = {1e15, 2, 2};
+    double const spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_at(origin, spacing, 4, 5, 6);
     bvx_field_surface_options const o = surface_options(0);
     bvx_field_surface_options scalar = o, sharp = o, doubles = o;
     bvx_field good;
     bvx_mesh_view view;
     double const low[3] = {3, 3, 3}, high[3] = {5, 5, 5};
+
     scalar.interpolation = BVX_EDGE_SCALAR;
     sharp.sharp = 1;
     doubles.position_type = BVX_F64;
@@ -81,18 +89,22 @@ static void test_wrong_fields_are_refused(void)
     field.value_type = 0, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "value_type"), field = good;
     field.reserved[3] = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "reserved"), field = good;
     field.row_values = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "row_values"), field = good;
-    field.inside.words[7] |= 16, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "past the 4 voxels"), field.inside.words[7] &= 15;
+    field.inside.words[7] |= 16, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "past the 4 voxels"),
+        field.inside.words[7] &= 15;
     field.value_count++, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "values"), field = good;
     field.row_values[3]++, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "row_values[3]"), field.row_values[3]--;
     field.vectors = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &o, "vectors"), field = good;
-    field.distances = field.vectors = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &scalar, "distances"), field = good;
+    field.distances = field.vectors = NULL, assert_refused(BVX_ERR_ARGUMENT, NULL, &scalar, "distances"),
+    field = good;
     field.inside.lattice.spacing[1] = 2, assert_refused(BVX_ERR_LATTICE, NULL, &o, "lattices"), field = good;
-    field.triangles[2] = 12, assert_refused(BVX_ERR_RANGE, &view, &sharp, "triangles[2]"), field.triangles[2] = 0;
+    field.triangles[2] = 12, assert_refused(BVX_ERR_RANGE, &view, &sharp, "triangles[2]"),
+    field.triangles[2] = 0;
     mesh.t[4] = 99, assert_refused(BVX_ERR_RANGE, &view, &sharp, "triangle 1"), mesh.t[4] = 0;
     view.position_type = 7, assert_refused(BVX_ERR_ARGUMENT, &view, &sharp, "position_type");
     memcpy(field.inside.lattice.origin, far, sizeof far), memcpy(field.band.lattice.origin, far, sizeof far);
     assert_refused(BVX_ERR_RANGE, NULL, &o, "f32");
-    memcpy(field.inside.lattice.origin, beyond, sizeof far), memcpy(field.band.lattice.origin, beyond, sizeof far);
+    memcpy(field.inside.lattice.origin, beyond, sizeof far),
+        memcpy(field.band.lattice.origin, beyond, sizeof far);
     assert_refused(BVX_ERR_RANGE, NULL, &doubles, "doubles");
     field = good;
     { /* what is not needed may be missing */
@@ -118,6 +130,7 @@ static void test_an_empty_inside_gives_an_empty_mesh(void)
 {
     double const origin[3] = {2, 2, 2}, spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_at(origin, spacing, 4, 5, 6);
+
     for (int32_t sharp = 0; sharp < 2; sharp++) {
         bvx_field_surface_options const o = surface_options(sharp);
         bvx_mesh m;

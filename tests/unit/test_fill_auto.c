@@ -1,5 +1,5 @@
-/* test_fill_auto.c - the rule that suits a mesh: which one is chosen and why, its bits against rules asked for by name on the mesh as
- * it should have been, and what may not change them. */
+/* test_fill_auto.c - the rule that suits a mesh: which one is chosen and why, its bits against rules asked
+ * for by name on the mesh as it should have been, and what may not change them. */
 #include "solid_support.h"
 #include <math.h>
 
@@ -31,7 +31,10 @@ static void add_fine_box(const double low[3], const double high[3], int32_t n)
                 }
             for (int32_t j = 0; j < n; j++)
                 for (int32_t i = 0; i < n; i++) {
-                    uint32_t const a = first + (uint32_t)(j * (n + 1) + i), b = a + 1, c = a + (uint32_t)n + 1, d = c + 1;
+                    uint32_t const a = first + (uint32_t)(j * (n + 1) + i);
+                    uint32_t const b = a + 1;
+                    uint32_t const c = a + (uint32_t)n + 1;
+                    uint32_t const d = c + 1;
                     if (side) maker_quad(&mesh, a, b, d, c, 0);
                     else maker_quad(&mesh, a, c, d, b, 0);
                 }
@@ -51,7 +54,8 @@ static void assert_chosen(const bvx_solid_report *r, int32_t fill, int32_t reaso
 }
 
 /* The mesh as it is now: auto takes this rule for this reason, and sets the bits of good. */
-static void assert_auto_equals(const bvx_grid *good, int32_t fill, int32_t reason, uint64_t turned, const char *what)
+static void assert_auto_equals(const bvx_grid *good, int32_t fill, int32_t reason, uint64_t turned,
+                               const char *what)
 {
     bvx_solid_report r;
     bvx_grid g = by_auto(&good->lattice, &r);
@@ -62,7 +66,8 @@ static void assert_auto_equals(const bvx_grid *good, int32_t fill, int32_t reaso
 }
 
 /* The mesh as it is now: auto takes this rule for this reason, and sets this number of voxels. */
-static void assert_auto_sets(const bvx_lattice *l, uint64_t voxels, int32_t fill, int32_t reason, uint64_t turned)
+static void assert_auto_sets(const bvx_lattice *l, uint64_t voxels, int32_t fill, int32_t reason,
+                             uint64_t turned)
 {
     bvx_solid_report r;
     bvx_grid g = by_auto(l, &r);
@@ -91,8 +96,12 @@ static void test_one_flipped_triangle_leaves_a_union_of_balls_whole(void)
 
 static void test_one_flipped_triangle_leaves_a_union_of_cubes_whole(void)
 {
-    double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    double const low[3] = {4, 4, 4};
+    double const high[3] = {36, 36, 36};
+    double const bar_low[3] = {20, 10, 10};
+    double const bar_high[3] = {46, 30, 30};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
     add_fine_box(low, high, 8);
     add_fine_box(bar_low, bar_high, 8);
     maker_flip(&mesh, 1000, 1001);
@@ -101,8 +110,12 @@ static void test_one_flipped_triangle_leaves_a_union_of_cubes_whole(void)
 
 static void test_a_part_inside_out_that_overlaps_is_turned(void)
 {
-    double const low[3] = {4, 4, 4}, high[3] = {36, 36, 36}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    double const low[3] = {4, 4, 4};
+    double const high[3] = {36, 36, 36};
+    double const bar_low[3] = {20, 10, 10};
+    double const bar_high[3] = {46, 30, 30};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
     add_fine_box(low, high, 2);
     size_t const first = mesh.triangles;
     add_fine_box(bar_low, bar_high, 2);
@@ -114,6 +127,7 @@ static void test_a_part_inside_out_beside_a_right_one_is_inside(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
     bvx_grid good;
+
     add_ball(12.3, 14.1, 14.2, 9);
     size_t const first = mesh.triangles;
     add_ball(33.6, 30.4, 33.7, 11);
@@ -152,7 +166,8 @@ static void test_some_doubled_triangles_are_there_once(void)
     bvx_grid_free(ctx, &good);
 }
 
-/* Every triangle once either way, as in models for games: their edges balance, and what they enclose cancels out. */
+/* Every triangle once either way, as in models for games: their edges
+ * balance, and what they enclose cancels out. */
 static void test_two_sided_triangles_are_there_once(void)
 {
     bvx_window const w = {{20, 3, 11}, {17, 40, 9}};
@@ -214,22 +229,28 @@ static void test_cavities_stay_cavities(void)
     assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "a cavity that faces inwards");
 
     maker_flip(&mesh, first + 3, first + 5);
-    assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 2, "a cavity with two triangles flipped");
+    assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 2,
+                       "a cavity with two triangles flipped");
     bvx_grid_free(ctx, &good);
 }
 
 /* A cavity inside one of two parts that overlap is one deep less one. */
 static void test_cavities_stay_beside_overlaps(void)
 {
-    double const low[3] = {2, 2, 2}, high[3] = {30, 30, 30}, bar_low[3] = {20, 10, 10}, bar_high[3] = {46, 30, 30};
+    double const low[3] = {2, 2, 2};
+    double const high[3] = {30, 30, 30};
+    double const bar_low[3] = {20, 10, 10};
+    double const bar_high[3] = {46, 30, 30};
     double const hole_low[3] = {6, 6, 6}, hole_high[3] = {14, 16, 12};
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
     add_fine_box(low, high, 2);
     add_fine_box(bar_low, bar_high, 2);
     size_t const first = mesh.triangles;
     add_fine_box(hole_low, hole_high, 2);
     maker_flip(&mesh, first, mesh.triangles);
-    assert_auto_sets(&l, 28 * 28 * 28 + 26 * 20 * 20 - 10 * 20 * 20 - 8 * 10 * 6, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0);
+    assert_auto_sets(&l, 28 * 28 * 28 + 26 * 20 * 20 - 10 * 20 * 20 - 8 * 10 * 6, BVX_FILL_NONZERO,
+                     BVX_FILL_REASON_OVERLAP, 0);
 }
 
 /* ---- Holes ---- */
@@ -238,12 +259,14 @@ static void test_holes_are_filled_by_winding_after_turning(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
     bvx_grid good;
+
     add_ball(19.3, 24.1, 24.2, 12);
     add_ball(29.6, 24.4, 23.7, 12);
     maker_remove(&mesh, 300);
     good = solid_of(&l, BVX_FILL_WINDING);
     maker_flip(&mesh, 100, 103);
-    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 3, "a hole, and three triangles flipped");
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 3,
+                       "a hole, and three triangles flipped");
     bvx_grid_free(ctx, &good);
 }
 
@@ -254,6 +277,7 @@ static void test_a_box_without_two_sides_is_open(void)
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
     bvx_solid_report r;
     bvx_grid g;
+
     maker_box(&mesh, low, high);
     for (int i = 0; i < 4; i++) maker_remove(&mesh, 0);
     g = by_auto(&l, &r);
@@ -268,10 +292,12 @@ static void test_what_cannot_be_oriented_is_voted_on(void)
     bvx_solid_report r;
     bvx_grid good, g;
     uint32_t first;
+
     add_ball(24.3, 24.1, 24.2, 12);
     first = (uint32_t)mesh.vertices; /* a strip of five triangles that is turned once: Moebius' band */
     for (int i = 0; i < 5; i++) maker_vertex(&mesh, 4 + 3 * (i % 3), 4 + 5 * (i % 2), 4 + i);
-    for (uint32_t i = 0; i < 5; i++) maker_triangle(&mesh, first + i, first + (i + 1) % 5, first + (i + 2) % 5);
+    for (uint32_t i = 0; i < 5; i++)
+        maker_triangle(&mesh, first + i, first + (i + 1) % 5, first + (i + 2) % 5);
     good = solid_of(&l, BVX_FILL_VOTE);
     g = by_auto(&l, &r);
     assert_same_bits(&good, &g, "a band with one side");
@@ -292,10 +318,13 @@ static void make_some_balls(int32_t trial)
         return;
     }
     for (int n = 0; n < 1 + trial % 4; n++) {
-        double const centre[3] = {maker_between(&seed, 10, 38, 16), maker_between(&seed, 10, 38, 16), maker_between(&seed, 10, 38, 16)};
-        double const radius[3] = {4 + maker_below(&seed, 12), 4 + maker_below(&seed, 12), 4 + maker_below(&seed, 12)};
+        double const centre[3] = {maker_between(&seed, 10, 38, 16), maker_between(&seed, 10, 38, 16),
+                                  maker_between(&seed, 10, 38, 16)};
+        double const radius[3] = {4 + maker_below(&seed, 12), 4 + maker_below(&seed, 12),
+                                  4 + maker_below(&seed, 12)};
         size_t const first = mesh.triangles;
-        maker_star(&mesh, &seed, centre, radius, 0.4, 6 + maker_below(&seed, 4), 5 + maker_below(&seed, 4), 16);
+        maker_star(&mesh, &seed, centre, radius, 0.4, 6 + maker_below(&seed, 4), 5 + maker_below(&seed, 4),
+                   16);
         if (maker_below(&seed, 3) == 0) maker_flip(&mesh, first, mesh.triangles);
     }
     for (int n = trial % 3; n-- > 0;) {
@@ -309,6 +338,7 @@ static void test_windows_are_cut_out_of_the_whole(void)
 {
     bvx_lattice const l = lattice_of(SIDE, 47, 49);
     int32_t seen[6] = {0};
+
     for (int32_t trial = 0; trial < (quick ? 20 : 120); trial++) {
         bvx_solid_report whole_report, r;
         bvx_window w;
@@ -326,19 +356,22 @@ static void test_windows_are_cut_out_of_the_whole(void)
         for (int32_t z = 0; z < w.size[2]; z++)
             for (int32_t y = 0; y < w.size[1]; y++)
                 for (int32_t x = 0; x < w.size[0]; x++)
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z), bvx_grid_get(&g, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z),
+                                          bvx_grid_get(&g, x, y, z));
         bvx_grid_free(ctx, &g);
         bvx_grid_free(ctx, &whole);
     }
     for (int32_t i = BVX_FILL_REASON_SOUND; i <= BVX_FILL_REASON_OPEN; i++) TEST_ASSERT_TRUE(seen[i] > 0);
 }
 
-/* Lattices of so many rows are looked at with longer voxels: a window must choose as the whole does, and cost as little as it is. */
+/* Lattices of so many rows are looked at with longer voxels: a window must
+ * choose as the whole does, and cost as little as it is. */
 static void test_windows_of_many_rows_choose_as_the_whole(void)
 {
     bvx_lattice const l = lattice_of(8, 2100, 2100);
     bvx_window const w = {{1, 1000, 1000}, {6, 40, 50}};
-    double const first[2][3] = {{1, 100, 100}, {5, 1100, 1100}}, second[2][3] = {{3, 900, 900}, {7, 1900, 1900}};
+    double const first[2][3] = {{1, 100, 100}, {5, 1100, 1100}};
+    double const second[2][3] = {{3, 900, 900}, {7, 1900, 1900}};
     bvx_solid_report whole_report, r;
     bvx_grid whole, g;
 
@@ -353,7 +386,8 @@ static void test_windows_of_many_rows_choose_as_the_whole(void)
     for (int32_t z = 0; z < w.size[2]; z++)
         for (int32_t y = 0; y < w.size[1]; y++)
             for (int32_t x = 0; x < w.size[0]; x++)
-                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z), bvx_grid_get(&g, x, y, z));
+                TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z),
+                                      bvx_grid_get(&g, x, y, z));
     bvx_grid_free(ctx, &g);
     bvx_grid_free(ctx, &whole);
 }
@@ -361,6 +395,7 @@ static void test_windows_of_many_rows_choose_as_the_whole(void)
 static void test_sound_meshes_have_the_bits_of_parity(void)
 {
     bvx_lattice const l = lattice_of(SIDE, 47, 130);
+
     for (int32_t trial = 0; trial < (quick ? 4 : 20); trial++) {
         double const centre[3] = {24, 24, 60}, radius[3] = {20, 18, 50};
         bvx_solid_report r;
@@ -380,6 +415,7 @@ static void test_sound_meshes_have_the_bits_of_parity(void)
 static void test_order_and_threads_change_nothing(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
     for (int32_t trial = 0; trial < (quick ? 8 : 40); trial++) {
         bvx_context *const three = context_with(3, 0);
         bvx_solid_report r, shuffled;
@@ -429,6 +465,7 @@ static void test_indices_beyond_the_vertices_are_refused(void)
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
     bvx_mesh_view view;
     bvx_grid g = {0};
+
     add_ball(24, 24, 24, 9);
     mesh.t[100] = (uint32_t)mesh.vertices;
     view = maker_view(&mesh);
@@ -440,6 +477,7 @@ static void test_indices_beyond_the_vertices_are_refused(void)
 static void test_rules_by_name_are_reported(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
     add_ball(24, 24, 24, 9);
     for (int32_t fill = BVX_FILL_PARITY; fill < BVX_FILL_AUTO; fill++) {
         bvx_solid_report r;

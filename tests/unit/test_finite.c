@@ -22,6 +22,7 @@ static bvx_mesh make(int32_t type, int by_triangles)
 {
     static const double at[18] = {0, 0, 0, NAN, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, INFINITY};
     bvx_mesh m = {0};
+
     for (int i = 0; i < 18; i++) {
         arrays.f64[i] = at[i];
         arrays.f32[i] = (float)at[i];
@@ -53,6 +54,7 @@ static void check_dropped(int32_t type, int by_triangles)
     static const uint64_t vertex[4] = {0, 2, 3, 4}, triangle[4] = {0, 2, 3, 5};
     bvx_mesh m = make(type, by_triangles);
     uint64_t dropped = 99;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_drop_nonfinite(ctx, &m, &dropped));
     TEST_ASSERT_EQUAL_UINT64(2, dropped);
     TEST_ASSERT_EQUAL_UINT64(4, m.vertex_count);
@@ -122,6 +124,7 @@ static void test_drop_nonfinite_refuses(void)
 {
     bvx_mesh m = make(BVX_F64, 1);
     uint64_t dropped;
+
     arrays.triangles[16] = 6;
     check_not_dropped(&m, BVX_ERR_RANGE, "triangle 5 has vertex number 6");
     m = make(BVX_F64, 1);
@@ -149,13 +152,15 @@ static void check_read(const void *bytes, size_t size, int32_t format, uint64_t 
     bvx_mesh m = {0};
     uint64_t dropped = 99;
     bvx_status const status = bvx_read_mesh_finite(ctx, bytes, size, format, &dropped, &m);
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(bad, dropped);
     TEST_ASSERT_EQUAL_UINT64(4, m.triangle_count);
     TEST_ASSERT_EQUAL_UINT64(4, m.vertex_count);
     for (uint64_t i = 0; i < 12; i++) TEST_ASSERT_TRUE(m.triangles[i] < 4);
     for (uint64_t i = 0; i < 12; i++) {
-        double const v = m.position_type == BVX_F32 ? (double)((float *)m.positions)[i] : ((double *)m.positions)[i];
+        double const v = m.position_type == BVX_F32 ? (double)((float *)m.positions)[i]
+                                                    : ((double *)m.positions)[i];
         TEST_ASSERT_TRUE(v == 0.0 || v == 1.0);
     }
     bvx_mesh_free(ctx, &m);
@@ -169,17 +174,22 @@ static void check_read_text(const char *text, int32_t format, uint64_t bad, cons
 
 static void test_read_finite_of_text(void)
 {
-    check_read_text("v 0 0 0\nv nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 1e999\nf 1 4 3\nf 1 2 3\nf 1 3 5\nf 1 5 4\nf 6 3 4\nf 3 4 5\n",
-                    BVX_FORMAT_OBJ, 2, "vertex 2 has a coordinate that is not finite");
-    check_read_text("OFF\n6 6 0\n0 0 0\n0 -inf 0\n1 0 0\n0 1 0\n0 0 1\n0 nan 1\n3 0 3 2\n3 0 1 2\n3 0 2 4\n3 0 4 3\n3 5 2 3\n3 2 3 4\n",
-                    BVX_FORMAT_OFF, 2, "vertex 1 has a coordinate that is not finite");
-    check_read_text("ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 5\n"
-                    "property list uchar int vertex_index\nend_header\n0 0 0\n0 0 inf\n1 0 0\n0 1 0\n0 0 1\n"
-                    "3 0 3 2\n3 0 1 2\n3 0 2 4\n3 0 4 3\n3 2 3 4\n",
-                    BVX_FORMAT_PLY, 1, "vertex 1 ");
+    check_read_text(
+        "v 0 0 0\nv nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 1e999\nf 1 4 3\nf 1 2 3\nf 1 3 5\nf 1 5 4\nf 6 3 4\nf 3 4 5\n",
+        BVX_FORMAT_OBJ, 2, "vertex 2 has a coordinate that is not finite");
+    check_read_text(
+        "OFF\n6 6 0\n0 0 0\n0 -inf 0\n1 0 0\n0 1 0\n0 0 1\n0 nan 1\n3 0 3 2\n3 0 1 2\n3 0 2 4\n3 0 4 3\n3 5 2 3\n3 2 3 4\n",
+        BVX_FORMAT_OFF, 2, "vertex 1 has a coordinate that is not finite");
+    check_read_text(
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face 5\n"
+        "property list uchar int vertex_index\nend_header\n0 0 0\n0 0 inf\n1 0 0\n0 1 0\n0 0 1\n"
+        "3 0 3 2\n3 0 1 2\n3 0 2 4\n3 0 4 3\n3 2 3 4\n",
+        BVX_FORMAT_PLY, 1, "vertex 1 ");
+
     /* A polygon with a corner nowhere has no plane: all of it goes. */
-    check_read_text("OFF\n5 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nnan 1 1\n4 1 4 2 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
-                    BVX_FORMAT_OFF, 2, "vertex 4 has a coordinate that is not finite");
+    check_read_text(
+        "OFF\n5 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nnan 1 1\n4 1 4 2 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
+        BVX_FORMAT_OFF, 2, "vertex 4 has a coordinate that is not finite");
 }
 
 /* Binary files: the same triangles, their first one again with NaN in place of its first coordinate. */
@@ -202,16 +212,20 @@ static void test_read_finite_of_binary(void)
     float const bad = NAN;
     stl[80] = 5;
     for (int t = 0; t < 5; t++)
-        for (int k = 0; k < 9; k++) put_little(stl + 84 + t * 50 + 12 + k * 4, &corner[four[t % 4 * 3 + k / 3]][k % 3]);
+        for (int k = 0; k < 9; k++)
+            put_little(stl + 84 + t * 50 + 12 + k * 4, &corner[four[t % 4 * 3 + k / 3]][k % 3]);
     put_little(stl + 84 + 4 * 50 + 12, &bad);
     check_read(stl, sizeof stl, BVX_FORMAT_STL, 1, "triangle 4, corner 0");
 
-    n = (size_t)snprintf(ply, sizeof ply, "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
-                         "property float z\nelement face 5\nproperty list uchar int vertex_index\nend_header\n");
+    n = (size_t)snprintf(
+        ply, sizeof ply,
+        "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 5\nproperty list uchar int vertex_index\nend_header\n");
     for (int i = 0; i < 12; i++, n += 4) put_little(ply + n, &corner[i / 3][i % 3]);
     for (int a = 0; a < 3; a++, n += 4) put_little(ply + n, &bad);
     for (int t = 0; t < 5; t++) {
-        int32_t number[3] = {t < 4 ? (int32_t)four[t * 3] : 4, (int32_t)four[t % 4 * 3 + 1], (int32_t)four[t % 4 * 3 + 2]};
+        int32_t number[3] = {t < 4 ? (int32_t)four[t * 3] : 4, (int32_t)four[t % 4 * 3 + 1],
+                             (int32_t)four[t % 4 * 3 + 2]};
         ply[n++] = 3;
         for (int k = 0; k < 3; k++, n += 4) put_little(ply + n, &number[k]);
     }
@@ -220,20 +234,28 @@ static void test_read_finite_of_binary(void)
 
 static void test_read_finite_refuses(void)
 {
-    static const char none[] = "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", good[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    static const char none[] = "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    static const char good[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     static const char colour[] = "v 0 0 0 nan 0 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n";
     static const bvx_mesh empty = {0};
     bvx_mesh m = {0};
     uint64_t dropped = 99;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_read_mesh_finite(ctx, none, sizeof none - 1, BVX_FORMAT_OBJ, &dropped, &m));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "each of the 1 triangles has a corner that is not finite"));
+
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY,
+                            bvx_read_mesh_finite(ctx, none, sizeof none - 1, BVX_FORMAT_OBJ, &dropped, &m));
+    TEST_ASSERT_NOT_NULL(
+        strstr(bvx_last_message(ctx), "each of the 1 triangles has a corner that is not finite"));
     TEST_ASSERT_EQUAL_UINT64(99, dropped);
     TEST_ASSERT_EQUAL_MEMORY(&empty, &m, sizeof m);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_read_mesh_finite(ctx, colour, sizeof colour - 1, BVX_FORMAT_OBJ, &dropped, &m));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_ERR_RANGE, bvx_read_mesh_finite(ctx, colour, sizeof colour - 1, BVX_FORMAT_OBJ, &dropped, &m));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "colour that is not finite"));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh_finite(ctx, good, sizeof good - 1, BVX_FORMAT_OBJ, NULL, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh_finite(NULL, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh_finite(ctx, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_read_mesh_finite(ctx, good, sizeof good - 1, BVX_FORMAT_OBJ, NULL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_read_mesh_finite(NULL, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_read_mesh_finite(ctx, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));
     TEST_ASSERT_EQUAL_UINT64(0, dropped);
     bvx_mesh_free(ctx, &m);
 }
@@ -244,7 +266,9 @@ static bvx_status drop_with(void *user, bvx_context *context)
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n";
     bvx_mesh m = {0};
     uint64_t dropped = 0;
-    bvx_status const status = bvx_read_mesh_finite(context, text, sizeof text - 1, BVX_FORMAT_OBJ, &dropped, &m);
+    bvx_status const status = bvx_read_mesh_finite(context, text, sizeof text - 1, BVX_FORMAT_OBJ, &dropped,
+                                                   &m);
+
     (void)user;
     if (status == BVX_OK) TEST_ASSERT_EQUAL_UINT64(1, dropped);
     else TEST_ASSERT_NULL(m.positions);

@@ -1,5 +1,5 @@
-/* test_flood.c - the rule flood against floods voxel by voxel; closing gaps against cubes tried one by one; cavities are filled
- * to their walls; what a flood cannot do is refused. */
+/* test_flood.c - the rule flood against floods voxel by voxel; closing gaps against cubes tried one by one;
+ * cavities are filled to their walls; what a flood cannot do is refused. */
 #include "fill_support.h"
 
 /* Spaces that touch a side of the lattice are reached. */
@@ -10,12 +10,14 @@ static uint8_t *reach(const uint8_t *open, const int32_t n[3])
     uint8_t *const outside = maker_grow(NULL, count);
     int32_t const spaces = fill_label(open, n, 6, label);
     uint8_t *const touched = maker_grow(NULL, (size_t)spaces + 1);
+
     memset(touched, 0, (size_t)spaces + 1);
     for (int32_t z = 0; z < n[2]; z++)
         for (int32_t y = 0; y < n[1]; y++)
             for (int32_t x = 0; x < n[0]; x++) {
                 int32_t const s = label[fill_place(n, x, y, z)];
-                if (s >= 0 && (x == 0 || y == 0 || z == 0 || x == n[0] - 1 || y == n[1] - 1 || z == n[2] - 1)) touched[s] = 1;
+                if (s >= 0 && (x == 0 || y == 0 || z == 0 || x == n[0] - 1 || y == n[1] - 1 || z == n[2] - 1))
+                    touched[s] = 1;
             }
     for (size_t i = 0; i < count; i++) outside[i] = label[i] >= 0 && touched[label[i]];
     free(touched);
@@ -23,10 +25,12 @@ static uint8_t *reach(const uint8_t *open, const int32_t n[3])
     return outside;
 }
 
-/* An empty voxel stays open when some empty cube of gap + 1 voxels a side holds it; beyond the lattice all is empty. */
+/* An empty voxel stays open when some empty cube of gap + 1 voxels a side
+ * holds it; beyond the lattice all is empty. */
 static uint8_t *open_for_cubes(const uint8_t *open, const int32_t n[3], int32_t gap)
 {
     uint8_t *const stays = maker_grow(NULL, (size_t)n[0] * (size_t)n[1] * (size_t)n[2]);
+
     memset(stays, 0, (size_t)n[0] * (size_t)n[1] * (size_t)n[2]);
     for (int32_t z = -gap; z < n[2]; z++) {
         if (z < 0 && z + gap >= n[2] - 1) continue; /* the next one covers the same */
@@ -45,13 +49,16 @@ static uint8_t *open_for_cubes(const uint8_t *open, const int32_t n[3], int32_t 
     return stays;
 }
 
-/* Voxels of walls that vote outside and are fewer steps, through others of their kind, from what was filled against the vote than
- * from what the flood reached or the lattice's end. */
+/* Voxels of walls that vote outside and are fewer steps, through others of their kind, from what was filled
+ * against the vote than from what the flood reached or the lattice's end. */
 static uint8_t *rim_of(const fill_scene *s, const uint8_t *wide, const uint8_t *held)
 {
     int32_t const *const n = s->n;
-    uint8_t *const walls = maker_grow(NULL, s->count), *const outer = maker_grow(NULL, s->count), *const inner = maker_grow(NULL, s->count);
+    uint8_t *const walls = maker_grow(NULL, s->count);
+    uint8_t *const outer = maker_grow(NULL, s->count);
+    uint8_t *const inner = maker_grow(NULL, s->count);
     int32_t *to_outer, *to_inner;
+
     memset(walls, 0, s->count);
     memset(outer, 0, s->count);
     memset(inner, 0, s->count);
@@ -84,15 +91,19 @@ typedef struct flood_counts {
     uint64_t held, rim, refused, leaks; /* voxels, voxels, floods, voxels */
 } flood_counts;
 
-static void assert_flood_is_oracle(const bvx_lattice *l, const fill_scene *s, int32_t gaps, flood_counts *seen)
+static void assert_flood_is_oracle(const bvx_lattice *l, const fill_scene *s, int32_t gaps,
+                                   flood_counts *seen)
 {
     int32_t const *const n = s->n;
-    uint8_t *const wide = open_for_cubes(s->open, n, gaps), *const near = reach(s->open, n), *const far = reach(wide, n);
+    uint8_t *const wide = open_for_cubes(s->open, n, gaps);
+    uint8_t *const near = reach(s->open, n);
+    uint8_t *const far = reach(wide, n);
     uint8_t *const held = maker_grow(NULL, s->count), *rim;
     uint64_t all = 0, leaks = 0, closed = 0;
     bvx_solid_report r;
     bvx_grid g;
     bvx_status const status = fill_lattice(l, BVX_FILL_FLOOD, gaps, &g, &r);
+
     for (size_t i = 0; i < s->count; i++) {
         held[i] = (s->open[i] && !near[i]) || (wide[i] && !far[i]);
         all += held[i];
@@ -118,7 +129,8 @@ static void assert_flood_is_oracle(const bvx_lattice *l, const fill_scene *s, in
             for (int32_t y = 0; y < n[1]; y++)
                 for (int32_t x = 0; x < n[0]; x++) {
                     size_t const i = fill_place(n, x, y, z);
-                    TEST_ASSERT_EQUAL_INT(held[i] || (!wide[i] && s->in[i]) || rim[i], bvx_grid_get(&g, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(held[i] || (!wide[i] && s->in[i]) || rim[i],
+                                          bvx_grid_get(&g, x, y, z));
                     seen->rim += rim[i];
                 }
         seen->held += all;
@@ -135,8 +147,10 @@ static void assert_flood_is_oracle(const bvx_lattice *l, const fill_scene *s, in
 static void test_bodies_and_soups(void)
 {
     flood_counts seen = {0, 0, 0, 0};
+
     for (int32_t trial = 0; trial < (quick ? 12 : 60); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
+        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
+                                         shapes[trial % SHAPES][2]);
         fill_scene s;
         if (trial % 6 == 5) make_random(trial % KINDS, 30, l.dims, 16);
         else make_bodies(trial, &l);
@@ -153,6 +167,7 @@ static void test_gaps_wider_than_a_word(void)
     bvx_lattice const l = lattice_of(190, 3, 4);
     flood_counts seen = {0, 0, 0, 0};
     fill_scene s;
+
     maker_clear(&mesh);
     make_random(TINY, 3, l.dims, 16);
     s = open_scene(&l);
@@ -160,12 +175,14 @@ static void test_gaps_wider_than_a_word(void)
     close_scene(&s);
 }
 
-/* A box with a cavity: regions keep it, flood fills it to its walls, also behind a wall thinner than a voxel. */
+/* A box with a cavity: regions keep it, flood fills it to its walls, also behind a wall thinner than a
+ * voxel. */
 static void test_cavities(void)
 {
     bvx_lattice const l = lattice_of(30, 30, 30);
     double const low[3] = {3, 3, 3}, high[3] = {27, 27, 27}, centre[3] = {15, 15, 15}, radius[3] = {8, 8, 8};
     double const inner_low[3] = {3.125, 8, 8}, inner_high[3] = {20, 20, 20};
+
     for (int thin = 0; thin < 2; thin++) {
         bvx_solid_report r;
         bvx_grid flood, regions, parity;
@@ -221,11 +238,14 @@ static void test_hole_in_a_lid(void)
     double const at[3] = {6, 6, 6};
     bvx_solid_report r;
     bvx_grid g;
+
     memset(solid, 1, sizeof solid);
     maker_cubes(&mesh, &seed, solid, n, at);
-    for (size_t i = mesh.triangles; i-- > 0;) { /* the lid's squares over 9..12 by 9..12; their neighbours keep 5 - 2 open */
+    /* the lid's squares over 9..12 by 9..12; their neighbours keep 5 - 2 open */
+    for (size_t i = mesh.triangles; i-- > 0;) {
         double m[3] = {0, 0, 0};
-        for (int k = 0; k < 9; k++) m[k % 3] += mesh.p[3 * (size_t)mesh.t[3 * i + (size_t)(k / 3)] + (size_t)(k % 3)] / 3;
+        for (int k = 0; k < 9; k++)
+            m[k % 3] += mesh.p[3 * (size_t)mesh.t[3 * i + (size_t)(k / 3)] + (size_t)(k % 3)] / 3;
         if (m[2] == 14 && m[0] > 8 && m[0] < 13 && m[1] > 8 && m[1] < 13) maker_remove(&mesh, i);
     }
     for (int32_t gaps = 0; gaps < 6; gaps++) {
@@ -250,6 +270,7 @@ static void test_refusals(void)
     bvx_voxelize_options o;
     bvx_mesh_view view;
     bvx_grid g = {0};
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t fill = BVX_FILL_FLOOD; fill <= BVX_FILL_REGIONS; fill++) {
@@ -267,16 +288,31 @@ static void test_refusals(void)
         bvx_voxelize_options_init(&o, sizeof o);
         switch (i) {
         case 0: o.close_gaps = 1; break;
-        case 1: o.fill = BVX_FILL_FLOOD; o.close_gaps = -1; break;
-        case 2: o.fill = BVX_FILL_FLOOD; o.close_gaps = 65536; break;
+        case 1:
+            o.fill = BVX_FILL_FLOOD;
+            o.close_gaps = -1;
+            break;
+        case 2:
+            o.fill = BVX_FILL_FLOOD;
+            o.close_gaps = 65536;
+            break;
         case 3: o.add_shell = 2; break;
         case 4: o.check_edges = -1; break;
         case 5: o.axis = 1; break;
-        case 6: o.fill = BVX_FILL_BELOW; o.axis = 3; break;
-        case 7: o.fill = BVX_FILL_BELOW; o.base = (double)NAN; break;
+        case 6:
+            o.fill = BVX_FILL_BELOW;
+            o.axis = 3;
+            break;
+        case 7:
+            o.fill = BVX_FILL_BELOW;
+            o.base = (double)NAN;
+            break;
         case 8: o.base = 1; break;
         case 9: o.second = &view; break;
-        case 10: o.fill = BVX_FILL_BELOW; o.add_shell = 1; break;
+        case 10:
+            o.fill = BVX_FILL_BELOW;
+            o.add_shell = 1;
+            break;
         default: o.fill = BVX_FILL_REGIONS; o.close_gaps = 2;
         }
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &l, &o, &g));
@@ -287,6 +323,7 @@ static void test_refusals(void)
 static void test_threads_change_nothing(void)
 {
     static const int32_t threads[] = {1, 2, 3, 8};
+
     for (int32_t trial = 0; trial < (quick ? 4 : 20); trial++) {
         bvx_lattice const l = lattice_of(80, 70, 60);
         bvx_grid first = {0};
@@ -325,8 +362,10 @@ static void test_threads_change_nothing(void)
 static void test_comparison_by_brute_force(void)
 {
     uint64_t disputed = 0, lost_all = 0;
+
     for (int32_t trial = 0; trial < (quick ? 6 : 30); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
+        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
+                                         shapes[trial % SHAPES][2]);
         int32_t const *const n = l.dims;
         size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
         bvx_compare_fills_options o;
@@ -343,7 +382,8 @@ static void test_comparison_by_brute_force(void)
         view = maker_view(&mesh);
         for (int32_t fill = 0; fill < 5; fill++) {
             bvx_solid_report r;
-            bvx_status const status = fill_lattice(&l, fill, fill == BVX_FILL_FLOOD ? trial % 3 : 0, &rule[fill], &r);
+            bvx_status const status = fill_lattice(&l, fill, fill == BVX_FILL_FLOOD ? trial % 3 : 0,
+                                                   &rule[fill], &r);
             if (fill == BVX_FILL_FLOOD) flooded = status;
             else TEST_ASSERT_EQUAL_INT32(BVX_OK, status);
         }
@@ -352,7 +392,8 @@ static void test_comparison_by_brute_force(void)
         o.close_gaps = trial % 3;
         o.disagreeing = &differ;
         o.lost = &lost;
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_compare_fills(ctx, &view, &l, &o, &c), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_compare_fills(ctx, &view, &l, &o, &c),
+                                        bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_INT32(flooded != BVX_OK, c.flood_leaked);
         for (int32_t fill = 0; fill < 5; fill++)
             if (rule[fill].words != NULL) TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill]);

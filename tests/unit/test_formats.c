@@ -1,4 +1,5 @@
-/* test_formats.c - formats, rules and methods stand once, in the header's lists: endings and texts of the program agree with them. */
+/* test_formats.c - formats, rules and methods stand once, in the header's
+ * lists: endings and texts of the program agree with them. */
 #include "unity.h"
 
 #include "bitvox.h"
@@ -71,7 +72,8 @@ static int32_t taken(const bvx_context *ctx, bvx_status status)
     return bvx_last_error(ctx)->reason != BVX_REASON_CHOICE;
 }
 
-/* Readers refuse what is not in their set as no choice, and what is in it because the bytes are no such file. */
+/* Readers refuse what is not in their set as no choice, and what is in it because the bytes are no such
+ * file. */
 static void test_the_sets_are_what_readers_and_writers_take(void)
 {
     static const char bytes[] = "no file of any format";
@@ -95,7 +97,9 @@ static void test_the_sets_are_what_readers_and_writers_take(void)
         points |= taken(ctx, bvx_read_points(ctx, bytes, sizeof bytes - 1, f, &mesh)) << f;
         grids |= taken(ctx, bvx_read_grid(ctx, bytes, sizeof bytes - 1, f, NULL, &grid)) << f;
         contours |= taken(ctx, bvx_read_sections(ctx, bytes, sizeof bytes - 1, f, NULL, &sections)) << f;
-        volumes |= taken(ctx, bvx_read_volume(ctx, bytes, sizeof bytes - 1, f, f == BVX_FORMAT_RAW ? &raw : NULL, &volume)) << f;
+        volumes |= taken(ctx, bvx_read_volume(ctx, bytes, sizeof bytes - 1, f,
+                                              f == BVX_FORMAT_RAW ? &raw : NULL, &volume))
+                   << f;
         bvx_mesh_free(ctx, &mesh);
     }
     bvx_context_destroy(ctx);
@@ -109,7 +113,9 @@ static void test_the_sets_are_what_readers_and_writers_take(void)
 static void test_numbers_of_rules_are_without_gaps(void)
 {
 #define NUMBER(name, value, text) value,
-    static const int32_t fills[] = {BVX_FILL_LIST(NUMBER)}, signs[] = {BVX_SIGN_LIST(NUMBER)}, methods[] = {BVX_LOD_LIST(NUMBER)};
+    static const int32_t fills[] = {BVX_FILL_LIST(NUMBER)};
+    static const int32_t signs[] = {BVX_SIGN_LIST(NUMBER)};
+    static const int32_t methods[] = {BVX_LOD_LIST(NUMBER)};
 #undef NUMBER
 
     TEST_ASSERT_EQUAL_INT(BVX_FILL_COUNT, sizeof fills / sizeof fills[0]);

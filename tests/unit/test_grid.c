@@ -32,6 +32,7 @@ static bvx_lattice lattice_of(int32_t x, int32_t y, int32_t z)
 static void test_grid_bound_counts_words(void)
 {
     static const int32_t sizes[7] = {1, 63, 64, 65, 127, 128, 129}, words[7] = {1, 1, 1, 2, 2, 2, 3};
+
     for (int i = 0; i < 7; i++) {
         bvx_lattice const l = lattice_of(sizes[i], 3, 5);
         bvx_window w = {{0, 0, 0}, {0, 0, 0}};
@@ -74,6 +75,7 @@ static void test_grid_bound_counts_words(void)
 static void test_grid_create_set_get_count(void)
 {
     static const int32_t sizes[7] = {1, 63, 64, 65, 127, 128, 129};
+
     for (int i = 0; i < 7; i++) {
         bvx_lattice const l = lattice_of(sizes[i] + 3, 4, 5);
         bvx_window const w = {{3, 1, 2}, {sizes[i], 3, 2}};
@@ -98,7 +100,8 @@ static void test_grid_create_set_get_count(void)
                 for (int32_t x = 0; x < sizes[i]; x++) {
                     int const is = (x * 7 + y * 3 + z) % 5 < 2;
                     TEST_ASSERT_EQUAL_INT(is, bvx_grid_get(&grid, x, y, z));
-                    TEST_ASSERT_EQUAL_INT(is, (int)(grid.words[(z * 3 + y) * grid.words_per_row + x / 64] >> x % 64 & 1));
+                    TEST_ASSERT_EQUAL_INT(
+                        is, (int)(grid.words[(z * 3 + y) * grid.words_per_row + x / 64] >> x % 64 & 1));
                 }
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &grid, &count));
         TEST_ASSERT_EQUAL_UINT64(expected, count);
@@ -114,6 +117,7 @@ static void test_grid_create_set_get_count(void)
 static uint64_t plain_hash(const unsigned char *bytes, size_t size, uint64_t start)
 {
     uint64_t h = start ^ UINT64_C(0xcbf29ce484222325);
+
     for (size_t i = 0; i < size; i += 8) {
         uint64_t word = 0;
         for (size_t k = 0; k < 8 && i + k < size; k++) word |= (uint64_t)bytes[i + k] << 8 * k;
@@ -147,9 +151,11 @@ static void test_grid_hash_follows_its_recipe(void)
     size_t at = 0;
     uint64_t hash, expected;
     bvx_grid grid = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, &w, &grid));
-    for (int n = 0; n < 50; n++) bvx_grid_set(&grid, maker_below(&seed, 66), maker_below(&seed, 2), maker_below(&seed, 2), 1);
+    for (int n = 0; n < 50; n++)
+        bvx_grid_set(&grid, maker_below(&seed, 66), maker_below(&seed, 2), maker_below(&seed, 2), 1);
     for (int a = 0; a < 3; a++) append(bytes, &at, (uint64_t)w.low[a], 4);
     for (int a = 0; a < 3; a++) append(bytes, &at, (uint64_t)w.size[a], 4);
     for (int a = 0; a < 3; a++) append(bytes, &at, (uint64_t)dims[a], 4);
@@ -170,6 +176,7 @@ static void test_grid_in_the_callers_array(void)
     bvx_lattice const l = lattice_of(70, 3, 4);
     uint64_t words[30];
     bvx_grid grid = {0};
+
     memset(words, 0xEE, sizeof words);
     grid.words = words;
     grid.word_capacity = 23;
@@ -185,20 +192,22 @@ static void test_grid_in_the_callers_array(void)
     TEST_ASSERT_NULL(grid.words);
 }
 
-#define ASSERT_GRID_REFUSED(status)                                               \
-    do {                                                                          \
-        TEST_ASSERT_EQUAL_INT32(status, bvx_grid_count(ctx, &bad, &number));      \
-        TEST_ASSERT_EQUAL_INT32(status, bvx_grid_hash(ctx, &bad, &number));       \
-        TEST_ASSERT_EQUAL_UINT64(77, number);                                     \
-        bad = grid;                                                               \
+#define ASSERT_GRID_REFUSED(status)                                          \
+    do {                                                                     \
+        TEST_ASSERT_EQUAL_INT32(status, bvx_grid_count(ctx, &bad, &number)); \
+        TEST_ASSERT_EQUAL_INT32(status, bvx_grid_hash(ctx, &bad, &number));  \
+        TEST_ASSERT_EQUAL_UINT64(77, number);                                \
+        bad = grid;                                                          \
     } while (0)
 
 static void test_grid_refuses_what_is_no_grid(void)
 {
     bvx_lattice const l = lattice_of(70, 3, 4);
-    bvx_window const outside[3] = {{{0, 0, 0}, {71, 3, 4}}, {{0, -1, 0}, {70, 3, 4}}, {{0, 0, 1}, {70, 3, 4}}};
+    bvx_window const outside[3] = {
+        {{0, 0, 0}, {71, 3, 4}}, {{0, -1, 0}, {70, 3, 4}}, {{0, 0, 1}, {70, 3, 4}}};
     bvx_grid grid = {0}, bad;
     uint64_t number = 77;
+
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_create(ctx, &l, &outside[i], &grid));
         TEST_ASSERT_NULL(grid.words);
@@ -245,6 +254,7 @@ static void test_grid_without_a_size_is_refused(void)
     bvx_lattice const l = lattice_of(70, 3, 4);
     bvx_grid grid = {0}, bad;
     uint64_t number = 77;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, NULL, &grid));
     bad = grid;
     memset(bad.size, 0, sizeof bad.size);

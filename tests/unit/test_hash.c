@@ -18,6 +18,7 @@ void tearDown(void)
 static uint64_t recipe(const unsigned char *bytes, size_t size, uint64_t seed)
 {
     uint64_t h = seed ^ UINT64_C(0xcbf29ce484222325), word = 0;
+
     for (size_t i = 0; i < (size + 7) / 8 * 8; i++) {
         if (i < size) word |= (uint64_t)bytes[i] << 8 * (i % 8);
         if (i % 8 != 7) continue;
@@ -52,6 +53,7 @@ static void test_hash_follows_the_recipe_at_every_size_and_alignment(void)
 static void test_hash_golden(void)
 {
     unsigned char all[256];
+
     for (int i = 0; i < 256; i++) all[i] = (unsigned char)i;
     TEST_ASSERT_EQUAL_HEX64(UINT64_C(0xaf63bd4c29620a93), bvx_hash("", 0, 0));
     TEST_ASSERT_EQUAL_HEX64(UINT64_C(0xaf63bd4c29620a93), bvx_hash(NULL, 0, 0));
@@ -66,6 +68,7 @@ static void test_hash_in_pieces_is_the_hash_of_the_whole(void)
 {
     unsigned char bytes[64];
     bvxi_hash h;
+
     fill(bytes, sizeof bytes, 5);
     for (size_t a = 0; a <= 40; a++)
         for (size_t b = a; b <= 40; b++) {
@@ -90,6 +93,7 @@ static void test_numbers_stand_for_their_little_endian_bytes(void)
     uint64_t const w[4] = {1, UINT64_C(0x0102030405060708), UINT64_MAX, UINT64_C(0x8000000000000000)};
     float const f[3] = {1.0f, -0.0f, 3.14159f};
     double const d[3] = {-2.5, 1e300, 0.0};
+
     for (size_t before = 0; before <= 8; before++)
         for (size_t n = 0; n <= 3; n++) {
             unsigned char bytes[8 + 4 * 5 + 4 * 3 + 8 * 4 + 4 * 3 + 8 * 3], *to = bytes;
@@ -127,6 +131,7 @@ static uint32_t triangle[3] = {0, 1, 2};
 static bvx_mesh one_triangle(int32_t type)
 {
     bvx_mesh m;
+
     memset(&m, 0, sizeof m);
     m.positions = type == BVX_F32 ? (void *)float_positions : (void *)double_positions;
     m.triangles = triangle;
@@ -162,6 +167,7 @@ static void test_mesh_hash_sees_the_mesh_and_nothing_else(void)
     bvx_mesh m = one_triangle(BVX_F32);
     uint64_t const h = mesh_hash(&m);
     uint64_t key = 5;
+
     m.vertex_capacity = 10;
     m.triangle_capacity = 10;
     m.vertex_keys = m.triangle_keys = &key;
@@ -193,6 +199,7 @@ static void test_mesh_hash_refuses(void)
 {
     bvx_mesh m = one_triangle(BVX_F32);
     uint64_t h;
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_hash(NULL, &m, &h));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_hash(ctx, &m, NULL));
     refuse(NULL, BVX_ERR_ARGUMENT, "mesh is NULL");

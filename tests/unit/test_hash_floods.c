@@ -1,5 +1,5 @@
-/* test_hash_floods.c - triangles, edges and places whose hashes were made to collide: the answers are those of any others, and a
- * tree, which is one allocation more, takes the table's place. */
+/* test_hash_floods.c - triangles, edges and places whose hashes were made to collide: the answers are those
+ * of any others, and a tree, which is one allocation more, takes the table's place. */
 #include "core/key_tree.h"
 #include "mesh/pieces.h"
 #include "tools/fault.h"
@@ -34,6 +34,7 @@ void tearDown(void)
 static flood_case case_of(uint64_t vertices, uint64_t triangles)
 {
     flood_case c;
+
     memset(&c, 0, sizeof c);
     c.view.positions = nowhere;
     c.view.vertex_count = vertices;
@@ -68,11 +69,13 @@ static bvx_status drop(void *user, bvx_context *context)
     return bvxi_drop_duplicates(context, &c->view, identity, &corner[0][0], &c->found);
 }
 
-/* The first triangles of all whose hashes are below a limit, and all of them again with their corners turned. */
+/* The first triangles of all whose hashes are below a limit, and all of them again with their corners
+ * turned. */
 static void make_triangles(uint64_t limit)
 {
     uint32_t const c = 2999;
     uint32_t n = 0;
+
     for (uint32_t a = 0; n < TRIANGLES; a++) {
         TEST_ASSERT_TRUE(a + 1 < c);
         for (uint32_t b = a + 1; b < c && n < TRIANGLES; b++) {
@@ -88,6 +91,7 @@ static void make_triangles(uint64_t limit)
 static void test_triangles_made_against_the_hash(void)
 {
     flood_case c = case_of(3000, 2 * TRIANGLES);
+
     for (uint32_t v = 0; v < VERTICES; v++) identity[v] = v;
     for (int flood = 0; flood < 2; flood++) {
         make_triangles(flood ? UINT64_C(0x7fffffff) / 320 : UINT64_MAX);
@@ -111,6 +115,7 @@ static bvx_status open_edges(void *user, bvx_context *context)
     flood_case *const c = user;
     uint64_t *edges = NULL, count = 0;
     bvx_status const status = bvxi_open_edges(context, &c->view, &c->snapped, 0, &edges, &count);
+
     if (status != BVX_OK) return status;
     c->found = 0;
     qsort(edges, (size_t)count, sizeof *edges, by_value);
@@ -119,10 +124,12 @@ static bvx_status open_edges(void *user, bvx_context *context)
     return BVX_OK;
 }
 
-/* Triangles of 200 corners with two each of those whose edges to it have hashes that end in 0 bits but for some. */
+/* Triangles of 200 corners with two each of those whose edges to it have
+ * hashes that end in 0 bits but for some. */
 static uint64_t make_edges(uint64_t bits)
 {
     uint32_t n = 0, last = 0;
+
     for (uint32_t a = 0; a < 200; a++)
         for (uint32_t b = 200; b < VERTICES; b++) {
             uint64_t const h = ((uint64_t)a << 32 | b) * UINT64_C(0x9e3779b97f4a7c15);
@@ -140,10 +147,12 @@ static uint64_t make_edges(uint64_t bits)
     return n;
 }
 
-/* Some of the triangles have another one that runs the other way; what the rest leaves open is all their edges. */
+/* Some of the triangles have another one that runs the other way; what the
+ * rest leaves open is all their edges. */
 static void test_edges_made_against_the_hash(void)
 {
     uint64_t plain = 0;
+
     for (int flood = 0; flood < 2; flood++) {
         uint64_t const n = make_edges(flood ? 0xff00 : 0), closed = n / 3;
         flood_case c = case_of(VERTICES, n + closed);
@@ -155,7 +164,8 @@ static void test_edges_made_against_the_hash(void)
             triangle[n + t][2] = triangle[t][2];
         }
         for (uint64_t t = closed; t < n; t++)
-            for (int k = 0; k < 3; k++) want[count++] = (uint64_t)triangle[t][k] << 32 | triangle[t][(k + 1) % 3];
+            for (int k = 0; k < 3; k++)
+                want[count++] = (uint64_t)triangle[t][k] << 32 | triangle[t][(k + 1) % 3];
         qsort(want, (size_t)count, sizeof *want, by_value);
         for (uint32_t v = 0; v < VERTICES; v++) place[v][0] = (int32_t)v;
         for (uint32_t v = 0; v < VERTICES; v++) place[v][1] = place[v][2] = 0;
@@ -194,6 +204,7 @@ static void test_places_made_against_the_hash(void)
 {
     flood_case c = case_of(6 * TRIANGLES, 2 * TRIANGLES);
     uint64_t plain = 0;
+
     for (uint32_t t = 0; t < 2 * TRIANGLES; t++)
         for (uint32_t k = 0; k < 3; k++) triangle[t][k] = t < TRIANGLES ? 3 * t + k : 3 * t + (2 - k);
     for (int flood = 0; flood < 2; flood++) {

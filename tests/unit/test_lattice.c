@@ -34,7 +34,8 @@ static bvx_lattice_options fit_options(void)
 static void triangle_over(const double low[3], const double high[3])
 {
     maker_clear(&mesh);
-    maker_triangle(&mesh, maker_vertex(&mesh, low[0], low[1], high[2]), maker_vertex(&mesh, high[0], low[1], low[2]),
+    maker_triangle(&mesh, maker_vertex(&mesh, low[0], low[1], high[2]),
+                   maker_vertex(&mesh, high[0], low[1], low[2]),
                    maker_vertex(&mesh, low[0], high[1], low[2]));
 }
 
@@ -66,12 +67,12 @@ static void assert_least_cover(double extent, double spacing, int32_t n)
     TEST_ASSERT_TRUE(n == 1 || (n - 1) * spacing < extent + slack);
 }
 
-#define ASSERT_REFUSED(status, call, text)                                                  \
-    do {                                                                                    \
-        bvx_lattice const before = lattice;                                                 \
-        TEST_ASSERT_EQUAL_INT32(status, call);                                              \
+#define ASSERT_REFUSED(status, call, text)                                                        \
+    do {                                                                                          \
+        bvx_lattice const before = lattice;                                                       \
+        TEST_ASSERT_EQUAL_INT32(status, call);                                                    \
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), text), bvx_last_message(ctx)); \
-        TEST_ASSERT_EQUAL_MEMORY(&before, &lattice, sizeof lattice);                        \
+        TEST_ASSERT_EQUAL_MEMORY(&before, &lattice, sizeof lattice);                              \
     } while (0)
 
 static bvx_lattice lattice; /* stays as it was when a call fails */
@@ -82,6 +83,7 @@ static void test_fit_by_resolution_by_hand(void)
 {
     double const low[3] = {-1, 10, 0.5}, high[3] = {7, 14.5, 2.5};
     bvx_mesh_view view;
+
     triangle_over(low, high);
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 16, &lattice));
@@ -118,12 +120,15 @@ static void test_fit_by_resolution_covers_with_the_least_count(void)
     }
 }
 
-/* A box whose sides are whole multiples of the spacing costs no layer more, whatever the division rounds to. */
+/* A box whose sides are whole multiples of the spacing costs no layer more, whatever the division rounds
+ * to. */
 static void test_fit_whole_multiples_cost_no_extra_layer(void)
 {
     for (int32_t n = 1; n <= 300; n++)
         for (int32_t part = 1; part <= 9; part++) {
-            double const unit = 0.1 * part, low[3] = {0, 0, 0}, high[3] = {unit * n, unit * (n / 2 + 1), unit};
+            double const unit = 0.1 * part;
+            double const low[3] = {0, 0, 0};
+            double const high[3] = {unit * n, unit * (n / 2 + 1), unit};
             bvx_lattice_options o = fit_options();
             triangle_over(low, high);
             o.resolution = n;
@@ -143,6 +148,7 @@ static void test_fit_per_axis(void)
 {
     double const low[3] = {-3, 0, 5}, high[3] = {7, 30, 5};
     bvx_lattice_options o = fit_options();
+
     triangle_over(low, high);
     o.axis_resolution[0] = 4;
     o.axis_resolution[1] = 600;
@@ -180,6 +186,7 @@ static void test_fit_padding_adds_voxels_on_every_side(void)
 {
     double const low[3] = {1, 2, 3}, high[3] = {9, 6, 4};
     static const int32_t paddings[4] = {0, 1, 3, 65536};
+
     for (int i = 0; i < 4; i++) {
         bvx_lattice_options o = fit_options();
         triangle_over(low, high);
@@ -200,6 +207,7 @@ static void test_fit_looks_at_used_vertices_only(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
     bvx_mesh_view view;
+
     triangle_over(low, high);
     maker_vertex(&mesh, 1000, -1000, 77);
     view = maker_view(&mesh);
@@ -213,6 +221,7 @@ static void test_fit_refuses_contradicting_options(void)
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
     bvx_lattice_options o = fit_options();
     bvx_mesh_view view;
+
     triangle_over(low, high);
     view = maker_view(&mesh);
     ASSERT_REFUSED(BVX_ERR_ARGUMENT, fit(&o, &lattice), "exactly one");
@@ -263,8 +272,11 @@ static void test_fit_refuses_contradicting_options(void)
 /* Any box gives what a mesh with these bounds gives, however its side is asked for. */
 static void test_a_box_is_fitted_like_a_mesh(void)
 {
-    static const double boxes[][2][3] = {{{0, 0, 0}, {4, 2, 1}}, {{-3.7, 1e5, 0.1}, {9.2, 1.00001e5, 0.3}}, {{5, 5, 5}, {5, 5, 6}},
-                                         {{-1e-3, -2e-3, 7}, {1e-3, 2e-3, 7}}, {{1.0 / 3, -1e6, 1e-9}, {2.0 / 3, 1e6, 1e9}}};
+    static const double boxes[][2][3] = {{{0, 0, 0}, {4, 2, 1}},
+                                         {{-3.7, 1e5, 0.1}, {9.2, 1.00001e5, 0.3}},
+                                         {{5, 5, 5}, {5, 5, 6}},
+                                         {{-1e-3, -2e-3, 7}, {1e-3, 2e-3, 7}},
+                                         {{1.0 / 3, -1e6, 1e-9}, {2.0 / 3, 1e6, 1e9}}};
     bvx_lattice by_mesh, by_box;
 
     for (size_t i = 0; i < sizeof boxes / sizeof boxes[0]; i++)
@@ -273,12 +285,15 @@ static void test_a_box_is_fitted_like_a_mesh(void)
             bvx_status status;
 
             if (how % 3 == 0) o.resolution = 37;
-            else if (how % 3 == 1) o.axis_resolution[0] = 3, o.axis_resolution[1] = 40, o.axis_resolution[2] = 7;
+            else if (how % 3 == 1)
+                o.axis_resolution[0] = 3, o.axis_resolution[1] = 40, o.axis_resolution[2] = 7;
             else o.spacing[0] = 1, o.spacing[1] = 1e3, o.spacing[2] = 1e4;
             o.padding = how / 3 * 5;
             triangle_over(boxes[i][0], boxes[i][1]);
             status = fit(&o, &by_mesh);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_lattice_fit_box(ctx, boxes[i][0], boxes[i][1], &o, &by_box), bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(status,
+                                            bvx_lattice_fit_box(ctx, boxes[i][0], boxes[i][1], &o, &by_box),
+                                            bvx_last_message(ctx));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, status);
             TEST_ASSERT_EQUAL_MEMORY(&by_mesh, &by_box, sizeof by_box);
         }
@@ -299,7 +314,8 @@ static void test_boxes_that_are_none(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, high, &o, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(NULL, low, high, &o, &lattice));
     bad[1] = -2;
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, bad, &o, &lattice), "above its high one along y: 0 and -2");
+    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, bad, &o, &lattice),
+                   "above its high one along y: 0 and -2");
     bad[1] = nan("");
     ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_fit_box(ctx, low, bad, &o, &lattice), "along y");
     TEST_ASSERT_EQUAL_INT32(BVX_REASON_NOT_FINITE, bvx_last_error(ctx)->reason);
@@ -312,7 +328,8 @@ static void test_boxes_that_are_none(void)
     }
     o = fit_options();
     o.spacing[0] = o.spacing[1] = o.spacing[2] = 0.5;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_box(ctx, high, high, &o, &lattice)); /* a spacing fits a point */
+    /* a spacing fits a point */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_box(ctx, high, high, &o, &lattice));
     TEST_ASSERT_EQUAL_INT32(1, lattice.dims[0]);
 }
 
@@ -320,6 +337,7 @@ static void test_fit_refuses_what_has_no_bounds(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
     bvx_lattice_options o = fit_options();
+
     o.resolution = 10;
     maker_clear(&mesh);
     maker_vertex(&mesh, 1, 2, 3);
@@ -358,6 +376,7 @@ static void test_fit_refuses_what_has_no_bounds(void)
 static void test_check_refuses_more_fraction_bits_than_fit(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+
     for (int a = 0; a < 3; a++) {
         int32_t dims[3] = {1, 1, 1};
         dims[a] = 1 << 20;
@@ -374,6 +393,7 @@ static void test_check_refuses_more_fraction_bits_than_fit(void)
 static void test_make_gives_the_fraction_bits_that_fit(void)
 {
     double const origin[3] = {1, -2, 3}, spacing[3] = {0.5, 1, 2};
+
     for (int32_t log2 = 0; log2 <= 25; log2++)
         for (int32_t off = -1; off <= 1; off++) {
             int32_t const n = (1 << log2) + off;
@@ -395,6 +415,7 @@ static void test_make_refuses_what_is_no_lattice(void)
 {
     double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     int32_t dims[3] = {4, 5, 6};
+
     for (int a = 0; a < 3; a++) {
         static const char *const name[3] = {"x", "y", "z"};
         double const bad[2] = {nan(""), -HUGE_VAL};
@@ -407,7 +428,8 @@ static void test_make_refuses_what_is_no_lattice(void)
             double const bad_spacing[4] = {0, -1, nan(""), HUGE_VAL};
             for (int i = 0; i < 4; i++) {
                 spacing[a] = bad_spacing[i];
-                ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_make(ctx, origin, spacing, dims, &lattice), name[a]);
+                ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_make(ctx, origin, spacing, dims, &lattice),
+                               name[a]);
                 spacing[a] = 1;
             }
         }
@@ -416,7 +438,8 @@ static void test_make_refuses_what_is_no_lattice(void)
             int32_t const good = dims[a];
             for (int i = 0; i < 5; i++) {
                 dims[a] = bad_dims[i];
-                ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_make(ctx, origin, spacing, dims, &lattice), name[a]);
+                ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_make(ctx, origin, spacing, dims, &lattice),
+                               name[a]);
                 dims[a] = good;
             }
         }
@@ -433,6 +456,7 @@ static void test_lattices_are_equal_in_all_fields(void)
     double const origin[3] = {0, 1, 2}, spacing[3] = {1, 2, 3};
     int32_t const dims[3] = {4, 5, 6};
     bvx_lattice other;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     other = lattice;
     TEST_ASSERT_TRUE(bvxi_lattice_equal(&lattice, &other));
@@ -456,9 +480,24 @@ static void test_lattices_are_equal_in_all_fields(void)
 
 /* ---- 128 bits ---- */
 
-static const int64_t wide_values[] = {0, 1, -1, 2, -2, 255, -256, INT32_MAX, INT32_MIN, UINT32_MAX, -INT64_C(4294967295),
-    INT64_C(4294967296), -INT64_C(4294967296), INT64_C(0x7fffffff00000000), -INT64_C(0x7fffffff00000000), INT64_MAX,
-    -INT64_MAX, INT64_MIN};
+static const int64_t wide_values[] = {0,
+                                      1,
+                                      -1,
+                                      2,
+                                      -2,
+                                      255,
+                                      -256,
+                                      INT32_MAX,
+                                      INT32_MIN,
+                                      UINT32_MAX,
+                                      -INT64_C(4294967295),
+                                      INT64_C(4294967296),
+                                      -INT64_C(4294967296),
+                                      INT64_C(0x7fffffff00000000),
+                                      -INT64_C(0x7fffffff00000000),
+                                      INT64_MAX,
+                                      -INT64_MAX,
+                                      INT64_MIN};
 enum { WIDE_VALUES = sizeof wide_values / sizeof wide_values[0] };
 
 static int64_t wide_value(int n) /* the list, then random ones of random length */
@@ -486,7 +525,8 @@ static void test_limbs_multiply_add_and_sign(void)
             exact_number const product = exact_mul(exact_of(v[i]), exact_of(v[k]));
             exact_number const other = exact_mul(exact_of(v[(i + 7) % N]), exact_of(v[(k + 3) % N]));
             bvxi_limbs const p = bvxi_limbs_mul(v[i], v[k]), want = limbs_of(product);
-            bvxi_limbs const sum = bvxi_limbs_add(p, limbs_of(other)), want_sum = limbs_of(exact_add(product, other));
+            bvxi_limbs const sum = bvxi_limbs_add(p, limbs_of(other));
+            bvxi_limbs const want_sum = limbs_of(exact_add(product, other));
             bvxi_limbs const zero = bvxi_limbs_add(p, bvxi_limbs_negate(p));
             TEST_ASSERT_EQUAL_HEX64(want.low, p.low);
             TEST_ASSERT_EQUAL_HEX64(want.high, p.high);
@@ -502,22 +542,35 @@ static void test_limbs_multiply_add_and_sign(void)
 static void test_wide_sums_of_three_at_the_ends_of_the_budget(void)
 {
     static const int64_t normals[5] = {INT64_MAX, -INT64_MAX, 0, 1, -1};
-    static const int64_t differences[7] = {INT64_C(2147483647), -INT64_C(2147483647), 0, 1, -1, 2147483646, -2147483646};
+    static const int64_t differences[7] = {INT64_C(2147483647), -INT64_C(2147483647), 0, 1, -1,
+                                           2147483646,          -2147483646};
     int n[6];
-    for (n[0] = 0; n[0] < 5; n[0]++) for (n[1] = 0; n[1] < 5; n[1]++) for (n[2] = 0; n[2] < 5; n[2]++)
-    for (n[3] = 0; n[3] < 7; n[3]++) for (n[4] = 0; n[4] < 7; n[4]++) for (n[5] = 0; n[5] < 7; n[5]++) {
-        int64_t const a = normals[n[0]], b = normals[n[1]], c = normals[n[2]];
-        int64_t const x = differences[n[3]], y = differences[n[4]], z = differences[n[5]];
-        int const want = exact_sign(exact_add(exact_add(exact_mul(exact_of(a), exact_of(x)), exact_mul(exact_of(b), exact_of(y))),
-                                              exact_mul(exact_of(c), exact_of(z))));
-        bvxi_wide const w = bvxi_wide_add(bvxi_wide_add(bvxi_wide_mul(a, x), bvxi_wide_mul(b, y)), bvxi_wide_mul(c, z));
-        bvxi_limbs const l = bvxi_limbs_add(bvxi_limbs_add(bvxi_limbs_mul(a, x), bvxi_limbs_mul(b, y)), bvxi_limbs_mul(c, z));
-        if (want != bvxi_wide_sign(w) || want != bvxi_limbs_sign(l) || want != exact_sign_of_sum(x, a, y, b, z, c))
-            TEST_FAIL_MESSAGE("a sum of three products has the wrong sign");
-    }
+
+    for (n[0] = 0; n[0] < 5; n[0]++)
+        for (n[1] = 0; n[1] < 5; n[1]++)
+            for (n[2] = 0; n[2] < 5; n[2]++)
+                for (n[3] = 0; n[3] < 7; n[3]++)
+                    for (n[4] = 0; n[4] < 7; n[4]++)
+                        for (n[5] = 0; n[5] < 7; n[5]++) {
+                            int64_t const a = normals[n[0]], b = normals[n[1]], c = normals[n[2]];
+                            int64_t const x = differences[n[3]], y = differences[n[4]], z = differences[n[5]];
+                            int const want = exact_sign(
+                                exact_add(exact_add(exact_mul(exact_of(a), exact_of(x)),
+                                                    exact_mul(exact_of(b), exact_of(y))),
+                                          exact_mul(exact_of(c), exact_of(z))));
+                            bvxi_wide const w = bvxi_wide_add(
+                                bvxi_wide_add(bvxi_wide_mul(a, x), bvxi_wide_mul(b, y)), bvxi_wide_mul(c, z));
+                            bvxi_limbs const l = bvxi_limbs_add(
+                                bvxi_limbs_add(bvxi_limbs_mul(a, x), bvxi_limbs_mul(b, y)),
+                                bvxi_limbs_mul(c, z));
+                            if (want != bvxi_wide_sign(w) || want != bvxi_limbs_sign(l) ||
+                                want != exact_sign_of_sum(x, a, y, b, z, c))
+                                TEST_FAIL_MESSAGE("a sum of three products has the wrong sign");
+                        }
 }
 
-/* a = b (c q + s) + t with 0 <= s < c and 0 <= t < b: floor(a / (b c)) is q. Divisors of more than 53 bits round in a double. */
+/* a = b (c q + s) + t with 0 <= s < c and 0 <= t < b: floor(a / (b c)) is
+ * q. Divisors of more than 53 bits round in a double. */
 static void test_wide_floor_division_finds_the_multiple_below(void)
 {
     for (int trial = 0; trial < 200000; trial++) {
@@ -529,13 +582,16 @@ static void test_wide_floor_division_finds_the_multiple_below(void)
         if (trial % 3 == 0) q = q % 9;
         s = trial % 5 == 0 ? 0 : trial % 5 == 1 ? c - 1 : maker_below(&seed, 1 << n);
         t = trial % 7 < 2 ? 0 : trial % 7 == 3 ? b - 1 : (int64_t)(maker_random(&seed) % (uint64_t)b);
-        got = bvxi_wide_floor_div_scaled(bvxi_wide_add(bvxi_wide_mul(b, c * q + s), bvxi_wide_mul(t, 1)), b, c, limit);
+        got = bvxi_wide_floor_div_scaled(bvxi_wide_add(bvxi_wide_mul(b, c * q + s), bvxi_wide_mul(t, 1)), b,
+                                         c, limit);
         if (got != q) TEST_FAIL_MESSAGE("not the floor of a division of 128 bits");
     }
     for (int64_t k = 2; k < 1000; k++) { /* beyond the limits */
         int64_t const limit = (int64_t)1 << 32, b = INT64_MAX / k;
-        TEST_ASSERT_EQUAL_INT64(limit, bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, 16 * (limit + k)), b, 16, limit));
-        TEST_ASSERT_EQUAL_INT64(-limit, bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, -16 * (limit + k)), b, 16, limit));
+        TEST_ASSERT_EQUAL_INT64(limit,
+                                bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, 16 * (limit + k)), b, 16, limit));
+        TEST_ASSERT_EQUAL_INT64(
+            -limit, bvxi_wide_floor_div_scaled(bvxi_wide_mul(b, -16 * (limit + k)), b, 16, limit));
     }
 }
 
@@ -543,23 +599,50 @@ static void test_wide_floor_division_finds_the_multiple_below(void)
 
 static void test_round_half_up_is_floor_of_value_plus_half(void)
 {
-    static const double ends[] = {0, 0.5, -0.5, 0.25, -0.25, 0.75, -0.75, 1, -1, 1.5, -1.5, 2.5, -2.5, 1073741823.0, -1073741823.0,
-        1073741823.25, 1073741822.5, -1073741822.5, -1073741823.25, -1073741823.5, 0.49999999999999994, -0.49999999999999994,
-        4503599627370497.0 / 8388608.0, 1e-300, -1e-300};
+    static const double ends[] = {0,
+                                  0.5,
+                                  -0.5,
+                                  0.25,
+                                  -0.25,
+                                  0.75,
+                                  -0.75,
+                                  1,
+                                  -1,
+                                  1.5,
+                                  -1.5,
+                                  2.5,
+                                  -2.5,
+                                  1073741823.0,
+                                  -1073741823.0,
+                                  1073741823.25,
+                                  1073741822.5,
+                                  -1073741822.5,
+                                  -1073741823.25,
+                                  -1073741823.5,
+                                  0.49999999999999994,
+                                  -0.49999999999999994,
+                                  4503599627370497.0 / 8388608.0,
+                                  1e-300,
+                                  -1e-300};
+
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
         TEST_ASSERT_EQUAL_INT32((int32_t)floor(ends[i] + 0.5), bvxi_round_half_up(ends[i]));
     for (int i = 0; i < 200000; i++) {
-        double const v = maker_between(&seed, i % 2 ? -8 : -1073741823, i % 2 ? 8 : 1073741823, i % 3 ? 2 : 1024);
-        if (floor(v + 0.5) != bvxi_round_half_up(v)) TEST_FAIL_MESSAGE("rounded otherwise than floor(v + 1/2)");
+        double const v = maker_between(&seed, i % 2 ? -8 : -1073741823, i % 2 ? 8 : 1073741823,
+                                       i % 3 ? 2 : 1024);
+        if (floor(v + 0.5) != bvxi_round_half_up(v))
+            TEST_FAIL_MESSAGE("rounded otherwise than floor(v + 1/2)");
     }
 }
 
 static void test_floor_shift_rounds_down(void)
 {
-    static const int32_t ends[] = {0, 1, -1, 2, -2, INT32_MAX, INT32_MIN, INT32_MIN + 1, 65535, 65536, -65535, -65536, -65537};
+    static const int32_t ends[] = {0,     1,     -1,     2,      -2,    INT32_MAX, INT32_MIN, INT32_MIN + 1,
+                                   65535, 65536, -65535, -65536, -65537};
     for (int32_t shift = 0; shift < 31; shift++)
         for (size_t i = 0; i < sizeof ends / sizeof ends[0] + 1000; i++) {
-            int32_t const v = i < sizeof ends / sizeof ends[0] ? ends[i] : (int32_t)(maker_random(&seed) >> 32);
+            int32_t const v = i < sizeof ends / sizeof ends[0] ? ends[i]
+                                                               : (int32_t)(maker_random(&seed) >> 32);
             TEST_ASSERT_EQUAL_INT32((int32_t)floor(v / (double)(1 << shift)), bvxi_floor_shift(v, shift));
         }
 }
@@ -570,9 +653,13 @@ static void test_centres_below_counts_them(void)
     for (int32_t f = 4; f <= 16; f++) {
         int64_t const step = INT64_C(1) << f, half = step / 2;
         for (int i = 0; i < 4000; i++) {
-            int64_t const near_centre = (int64_t)(maker_below(&seed, 2000) - 1000) * step + half + maker_below(&seed, 5) - 2;
+            int64_t const near_centre = (int64_t)(maker_below(&seed, 2000) - 1000) * step + half +
+                                        maker_below(&seed, 5) - 2;
             int64_t const anywhere = (int64_t)(maker_random(&seed) >> 33) - (INT64_C(1) << 30);
-            int64_t const q = i == 0 ? (INT64_C(1) << 30) - 1 : i == 1 ? 1 - (INT64_C(1) << 30) : i % 2 ? near_centre : anywhere;
+            int64_t const q = i == 0   ? (INT64_C(1) << 30) - 1
+                              : i == 1 ? 1 - (INT64_C(1) << 30)
+                              : i % 2  ? near_centre
+                                       : anywhere;
             int32_t const n = bvxi_centres_below((int32_t)q, f);
             TEST_ASSERT_TRUE(n * step + half >= q);
             TEST_ASSERT_TRUE((n - 1) * step + half < q);
@@ -582,7 +669,8 @@ static void test_centres_below_counts_them(void)
 
 static void test_fraction_bits_formula(void)
 {
-    for (int32_t n = 1; n <= 1 << 25; n = n < 70000 ? n + 1 : n + 977) TEST_ASSERT_EQUAL_INT32(plain_fraction_bits(n), bvxi_fraction_bits(n));
+    for (int32_t n = 1; n <= 1 << 25; n = n < 70000 ? n + 1 : n + 977)
+        TEST_ASSERT_EQUAL_INT32(plain_fraction_bits(n), bvxi_fraction_bits(n));
     TEST_ASSERT_EQUAL_INT32(4, bvxi_fraction_bits(1 << 25));
     TEST_ASSERT_EQUAL_INT32(16, bvxi_fraction_bits(1 << 13));
     TEST_ASSERT_EQUAL_INT32(15, bvxi_fraction_bits((1 << 13) + 1));

@@ -1,5 +1,5 @@
-/* test_level_memory.c - bvx_build_levels takes what the header states, and lowers the lattice that it plans where a memory limit asks
- * for it. */
+/* test_level_memory.c - bvx_build_levels takes what the header states, and
+ * lowers the lattice that it plans where a memory limit asks for it. */
 #include "levels_support.h"
 
 static bvx_levels_report found;
@@ -10,7 +10,9 @@ static double stated_bytes(uint64_t triangles, uint64_t grid_bytes)
 {
     double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
     double const measuring = 200 * n + 30 * s + 5 * g, collapsing = 12 * n + 170 * s;
-    double const most = found.source == BVX_LEVELS_MESH ? 175 * n : measuring > collapsing ? measuring : collapsing;
+    double const most = found.source == BVX_LEVELS_MESH ? 175 * n
+                        : measuring > collapsing        ? measuring
+                                                        : collapsing;
     return most + 24 * (double)found.before.boundary_edges + 400e3 + (found.triangles > 20000 ? 1.3e6 : 0);
 }
 
@@ -48,14 +50,17 @@ static double share_of_stated(const char *name, const bvx_mesh_view *view, const
 {
     uint64_t before;
     double share;
+
     drop_levels();
     before = bvx_memory_used(ctx);
     bvx_memory_reset_peak(ctx);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, view, o, 1, level), bvx_last_message(ctx));
     share = (double)(bvx_memory_peak(ctx) - before) /
-            stated_bytes(view->triangle_count, found.source == BVX_LEVELS_MESH ? 0 : 8 * bvx_grid_bound(&found.repair.lattice, NULL));
-    snprintf(where, sizeof where, "%s at %d: %.3f of what is stated, for %d triangles and %d of the surface", name, (int)o->resolution, share,
-             (int)view->triangle_count, (int)found.triangles);
+            stated_bytes(view->triangle_count, found.source == BVX_LEVELS_MESH
+                                                   ? 0
+                                                   : 8 * bvx_grid_bound(&found.repair.lattice, NULL));
+    snprintf(where, sizeof where, "%s at %d: %.3f of what is stated, for %d triangles and %d of the surface",
+             name, (int)o->resolution, share, (int)view->triangle_count, (int)found.triangles);
     TEST_ASSERT_TRUE_MESSAGE(share <= 1, where);
     return share;
 }
@@ -64,6 +69,7 @@ static void test_memory_is_as_the_header_says(void)
 {
     static const int32_t resolutions[3] = {64, 128, 256};
     double largest = 0;
+
     for (int r = 0; r < (quick ? 1 : 3); r++)
         for (int way = 0; way < 5; way++) {
             static const char *const name[5] = {"small", "large", "with holes", "half", "with sharp edges"};
@@ -86,6 +92,7 @@ static void test_memory_of_triangles_without_indices(void)
 {
     bvx_levels_options const o = options_at(64);
     bvx_mesh_view view = {.position_type = BVX_F32};
+
     make_star(200, 200);
     TEST_ASSERT_TRUE(9 * mesh.triangles <= sizeof corners / sizeof *corners);
     for (size_t i = 0; i < 9 * mesh.triangles; i++) corners[i] = (float)mesh.p[3 * mesh.t[i / 3] + i % 3];
@@ -99,6 +106,7 @@ static void test_memory_of_meshes_as_they_are(void)
 {
     bvx_levels_options o = options_at(0);
     bvx_mesh_view view;
+
     make_star(200, 200);
     view = maker_view(&mesh);
     TEST_ASSERT_TRUE_MESSAGE(share_of_stated("as it is", &view, &o) > 0.8, where);
@@ -119,13 +127,15 @@ static bvx_status build_within(uint64_t limit, const bvx_levels_options *o, bvx_
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_context_options c;
     bvx_status status;
+
     bvx_context_options_init(&c, sizeof c);
     c.threads = 1;
     c.memory_limit = limit;
     memset(&found, 0, sizeof found);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &limited));
     status = bvx_build_levels(limited, &view, o, 1, made);
-    snprintf(where, sizeof where, "limit %d: %s", (int)limit, status != BVX_OK ? bvx_last_message(limited) : "done");
+    snprintf(where, sizeof where, "limit %d: %s", (int)limit,
+             status != BVX_OK ? bvx_last_message(limited) : "done");
     *peak = bvx_memory_peak(limited);
     if (status == BVX_OK) return status;
     TEST_ASSERT_NULL_MESSAGE(made->positions, where);
@@ -158,7 +168,8 @@ static void test_limits_lower_the_lattice(void)
         bvx_levels_options same = options_at(0);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(limit, &o, &made, &peak), where);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(planned, found.planned_resolution, where);
-        TEST_ASSERT_TRUE_MESSAGE(peak <= limit && found.resolution <= before && found.resolution >= 32, where);
+        TEST_ASSERT_TRUE_MESSAGE(peak <= limit && found.resolution <= before && found.resolution >= 32,
+                                 where);
         TEST_ASSERT_TRUE_MESSAGE((limit == all) == (found.resolution == planned), where);
         before = found.resolution;
 
@@ -183,6 +194,7 @@ static void test_limits_that_cannot_be_kept(void)
     bvx_levels_options o = options_at(200);
     bvx_mesh made = {0};
     uint64_t peak;
+
     make_star(60, 60);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(8000000, &o, &made, &peak), where);
     o.resolution = 0;
@@ -206,6 +218,7 @@ static void assert_named_limit_suffices(const bvx_levels_options *o)
 {
     bvx_mesh made = {0};
     uint64_t peak, named;
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(200000, o, &made, &peak), where);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "memory limit of 200000 bytes is too small for"), where);
     named = named_limit();
@@ -219,6 +232,7 @@ static void test_limits_name_what_suffices(void)
 {
     static const double error = 0.01;
     bvx_levels_options o = options_at(0);
+
     make_star(60, 60);
     assert_named_limit_suffices(&o); /* neither the mesh nor its surface fits */
     o.source = BVX_LEVELS_MESH;

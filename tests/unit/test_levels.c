@@ -1,5 +1,5 @@
-/* test_levels.c - bvx_build_levels and bvx_plan_levels: sound meshes as they are, all others measured; every level closed, manifold and
- * without crossing triangles, whatever the input. */
+/* test_levels.c - bvx_build_levels and bvx_plan_levels: sound meshes as they are, all others measured; every
+ * level closed, manifold and without crossing triangles, whatever the input. */
 #include "tools/defect_maker.h"
 
 #include "levels_support.h"
@@ -20,17 +20,21 @@ static void build(const bvx_levels_options *o, uint64_t count)
     bvx_mesh_view const view = maker_view(&mesh);
     drop_levels();
     memset(&found, 0x55, sizeof found);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, o, count, level), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, o, count, level),
+                                    bvx_last_message(ctx));
 }
 
 /* Levels of a surface of that many handles and pieces; -1 pieces: any, since nobody knows. */
-static void check_levels(const char *name, const uint64_t *targets, uint64_t count, int64_t euler, int64_t components)
+static void check_levels(const char *name, const uint64_t *targets, uint64_t count, int64_t euler,
+                         int64_t components)
 {
     for (uint64_t i = 0; i < count; i++) {
         bvx_certificate const c = certificate_of(&level[i]), first = certificate_of(&level[0]);
-        snprintf(where, sizeof where, "%s, level %d: %lu triangles of %lu, %lu crumbs, %lu pieces", name, (int)i, (unsigned long)level[i].triangle_count,
-                 (unsigned long)found.triangles, (unsigned long)found.crumbs, (unsigned long)c.components);
-        assert_whole(&level[i], components < 0 ? first.euler : euler, components < 0 ? first.components : (uint64_t)components);
+        snprintf(where, sizeof where, "%s, level %d: %lu triangles of %lu, %lu crumbs, %lu pieces", name,
+                 (int)i, (unsigned long)level[i].triangle_count, (unsigned long)found.triangles,
+                 (unsigned long)found.crumbs, (unsigned long)c.components);
+        assert_whole(&level[i], components < 0 ? first.euler : euler,
+                     components < 0 ? first.components : (uint64_t)components);
         assert_no_crossings(&level[i]);
         assert_report(&report[i], &level[i]);
         TEST_ASSERT_EQUAL_UINT64_MESSAGE(targets[i], report[i].target, where);
@@ -57,7 +61,8 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
             o.position_type = BVX_F64;
             o.source = source;
             build(&o, 2);
-            check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler, (int64_t)level_shapes[n].components);
+            check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler,
+                         (int64_t)level_shapes[n].components);
             TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MESH, found.source, where);
             TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, found.triangles, where);
             TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found.crossings + found.crumbs, where);
@@ -76,8 +81,18 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
 
 /* ---- Meshes that are not ---- */
 
-enum { SPOILT_FLIPPED, SPOILT_OPEN, SPOILT_DOUBLED, SPOILT_OVERLAPPING, SPOILT_TOUCHING, SPOILT_SOUP, SPOILT_FLAT, SPOILT_WAYS };
-static const char *const spoilt_names[SPOILT_WAYS] = {"flipped", "open", "doubled", "overlapping", "touching", "soup", "with a flat triangle"};
+enum {
+    SPOILT_FLIPPED,
+    SPOILT_OPEN,
+    SPOILT_DOUBLED,
+    SPOILT_OVERLAPPING,
+    SPOILT_TOUCHING,
+    SPOILT_SOUP,
+    SPOILT_FLAT,
+    SPOILT_WAYS
+};
+static const char *const spoilt_names[SPOILT_WAYS] = {
+    "flipped", "open", "doubled", "overlapping", "touching", "soup", "with a flat triangle"};
 
 /* Thin, so that few voxels of the 256 along the longest axis are near it. */
 static void squeeze(void)
@@ -89,6 +104,7 @@ static void squeeze(void)
 static void spoil(int way)
 {
     static const double low[3] = {5, 5, 5}, high[3] = {11, 11, 11};
+
     make_shape(shape_named("sphere"));
     switch (way) {
     case SPOILT_FLIPPED: maker_flip(&mesh, 100, 300); break;
@@ -120,9 +136,7 @@ static void spoil(int way)
         maker_triangle(&mesh, a, b, v);
         break;
     }
-    default:
-        maker_clear(&mesh);
-        maker_soup(&mesh, &seed, 40, low, high, 1024);
+    default: maker_clear(&mesh); maker_soup(&mesh, &seed, 40, low, high, 1024);
     }
     squeeze();
 }
@@ -141,9 +155,11 @@ static void test_what_is_not_sound_is_measured(void)
         build(&o, 3);
         check_levels(spoilt_names[way], targets, 3, 2, way == SPOILT_SOUP ? -1 : 1);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
-        TEST_ASSERT_EQUAL_INT_MESSAGE(way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING, found.crossings != 0, where);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING,
+                                      found.crossings != 0, where);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_plan_levels(ctx, &view, &o, 3, &resolution));
-        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= resolution + 16, where);
+        for (int a = 0; a < 3; a++)
+            TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= resolution + 16, where);
         TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[0] >= resolution / 2, where);
         TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
         if (way == SPOILT_OPEN || way == SPOILT_FLIPPED || way == SPOILT_DOUBLED || way == SPOILT_FLAT) {
@@ -152,7 +168,8 @@ static void test_what_is_not_sound_is_measured(void)
             squeeze();
             view = maker_view(&mesh);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &whole));
-            TEST_ASSERT_TRUE_MESSAGE(fabs(certificate_of(&level[0]).volume - whole.volume) < 0.03 * whole.volume, where);
+            TEST_ASSERT_TRUE_MESSAGE(
+                fabs(certificate_of(&level[0]).volume - whole.volume) < 0.03 * whole.volume, where);
         }
     }
 }
@@ -195,6 +212,7 @@ static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
     bvx_levels_options o = defaults();
     bvx_distance_report d;
     bvx_mesh_view view, level_view;
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     maker_flip(&mesh, 0, 5);
@@ -203,7 +221,8 @@ static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
     check_levels("turned cube", targets, 2, 2, 1);
     bvx_mesh_view_of(&level[1], &level_view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 4000, 1, &d));
-    snprintf(where, sizeof where, "%lu triangles, at most %g off", (unsigned long)level[1].triangle_count, d.max);
+    snprintf(where, sizeof where, "%lu triangles, at most %g off", (unsigned long)level[1].triangle_count,
+             d.max);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(12, level[1].triangle_count, where);
     TEST_ASSERT_TRUE_MESSAGE(d.max < 0.08, where); /* a hundredth of the side */
 }
@@ -212,6 +231,7 @@ static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
 static void all_defects(int32_t resolution, int32_t sharp)
 {
     defect_shape shape;
+
     memset(&shape, 0, sizeof shape);
     for (int kind = 0; kind < DEFECT_KINDS; kind++)
         for (int32_t which = 0; which < (defect_kinds[kind].any_shape ? DEFECT_SHAPES : 1); which++) {
@@ -227,7 +247,8 @@ static void all_defects(int32_t resolution, int32_t sharp)
             o.sharp = sharp;
             o.target_triangles = targets;
             o.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
-            snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which], defect_kinds[kind].name, (int)resolution, (int)sharp);
+            snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which],
+                     defect_kinds[kind].name, (int)resolution, (int)sharp);
             snprintf(where, sizeof where, "%s", name);
             build(&o, 2);
             check_levels(name, targets, 2, 0, -1);
@@ -236,7 +257,8 @@ static void all_defects(int32_t resolution, int32_t sharp)
             view = maker_view(&mesh);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &before));
             TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.repair.before, sizeof before, where);
-            TEST_ASSERT_EQUAL_UINT64_MESSAGE(o.sharp == 1 ? found.triangles : found.repair.after.triangles, found.triangles, where);
+            TEST_ASSERT_EQUAL_UINT64_MESSAGE(o.sharp == 1 ? found.triangles : found.repair.after.triangles,
+                                             found.triangles, where);
             memset(&mesh, 0, sizeof mesh);
         }
     defect_end(&shape);
@@ -263,6 +285,7 @@ static void test_outer_and_parts_and_cavities(void)
 {
     static const uint64_t target = 600;
     bvx_levels_options o = defaults();
+
     make_shape(shape_named("shell of a cube"));
     level_round(&mesh, &seed, 0.3, 0, 6); /* a speck in the cavity, which is from 5 to 9 */
     maker_shift(&mesh, mesh.vertices - (size_t)(5 * 9 + 2), -1, -1, -1);
@@ -290,6 +313,7 @@ static void test_a_lattice_of_the_callers(void)
     static const uint64_t target = 500;
     bvx_lattice lattice;
     bvx_levels_options o = defaults();
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     make_shape(shape_named("torus"));
     o.lattice = &lattice;
@@ -304,6 +328,7 @@ static void test_a_lattice_of_the_callers(void)
 static void test_types_far_from_the_origin(void)
 {
     static const uint64_t target = 300;
+
     for (int way = 0; way < 2; way++) {
         bvx_levels_options o = defaults();
         bvx_mesh_view view;
@@ -335,6 +360,7 @@ static void test_types_far_from_the_origin(void)
 static void test_errors_are_of_the_input(void)
 {
     static const double errors[2] = {0.05, 0.2};
+
     for (int32_t kind = BVX_ERROR_MEAN; kind <= BVX_ERROR_MAX; kind++) {
         bvx_levels_options o = defaults();
         bvx_mesh_view view;
@@ -351,9 +377,11 @@ static void test_errors_are_of_the_input(void)
             bvx_distance_report d;
             bvx_mesh_view_of(&level[i], &level_view);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 2000, 1, &d));
-            snprintf(where, sizeof where, "kind %d, level %d: %lu triangles, mean %g, maximum %g", (int)kind, i, (unsigned long)level[i].triangle_count, d.mean, d.max);
+            snprintf(where, sizeof where, "kind %d, level %d: %lu triangles, mean %g, maximum %g", (int)kind,
+                     i, (unsigned long)level[i].triangle_count, d.mean, d.max);
             TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&d, &report[i].distance, sizeof d, where);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) <= errors[i], report[i].met, where);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) <= errors[i],
+                                            report[i].met, where);
             TEST_ASSERT_TRUE_MESSAGE(report[i].met, where);
             assert_whole(&level[i], 0, 1);
             assert_no_crossings(&level[i]);
@@ -365,6 +393,7 @@ static void test_errors_are_of_the_input(void)
 static void test_halving_starts_from_the_input(void)
 {
     bvx_levels_options o = defaults();
+
     make_shape(shape_named("cylinder"));
     maker_remove(&mesh, 7);
     o.resolution = 64;
@@ -372,7 +401,8 @@ static void test_halving_starts_from_the_input(void)
     TEST_ASSERT_TRUE(found.triangles > 3 * mesh.triangles);
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_EQUAL_UINT64(mesh.triangles >> (i + 1), report[i].target);
-        TEST_ASSERT_TRUE(report[i].met && level[i].triangle_count <= report[i].target && level[i].triangle_count + 2 > report[i].target);
+        TEST_ASSERT_TRUE(report[i].met && level[i].triangle_count <= report[i].target &&
+                         level[i].triangle_count + 2 > report[i].target);
     }
 }
 
@@ -381,6 +411,7 @@ static void test_strict_refuses_what_cannot_be(void)
     static const uint64_t targets[2] = {200, 5};
     bvx_levels_options o = defaults();
     bvx_mesh_view view;
+
     spoil(SPOILT_OPEN);
     view = maker_view(&mesh);
     o.target_triangles = targets;
@@ -394,7 +425,8 @@ static void test_strict_refuses_what_cannot_be(void)
         }
         o.source = source;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 2, level));
-        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: level 1"), bvx_last_message(ctx));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: level 1"),
+                                     bvx_last_message(ctx));
         for (int i = 0; i < 2; i++) TEST_ASSERT_NULL(level[i].positions);
     }
 }
@@ -402,6 +434,7 @@ static void test_strict_refuses_what_cannot_be(void)
 static void test_threads_do_not_matter(void)
 {
     static const uint64_t targets[2] = {1500, 200};
+
     for (int way = 0; way < 2; way++) {
         bvx_context_options c;
         bvx_context *other;
@@ -437,7 +470,8 @@ static int32_t plan(const bvx_levels_options *o, uint64_t count)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     int32_t resolution = -1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_plan_levels(ctx, &view, o, count, &resolution), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_plan_levels(ctx, &view, o, count, &resolution),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(resolution >= 256 && resolution <= 512);
     return resolution;
 }
@@ -448,6 +482,7 @@ static void test_the_plan(void)
     uint64_t target = 1;
     int32_t before = 0;
     bvx_levels_options o;
+
     make_shape(shape_named("sphere"));
     bvx_levels_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(256, plan(NULL, 3));
@@ -505,6 +540,7 @@ static void test_contradictions(void)
     bvx_lattice lattice;
     bvx_mesh_view view;
     bvx_levels_options o = defaults();
+
     make_shape(shape_named("cube"));
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 20, &lattice));
@@ -538,7 +574,8 @@ static void test_contradictions(void)
     o.resolution = 50;
     {
         bvx_status const status = bvx_build_levels(ctx, &view, &o, 1, level);
-        snprintf(where, sizeof where, "a lattice and a resolution: status %d, %s", (int)status, bvx_last_message(ctx));
+        snprintf(where, sizeof where, "a lattice and a resolution: status %d, %s", (int)status,
+                 bvx_last_message(ctx));
         if (status == BVX_OK) drop_levels();
         TEST_ASSERT_TRUE_MESSAGE(status == BVX_ERR_ARGUMENT || status == BVX_OK, where);
     }
@@ -547,6 +584,7 @@ static void test_contradictions(void)
 static void test_meshes_of_nothing(void)
 {
     bvx_levels_options o = defaults();
+
     maker_vertex(&mesh, 1, 2, 3);
     maker_vertex(&mesh, 2, 3, 4);
     maker_vertex(&mesh, 3, 4, 5);
@@ -576,7 +614,8 @@ static bvx_mesh_view spiky_ball(uint64_t number)
 }
 
 /* A level of the surface that repair makes: its distance, and what it was made from. */
-static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_t target, bvx_repair_report *r)
+static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_t target,
+                                bvx_repair_report *r)
 {
     bvx_repair_options o;
     bvx_simplify_options s;
@@ -600,7 +639,8 @@ static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_
     return d.mean;
 }
 
-/* Where thin walls, once kept, make handles, and there are fewer without them, they are not kept; else they are. */
+/* Where thin walls, once kept, make handles, and there are fewer without
+ * them, they are not kept; else they are. */
 static void test_thin_walls_do_not_make_handles(void)
 {
     static const uint64_t number[6] = {16, 24, 32, 40, 48, 8}, target = 150;
@@ -623,12 +663,17 @@ static void test_thin_walls_do_not_make_handles(void)
         o.report = &found;
         o.reports = report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level));
-        snprintf(where, sizeof where, "ball %d: Euler number %d with thin walls, %d without, %d here, off by %.4f, %.4f with", (int)number[i],
-                 (int)kept.after.euler, (int)lost.after.euler, (int)report[0].certificate.euler, report[0].distance.mean, with);
-        left += is_left = kept.after.euler < lost.after.euler && kept.after.area - lost.after.area < 0.01 * kept.after.area;
+        snprintf(where, sizeof where,
+                 "ball %d: Euler number %d with thin walls, %d without, %d here, off by %.4f, %.4f with",
+                 (int)number[i], (int)kept.after.euler, (int)lost.after.euler,
+                 (int)report[0].certificate.euler, report[0].distance.mean, with);
+        left += is_left = kept.after.euler < lost.after.euler &&
+                          kept.after.area - lost.after.area < 0.01 * kept.after.area;
         TEST_ASSERT_EQUAL_INT_MESSAGE(!is_left, found.repair.thin_kept, where);
-        TEST_ASSERT_EQUAL_INT64_MESSAGE(is_left ? lost.after.euler : kept.after.euler, report[0].certificate.euler, where);
-        TEST_ASSERT_TRUE_MESSAGE(is_left ? report[0].distance.mean < 0.9 * with : report[0].distance.mean == with, where);
+        TEST_ASSERT_EQUAL_INT64_MESSAGE(is_left ? lost.after.euler : kept.after.euler,
+                                        report[0].certificate.euler, where);
+        TEST_ASSERT_TRUE_MESSAGE(
+            is_left ? report[0].distance.mean < 0.9 * with : report[0].distance.mean == with, where);
     }
     TEST_ASSERT_TRUE(left >= 3 && left < 6);
 }

@@ -1,11 +1,11 @@
-/* test_lod.c - levels of detail against exact references, on solids whose place is known, and in every way to fail.
- * BVX_QUICK in the environment makes it shorter, for slow machines. */
+/* test_lod.c - levels of detail against exact references, on solids whose place is known, and in every way to
+ * fail. BVX_QUICK in the environment makes it shorter, for slow machines. */
 #include "lod_oracle.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
 
-#define PI 3.14159265358979323846
+#define PI       3.14159265358979323846
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 enum { MAX_LEVELS = 8 };
@@ -21,6 +21,7 @@ static int quick;
 void setUp(void)
 {
     bvx_context_options one;
+
     bvx_context_options_init(&one, sizeof one);
     one.threads = 1; /* others have their test below */
     seed = 1;
@@ -48,7 +49,8 @@ void tearDown(void)
 /* ---- grids ---- */
 
 /* A window of x, y, z voxels whose low corner is voxel (low, low, low) of a lattice a little larger. */
-static void make_grid(int32_t x, int32_t y, int32_t z, int32_t low, const double origin[3], const double spacing[3])
+static void make_grid(int32_t x, int32_t y, int32_t z, int32_t low, const double origin[3],
+                      const double spacing[3])
 {
     int32_t const dims[3] = {x + 2 * low, y + 2 * low, z + 2 * low};
     bvx_window const window = {{low, low, low}, {x, y, z}};
@@ -64,14 +66,16 @@ static void make_unit_grid(int32_t x, int32_t y, int32_t z)
     make_grid(x, y, z, 0, origin, spacing);
 }
 
-/* Voxels set with a probability of percent / 100 in blocks of block voxels, so that boxes are full, empty and mixed. */
+/* Voxels set with a probability of percent / 100 in blocks of block voxels,
+ * so that boxes are full, empty and mixed. */
 static void scatter(int32_t percent, int32_t block)
 {
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
             for (int32_t x = 0; x < grid.size[0]; x++) {
-                uint64_t s = (uint64_t)(x / block + 1) * UINT64_C(0x9E3779B97F4A7C15) ^ (uint64_t)(y / block + 1) << 40 ^
-                             (uint64_t)(z / block + 1) << 20 ^ (uint64_t)(percent + 101 * block);
+                uint64_t s = (uint64_t)(x / block + 1) * UINT64_C(0x9E3779B97F4A7C15) ^
+                             (uint64_t)(y / block + 1) << 40 ^ (uint64_t)(z / block + 1) << 20 ^
+                             (uint64_t)(percent + 101 * block);
                 maker_random(&s);
                 bvx_grid_set(&grid, x, y, z, maker_below(&s, 100) < percent);
             }
@@ -91,7 +95,8 @@ static void set_ball(const double centre[3], double radius)
         for (int32_t y = 0; y < grid.size[1]; y++)
             for (int32_t x = 0; x < grid.size[0]; x++) {
                 double const d[3] = {x + 0.5 - centre[0], y + 0.5 - centre[1], z + 0.5 - centre[2]};
-                if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < radius * radius) bvx_grid_set(&grid, x, y, z, 1);
+                if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < radius * radius)
+                    bvx_grid_set(&grid, x, y, z, 1);
             }
 }
 
@@ -112,9 +117,9 @@ static const char *what_runs(void)
 {
     static char text[200];
     snprintf(text, sizeof text, "%s %dx%dx%d at %g %g %g, threshold %g, edge_samples %d",
-             options.method == BVX_LOD_COVERAGE ? "coverage" : "edge ratio", (int)grid.size[0], (int)grid.size[1],
-             (int)grid.size[2], report[0].ratio[0], report[0].ratio[1], report[0].ratio[2], options.threshold,
-             (int)options.edge_samples);
+             options.method == BVX_LOD_COVERAGE ? "coverage" : "edge ratio", (int)grid.size[0],
+             (int)grid.size[1], (int)grid.size[2], report[0].ratio[0], report[0].ratio[1], report[0].ratio[2],
+             options.threshold, (int)options.edge_samples);
     return text;
 }
 
@@ -127,13 +132,15 @@ static void same_triangles(const oracle *o, const bvx_mesh *mesh)
     bvx_mesh plain = {0};
     bvx_extract_options e;
     int32_t i[3];
+
     bvx_extract_options_init(&e, sizeof e);
     e.face_rule = options.face_rule;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, o->count, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &coarse));
     for (i[2] = 0; i[2] < o->count[2]; i[2]++)
         for (i[1] = 0; i[1] < o->count[1]; i[1]++)
-            for (i[0] = 0; i[0] < o->count[0]; i[0]++) bvx_grid_set(&coarse, i[0], i[1], i[2], *oracle_at(o, i));
+            for (i[0] = 0; i[0] < o->count[0]; i[0]++)
+                bvx_grid_set(&coarse, i[0], i[1], i[2], *oracle_at(o, i));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &coarse, &e, &plain));
     TEST_ASSERT_EQUAL_UINT64(plain.triangle_count, mesh->triangle_count);
     if (mesh->triangle_count != 0)
@@ -142,12 +149,14 @@ static void same_triangles(const oracle *o, const bvx_mesh *mesh)
     bvx_grid_free(ctx, &coarse);
 }
 
-/* One level of the grid as it is, by the options as they are, in f64. Returns whether anything was left of the solid. */
+/* One level of the grid as it is, by the options as they are, in f64.
+ * Returns whether anything was left of the solid. */
 static int check_level(const int32_t n[3], const int32_t r[3])
 {
     oracle o;
     bvx_status status;
     int64_t wrong;
+
     options.position_type = BVX_F64;
     oracle_open(&o, &grid, &options, n, r);
     status = build(1);
@@ -203,19 +212,25 @@ static void random_grids(int32_t method, int32_t rounds)
     static const int32_t sides[] = {1, 2, 63, 64, 65, 127, 128, 129};
     static const int32_t samples[] = {0, 1, 2, 5};
     int32_t kept = 0;
+
     if (quick) rounds /= 4;
     for (int32_t i = 0; i < rounds; i++) {
         int32_t const x = sides[i % (int32_t)COUNT(sides)], flat = maker_below(&seed, 4);
-        int32_t const y = flat == 1 ? 1 : 1 + maker_below(&seed, 12), z = flat == 2 ? 1 : 1 + maker_below(&seed, 12);
+        int32_t const y = flat == 1 ? 1 : 1 + maker_below(&seed, 12);
+        int32_t const z = flat == 2 ? 1 : 1 + maker_below(&seed, 12);
         int32_t const longest = x > y ? (x > z ? x : z) : (y > z ? y : z);
         make_grid(x, y, z, maker_below(&seed, 3) == 0 ? 5 : 0, odd_origin, odd_spacing);
         scatter(20 + maker_below(&seed, 60), 1 + maker_below(&seed, 8));
         options.method = method;
         options.face_rule = maker_below(&seed, 2);
         options.threshold = thresholds[maker_below(&seed, (int32_t)COUNT(thresholds))];
-        options.edge_samples = method == BVX_LOD_EDGE_RATIO ? samples[maker_below(&seed, (int32_t)COUNT(samples))] : 0;
+        options.edge_samples = method == BVX_LOD_EDGE_RATIO
+                                   ? samples[maker_below(&seed, (int32_t)COUNT(samples))]
+                                   : 0;
         if (i % 3 != 2) kept += check_common(longest / 20 + 1 + maker_below(&seed, longest - longest / 20));
-        else kept += check_axes(1 + maker_below(&seed, x), 1 + maker_below(&seed, y), 1 + maker_below(&seed, z));
+        else
+            kept += check_axes(1 + maker_below(&seed, x), 1 + maker_below(&seed, y),
+                               1 + maker_below(&seed, z));
     }
     TEST_ASSERT_GREATER_THAN_INT32(rounds / 2, kept);
 }
@@ -233,8 +248,9 @@ static void test_coverage_equals_the_reference_on_random_grids(void)
 /* The ratio itself, whole and not, along each axis as the longest; 130 = 2 * 5 * 13, 63 = 7 * 9. */
 static void named_ratios(int32_t method)
 {
-    static const int32_t n_r[][2] = {{63, 27}, {65, 25}, {63, 63}, {64, 32}, {64, 43}, {65, 13}, {129, 43}, {128, 8},
-                                     {129, 7}, {127, 11}, {60, 3}, {128, 127}, {65, 64}};
+    static const int32_t n_r[][2] = {{63, 27}, {65, 25}, {63, 63},  {64, 32}, {64, 43},   {65, 13}, {129, 43},
+                                     {128, 8}, {129, 7}, {127, 11}, {60, 3},  {128, 127}, {65, 64}};
+
     options.method = method;
     for (size_t i = 0; i < COUNT(n_r); i++) {
         if (quick && i % 4 != 0) continue;
@@ -265,7 +281,8 @@ static void test_inside_means_above_the_threshold(void)
     for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++)
         for (int32_t eighth = 0; eighth <= 8; eighth++) {
             make_unit_grid(6, 6, 6);
-            for (int32_t v = 0; v < eighth; v++) bvx_grid_set(&grid, 2 + (v & 1), 2 + (v >> 1 & 1), 2 + (v >> 2), 1);
+            for (int32_t v = 0; v < eighth; v++)
+                bvx_grid_set(&grid, 2 + (v & 1), 2 + (v >> 1 & 1), 2 + (v >> 2), 1);
             options.method = method;
             options.threshold = eighth / 8.0;
             if (eighth > 0 && eighth < 8) TEST_ASSERT_FALSE(check_common(3)); /* equal is not above */
@@ -278,6 +295,7 @@ static void test_inside_means_above_the_threshold(void)
 static void test_threshold_is_kept_in_steps(void)
 {
     static const double given[] = {1e-9, 1.0 - 1e-12, 0.3, 0.3 + 0.4 / 65536};
+
     make_unit_grid(40, 9, 9);
     scatter(50, 2);
     for (size_t i = 0; i < COUNT(given); i++) {
@@ -292,6 +310,7 @@ static void test_threshold_is_kept_in_steps(void)
 static void test_edge_samples_of_any_number(void)
 {
     static const int32_t samples[] = {1, 2, 3, 5, 64, 1000};
+
     make_unit_grid(33, 9, 8);
     scatter(50, 2);
     for (size_t i = 0; i < COUNT(samples); i++) {
@@ -303,16 +322,19 @@ static void test_edge_samples_of_any_number(void)
     must_build(1);
 }
 
-/* Rows of more than 64 words, boxes of more than 64 and more than 4096 voxels: beyond what a row is seen at a time. */
+/* Rows of more than 64 words, boxes of more than 64 and more than 4096
+ * voxels: beyond what a row is seen at a time. */
 static void test_coverage_of_long_rows_and_wide_boxes(void)
 {
     static const int32_t x[] = {5000, 2143, 129, 71, 16, 7, 2, 1};
     int32_t kept = 0;
+
     options.method = BVX_LOD_COVERAGE;
     for (size_t i = 0; i < COUNT(x); i += quick ? 3 : 1)
         for (int32_t part = 0; part < 3; part++) {
             make_unit_grid(part == 1 ? 9000 : 5000, 3, 2);
-            if (part == 2) set_box((const int32_t[]){4200, 0, 0}, (const int32_t[]){5000, 3, 2}); /* the last words alone */
+            /* the last words alone */
+            if (part == 2) set_box((const int32_t[]){4200, 0, 0}, (const int32_t[]){5000, 3, 2});
             else scatter(60, part == 0 ? 3 : 700);
             options.threshold = part == 2 ? 0.1 : 0.5;
             kept += check_axes(x[i], 1 + maker_below(&seed, 3), 1 + maker_below(&seed, 2));
@@ -323,8 +345,10 @@ static void test_coverage_of_long_rows_and_wide_boxes(void)
 static void test_coverage_of_a_wide_box_that_stands_out_of_the_grid(void)
 {
     int32_t const one = 1;
+
     make_unit_grid(5000, 5001, 1);
-    set_box((const int32_t[]){4100, 0, 0}, (const int32_t[]){5000, 5001, 1}); /* 3.6e-5 of a box 5001 voxels wide */
+    /* 3.6e-5 of a box 5001 voxels wide */
+    set_box((const int32_t[]){4100, 0, 0}, (const int32_t[]){5000, 5001, 1});
     options.method = BVX_LOD_COVERAGE;
     options.threshold = 1.0 / 65536;
     options.resolutions = &one;
@@ -332,11 +356,12 @@ static void test_coverage_of_a_wide_box_that_stands_out_of_the_grid(void)
     TEST_ASSERT_EQUAL_UINT64(8, level[0].triangle_count);
 }
 
-/* The longest grids: one ratio for all axes needs more than 63 bits for the weights and is refused, each axis by its own
- * does not. */
+/* The longest grids: one ratio for all axes needs more than 63 bits for the
+ * weights and is refused, each axis by its own does not. */
 static void test_longest_grids(void)
 {
     static const int32_t common[] = {1 << 20, (1 << 20) - 1}, axes[] = {1 << 20, 1, 1};
+
     make_unit_grid(1 << 20, 1, 1);
     for (int32_t x = 0; x < 1 << 20; x += 64) bvx_grid_set(&grid, x, 0, 0, 1);
     options.position_type = BVX_F64;
@@ -366,6 +391,7 @@ static void test_own_resolution_is_the_surface_itself(void)
 {
     int32_t const own = 65;
     bvx_mesh plain = {0};
+
     make_unit_grid(65, 20, 30);
     scatter(45, 2);
     options.resolutions = &own;
@@ -375,10 +401,12 @@ static void test_own_resolution_is_the_surface_itself(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &grid, NULL, &plain));
         TEST_ASSERT_EQUAL_UINT64(plain.triangle_count, level[0].triangle_count);
         TEST_ASSERT_EQUAL_UINT64(plain.vertex_count, level[0].vertex_count);
-        TEST_ASSERT_EQUAL_INT(0, memcmp(plain.triangles, level[0].triangles, (size_t)plain.triangle_count * 12));
+        TEST_ASSERT_EQUAL_INT(0,
+                              memcmp(plain.triangles, level[0].triangles, (size_t)plain.triangle_count * 12));
         if (method == BVX_LOD_COVERAGE) /* 0 and 1 cross one half in the middle, to 2^-32 */
             for (uint64_t i = 0; i < 3 * plain.vertex_count; i++)
-                TEST_ASSERT_FLOAT_WITHIN(1e-5f, ((float *)plain.positions)[i], ((float *)level[0].positions)[i]);
+                TEST_ASSERT_FLOAT_WITHIN(1e-5f, ((float *)plain.positions)[i],
+                                         ((float *)level[0].positions)[i]);
         bvx_mesh_free(ctx, &plain);
         free_levels();
     }
@@ -391,11 +419,15 @@ static double measure(const bvx_mesh *m, double centroid[3])
 {
     const double *const p = m->positions;
     double volume = 0.0;
+
     memset(centroid, 0, 3 * sizeof *centroid);
     for (uint64_t t = 0; t < m->triangle_count; t++) {
-        const double *const a = p + 3 * (size_t)m->triangles[3 * t], *const b = p + 3 * (size_t)m->triangles[3 * t + 1];
+        const double *const a = p + 3 * (size_t)m->triangles[3 * t];
+        const double *const b = p + 3 * (size_t)m->triangles[3 * t + 1];
         const double *const c = p + 3 * (size_t)m->triangles[3 * t + 2];
-        double const v = (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
+        double const v = (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                          a[2] * (b[0] * c[1] - b[1] * c[0])) /
+                         6;
         volume += v;
         for (int k = 0; k < 3; k++) centroid[k] += v * (a[k] + b[k] + c[k]) / 4;
     }
@@ -403,24 +435,28 @@ static double measure(const bvx_mesh *m, double centroid[3])
     return volume;
 }
 
-/* How far a vertex may sit from a place where the solid's surface crosses its edge squarely, in voxels: the most by which linear
- * positions miss a plane, (3 - 2 sqrt 2) / 2 of a step, or for coverage of a sample. Ends of edges keep 1/128. */
+/* How far a vertex may sit from a place where the solid's surface crosses its
+ * edge squarely, in voxels: the most by which linear positions miss a plane, (3 -
+ * 2 sqrt 2) / 2 of a step, or for coverage of a sample. Ends of edges keep 1/128. */
 static double place_error(int32_t method, double h)
 {
     return 0.0858 * (method == BVX_LOD_EDGE_RATIO ? h / ceil(h - 1e-9) : h);
 }
 
-/* A ball of radius R at samples h apart. Vertices lie near it and chords inside it: a triangle in a cell, edges a b c, lies
- * (aa + bb + cc) / 24R below a sphere on average, at most 6 h h / 24 R for most, and the box of a coverage sample blurs the ball
- * by as much as h h / 12 R more. So the volume lacks about (h / R)^2, and 1.1 of it is allowed. Beyond that, a shell is allowed
- * that stands for placement: 0.05 voxels inwards (what is exactly at the threshold is
- * outside), 0.02 outwards. Half a voxel of shrinking, or samples placed at stretch ends, would show. The centroid may move by
- * what chords differ from side to side, 0.06 h h / R, and by 0.06 voxels: at ratios near whole numbers the samples' place within
- * voxels drifts slowly over the grid, and a ball on one side of it sees one part of that. A centred ball stays put. */
+/* A ball of radius R at samples h apart. Vertices lie near it and chords inside it: a triangle in a cell,
+ * edges a b c, lies (aa + bb + cc) / 24R below a sphere on average, at most 6 h h / 24 R for most, and the
+ * box of a coverage sample blurs the ball by as much as h h / 12 R more. So the volume lacks about (h / R)^2,
+ * and 1.1 of it is allowed. Beyond that, a shell is allowed that stands for placement: 0.05 voxels inwards
+ * (what is exactly at the threshold is outside), 0.02 outwards. Half a voxel of shrinking, or samples placed
+ * at stretch ends, would show. The centroid may move by what chords differ from side to side, 0.06 h h / R,
+ * and by 0.06 voxels: at ratios near whole numbers the samples' place within voxels drifts slowly over the
+ * grid, and a ball on one side of it sees one part of that. A centred ball stays put. */
 static void ball_levels(int32_t side, double radius, const double centre[3])
 {
-    static const double ratios[20] = {1, 1.2, 1.5, 1.75, 2, 7.0 / 3, 2.6, 3, 3.5, 4, 4.7, 5, 6, 7.3, 8, 10, 12, 14.5, 17, 20};
+    static const double ratios[20] = {1,   1.2, 1.5, 1.75, 2, 7.0 / 3, 2.6, 3,    3.5, 4,
+                                      4.7, 5,   6,   7.3,  8, 10,      12,  14.5, 17,  20};
     double const truth = 4.0 / 3.0 * PI * radius * radius * radius;
+
     make_grid(side, side, side, 3, odd_origin, (const double[]){2, 2, 2});
     set_ball(centre, radius);
     options.position_type = BVX_F64;
@@ -434,12 +470,13 @@ static void ball_levels(int32_t side, double radius, const double centre[3])
             options.resolutions = &resolution;
             must_build(1);
             lack = 1 - measure(&level[0], c) / 8 / truth;
-            snprintf(text, sizeof text, "method %d, ratio %.3f, radius %g: volume lacks %.5f", (int)method, h, radius, lack);
+            snprintf(text, sizeof text, "method %d, ratio %.3f, radius %g: volume lacks %.5f", (int)method, h,
+                     radius, lack);
             TEST_ASSERT_TRUE_MESSAGE(lack * radius / 3 < 1.1 / 3 * curve + 0.05, text);
             TEST_ASSERT_TRUE_MESSAGE(lack * radius / 3 > -0.02, text);
             for (int a = 0; a < 3; a++)
-                TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(centre[a] * 2 == side ? 1e-6 : 0.06 + 0.06 * curve, centre[a] + 3,
-                                                  (c[a] - odd_origin[a]) / 2, text);
+                TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(centre[a] * 2 == side ? 1e-6 : 0.06 + 0.06 * curve,
+                                                  centre[a] + 3, (c[a] - odd_origin[a]) / 2, text);
             free_levels();
         }
 }
@@ -462,6 +499,7 @@ static void box_faces(int32_t method, int32_t resolution, const int32_t low[3], 
     double const h = (double)grid.size[0] / resolution, error = place_error(method, h) + h / 128 + 1e-9;
     const double *p;
     int32_t seen[3][2] = {{0}};
+
     options.method = method;
     options.resolutions = &resolution;
     must_build(1);
@@ -470,7 +508,9 @@ static void box_faces(int32_t method, int32_t resolution, const int32_t low[3], 
         for (int a = 0; a < 3; a++) {
             int const u = (a + 1) % 3, w = (a + 2) % 3, upper = p[a] > 0.5 * (low[a] + high[a]);
             double const inside = h + 1;
-            if (p[u] < low[u] + inside || p[u] > high[u] - inside || p[w] < low[w] + inside || p[w] > high[w] - inside) continue;
+            if (p[u] < low[u] + inside || p[u] > high[u] - inside || p[w] < low[w] + inside ||
+                p[w] > high[w] - inside)
+                continue;
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(error, upper ? high[a] : low[a], p[a], what_runs());
             seen[a][upper]++;
         }
@@ -488,10 +528,12 @@ static void test_a_box_keeps_its_faces_on_both_sides(void)
         for (int32_t r = 5; r <= 96; r += quick ? 13 : 3) box_faces(method, r, low, high);
 }
 
-/* A solid that fills the grid has its faces at the grid's: what is beyond is empty, also for the last samples. */
+/* A solid that fills the grid has its faces at the grid's: what is beyond
+ * is empty, also for the last samples. */
 static void test_a_full_grid_keeps_its_faces(void)
 {
     int32_t const low[3] = {0, 0, 0}, high[3] = {60, 40, 50};
+
     make_unit_grid(60, 40, 50);
     set_box(low, high);
     options.position_type = BVX_F64;
@@ -507,6 +549,7 @@ static void certify(const bvx_mesh *mesh)
 {
     bvx_mesh_view view;
     bvx_certificate c;
+
     bvx_mesh_view_of(mesh, &view);
     for (int32_t weld = 0; weld < 2; weld++) { /* welded: no two vertices share a place */
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, weld, &c));
@@ -522,6 +565,7 @@ static void certify(const bvx_mesh *mesh)
 static void test_levels_of_noise_are_closed_manifolds(void)
 {
     static const int32_t percents[] = {3, 30, 50, 70, 97, 100};
+
     for (size_t i = 0; i < COUNT(percents); i++)
         for (int32_t round = 0; round < (quick ? 2 : 12); round++) {
             int32_t resolutions[4] = {28, 23, 12, 5};
@@ -543,6 +587,7 @@ static void test_levels_of_solids_are_closed_manifolds(void)
 {
     static const double origin[3] = {32767 - 90, -32767, 100}, spacing[3] = {1, 1, 1};
     int32_t const resolutions[5] = {80, 47, 24, 11, 5};
+
     for (int32_t round = 0; round < (quick ? 2 : 8); round++) {
         maker_mesh m = {0};
         bvx_mesh_view view;
@@ -573,6 +618,7 @@ static uint64_t triangles_at(int32_t resolution)
     bvx_mesh m = {0};
     uint64_t count;
     bvx_status status;
+
     o.target_triangles = NULL;
     o.resolutions = &resolution;
     o.reports = NULL;
@@ -587,6 +633,7 @@ static uint64_t triangles_at(int32_t resolution)
 static void check_targets(int32_t most)
 {
     uint64_t targets[MAX_LEVELS];
+
     for (int l = 0; l < MAX_LEVELS; l++) targets[l] = (uint64_t)(64 + maker_below(&seed, most) / (1 + l * l));
     options.target_triangles = targets;
     options.source_triangles = 1000;
@@ -621,6 +668,7 @@ static void test_targets_take_the_largest_resolution_that_keeps_them(void)
 static void test_a_target_above_the_finest_gives_the_own_resolution(void)
 {
     uint64_t const target = UINT64_MAX;
+
     make_unit_grid(70, 50, 20);
     set_box((const int32_t[]){3, 3, 3}, (const int32_t[]){66, 44, 18});
     options.target_triangles = &target;
@@ -634,6 +682,7 @@ static void test_a_target_above_the_finest_gives_the_own_resolution(void)
 static void test_a_target_below_the_coarsest_is_refused_by_name(void)
 {
     uint64_t const targets[3] = {500, 100, 7};
+
     make_unit_grid(30, 30, 30);
     set_box((const int32_t[]){3, 3, 3}, (const int32_t[]){27, 27, 27});
     options.target_triangles = targets;
@@ -647,6 +696,7 @@ static void test_a_target_below_the_coarsest_is_refused_by_name(void)
 static void test_a_target_finds_the_levels_that_keep_a_thin_sheet(void)
 {
     uint64_t const targets[2] = {5200, 100};
+
     make_unit_grid(64, 64, 64);
     set_box((const int32_t[]){0, 0, 31}, (const int32_t[]){64, 64, 32});
     options.target_triangles = targets;
@@ -663,7 +713,9 @@ static void test_a_window_of_a_lattice_lies_at_its_place(void)
     bvx_grid part = {0}, whole;
     int32_t const resolution = 21;
     bvx_mesh other = {0};
-    double const far[3] = {odd_origin[0] + 7 * odd_spacing[0], odd_origin[1] + 7 * odd_spacing[1], odd_origin[2] + 7 * odd_spacing[2]};
+    double const far[3] = {odd_origin[0] + 7 * odd_spacing[0], odd_origin[1] + 7 * odd_spacing[1],
+                           odd_origin[2] + 7 * odd_spacing[2]};
+
     options.resolutions = &resolution;
     options.position_type = BVX_F64;
     make_grid(50, 40, 30, 7, odd_origin, odd_spacing);
@@ -687,6 +739,7 @@ static void test_types_and_frames_hold_one_place(void)
 {
     int32_t const resolution = 17;
     bvx_mesh f64;
+
     make_grid(40, 37, 31, 2, odd_origin, odd_spacing);
     scatter(50, 3);
     options.resolutions = &resolution;
@@ -702,9 +755,11 @@ static void test_types_and_frames_hold_one_place(void)
         TEST_ASSERT_EQUAL_UINT64(f64.vertex_count, level[0].vertex_count);
         TEST_ASSERT_EQUAL_INT(0, memcmp(f64.triangles, level[0].triangles, (size_t)f64.triangle_count * 12));
         for (uint64_t v = 0; v < 3 * f64.vertex_count; v++) {
-            double const at = i & 1 ? ((double *)level[0].positions)[v] : (double)((float *)level[0].positions)[v];
+            double const at = i & 1 ? ((double *)level[0].positions)[v]
+                                    : (double)((float *)level[0].positions)[v];
             double const truth = ((double *)f64.positions)[v];
-            if (!options.local_frame) TEST_ASSERT_TRUE(level[0].frame[v % 3] == 0 && at == (i & 1 ? truth : (double)(float)truth));
+            if (!options.local_frame)
+                TEST_ASSERT_TRUE(level[0].frame[v % 3] == 0 && at == (i & 1 ? truth : (double)(float)truth));
             TEST_ASSERT_DOUBLE_WITHIN(i & 1 ? 1e-9 : 1e-5, truth, level[0].frame[v % 3] + at);
         }
         free_levels();
@@ -716,6 +771,7 @@ static void test_f32_far_away_is_refused_and_local_is_not(void)
 {
     static const double origin[3] = {500000, 5600000, 0}, spacing[3] = {0.01, 0.01, 0.01};
     int32_t const resolution = 10;
+
     make_grid(40, 40, 40, 0, origin, spacing);
     set_box((const int32_t[]){5, 5, 5}, (const int32_t[]){30, 30, 30});
     options.resolutions = &resolution;
@@ -733,6 +789,7 @@ static void test_arrays_of_the_callers_are_filled(void)
     static uint32_t triangles[2][3 * 8000];
     int32_t const resolutions[2] = {16, 8};
     bvx_mesh made[2];
+
     make_unit_grid(40, 40, 40);
     set_ball((const double[]){20, 20, 20}, 17);
     options.resolutions = resolutions;
@@ -750,10 +807,13 @@ static void test_arrays_of_the_callers_are_filled(void)
         if (round == 1) level[1].triangle_capacity--;
         TEST_ASSERT_EQUAL_INT32(round == 0 ? BVX_OK : BVX_ERR_CAPACITY, build(2));
         for (int l = 0; l < 2; l++) {
-            TEST_ASSERT_TRUE(level[l].positions == positions[l] && level[l].triangles == triangles[l] && !level[l].owned);
+            TEST_ASSERT_TRUE(level[l].positions == positions[l] && level[l].triangles == triangles[l] &&
+                             !level[l].owned);
             TEST_ASSERT_EQUAL_UINT64(round == 0 ? made[l].triangle_count : 0, level[l].triangle_count);
-            TEST_ASSERT_EQUAL_INT(0, memcmp(positions[l], made[l].positions, (size_t)made[l].vertex_count * 12));
-            TEST_ASSERT_EQUAL_INT(0, memcmp(triangles[l], made[l].triangles, (size_t)made[l].triangle_count * 12));
+            TEST_ASSERT_EQUAL_INT(0,
+                                  memcmp(positions[l], made[l].positions, (size_t)made[l].vertex_count * 12));
+            TEST_ASSERT_EQUAL_INT(
+                0, memcmp(triangles[l], made[l].triangles, (size_t)made[l].triangle_count * 12));
         }
     }
     level[0].position_type = BVX_F64; /* the array is of floats */
@@ -772,18 +832,19 @@ static void refuses(bvx_status expected, const char *word)
     TEST_ASSERT_EQUAL_UINT64(grid.word_capacity * 8, bvx_memory_used(ctx));
 }
 
-#define REFUSES(field, value, word)                    \
-    do {                                               \
-        bvx_lod_options const before = options;        \
-        options.field = (value);                       \
-        refuses(BVX_ERR_ARGUMENT, word);               \
-        options = before;                              \
+#define REFUSES(field, value, word)             \
+    do {                                        \
+        bvx_lod_options const before = options; \
+        options.field = (value);                \
+        refuses(BVX_ERR_ARGUMENT, word);        \
+        options = before;                       \
     } while (0)
 
 static void test_options_out_of_range_are_named(void)
 {
     int32_t resolutions[2] = {10, 10}, axes[6] = {5, 5, 5, 5, 5, 5};
     uint64_t const targets[2] = {100, 100};
+
     make_unit_grid(20, 12, 16);
     set_box((const int32_t[]){2, 2, 2}, (const int32_t[]){18, 10, 14});
     options.resolutions = resolutions;
@@ -826,6 +887,7 @@ static void test_what_is_missing_is_named(void)
 {
     int32_t const resolution = 5;
     bvx_grid none = {0};
+
     make_unit_grid(20, 12, 16);
     bvx_grid_set(&grid, 5, 5, 5, 1);
     options.resolutions = &resolution;
@@ -834,7 +896,8 @@ static void test_what_is_missing_is_named(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &none, &options, 1, level));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &grid, &options, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &grid, &options, 0, level));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &grid, NULL, 1, level)); /* no resolution is a default */
+    /* no resolution is a default */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &grid, NULL, 1, level));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "resolutions"));
 }
 
@@ -842,14 +905,18 @@ static void test_what_is_missing_is_named(void)
 static void test_a_level_that_keeps_nothing_fails_by_name(void)
 {
     int32_t const resolutions[4] = {32, 16, 2, 32};
+
     make_unit_grid(32, 32, 32);
-    set_box((const int32_t[]){17, 17, 17}, (const int32_t[]){22, 22, 22}); /* samples of level 2 stand at 8 and 24 */
+    /* samples of level 2 stand at 8 and 24 */
+    set_box((const int32_t[]){17, 17, 17}, (const int32_t[]){22, 22, 22});
     options.resolutions = resolutions;
     for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++) {
         options.method = method;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build(4));
         TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "level 2"));
-        for (int l = 0; l < 4; l++) TEST_ASSERT_TRUE(level[l].positions == NULL && level[l].vertex_count == 0 && level[l].triangle_count == 0);
+        for (int l = 0; l < 4; l++)
+            TEST_ASSERT_TRUE(level[l].positions == NULL && level[l].vertex_count == 0 &&
+                             level[l].triangle_count == 0);
         TEST_ASSERT_EQUAL_UINT64(grid.word_capacity * 8, bvx_memory_used(ctx));
     }
 }
@@ -858,6 +925,7 @@ static void test_an_empty_solid_is_empty_however_asked(void)
 {
     int32_t const resolution = 5;
     uint64_t const target = 100;
+
     make_unit_grid(20, 12, 16);
     options.resolutions = &resolution;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build(1));
@@ -880,6 +948,7 @@ static void hash_levels(bvx_context *c, uint64_t hash[6])
     static const uint64_t targets[1] = {800};
     bvx_lod_options o = options;
     bvx_mesh m[2];
+
     for (int32_t i = 0; i < 4; i++) {
         uint64_t const count = i & 1 ? 1 : 2;
         memset(m, 0, sizeof m);
@@ -897,6 +966,7 @@ static void hash_levels(bvx_context *c, uint64_t hash[6])
 static void test_threads_and_processors_change_no_byte(void)
 {
     uint64_t first[6], hash[6];
+
     make_unit_grid(90, 70, 80);
     scatter(50, 9);
     hash_levels(ctx, first);
@@ -915,10 +985,12 @@ static void test_threads_and_processors_change_no_byte(void)
         }
 }
 
-/* What the header says: the meshes, a coarse grid, 24 bytes a sample row and column, 4 a sample for coverage; small change. */
+/* What the header says: the meshes, a coarse grid, 24 bytes a sample row
+ * and column, 4 a sample for coverage; small change. */
 static void test_memory_is_what_the_header_says(void)
 {
     int32_t const resolution = 60;
+
     make_unit_grid(128, 128, 128);
     set_ball((const double[]){64, 64, 64}, 60);
     options.resolutions = &resolution;
@@ -934,7 +1006,8 @@ static void test_memory_is_what_the_header_says(void)
     }
 }
 
-/* Scratch leaves an arena as it found it: three levels need little more room than the largest and the meshes. */
+/* Scratch leaves an arena as it found it: three levels need little more room than the largest and the
+ * meshes. */
 static void test_an_arena_holds_the_levels_alone_afterwards(void)
 {
     int32_t const resolutions[3] = {56, 60, 64}, largest = 64;
@@ -943,6 +1016,7 @@ static void test_an_arena_holds_the_levels_alone_afterwards(void)
     bvx_context *c;
     bvx_mesh m[3] = {{0}};
     void *arena;
+
     make_unit_grid(64, 64, 64);
     set_ball((const double[]){32, 32, 32}, 5);
     options.resolutions = resolutions;
@@ -987,6 +1061,7 @@ static void test_every_allocation_and_every_progress_call_may_fail(void)
     int32_t const resolutions[2] = {9, 4};
     uint64_t const targets[2] = {150, 40};
     bvx_context_options many;
+
     bvx_context_options_init(&many, sizeof many);
     many.threads = 5;
     many.parallel = backwards;
@@ -998,9 +1073,11 @@ static void test_every_allocation_and_every_progress_call_may_fail(void)
         options.resolutions = i < 2 ? resolutions : NULL;
         options.target_triangles = i < 2 ? NULL : targets;
         options.collapse = i == 3 ? 2 : 0;
-        TEST_ASSERT_EQUAL_STRING(NULL, fault_every_allocation(build_and_free, &options, i & 1 ? &many : NULL, &places));
+        TEST_ASSERT_EQUAL_STRING(
+            NULL, fault_every_allocation(build_and_free, &options, i & 1 ? &many : NULL, &places));
         TEST_ASSERT_TRUE(places >= 10);
-        TEST_ASSERT_EQUAL_STRING(NULL, fault_every_cancel(build_and_free, &options, i & 1 ? &many : NULL, &places));
+        TEST_ASSERT_EQUAL_STRING(NULL,
+                                 fault_every_cancel(build_and_free, &options, i & 1 ? &many : NULL, &places));
         TEST_ASSERT_TRUE(places >= 6); /* two levels, each samples, counts and emits */
     }
 }
@@ -1009,6 +1086,7 @@ static void test_a_memory_limit_is_kept(void)
 {
     int32_t const resolutions[2] = {30, 20};
     bvx_status status = BVX_ERR_BUDGET;
+
     make_unit_grid(60, 60, 60);
     set_ball((const double[]){30, 30, 30}, 25);
     options.resolutions = resolutions;
@@ -1029,6 +1107,7 @@ static void test_a_memory_limit_is_kept(void)
 int main(void)
 {
     const char *const q = getenv("BVX_QUICK");
+
     quick = q != NULL && q[0] != 0 && q[0] != '0';
     UNITY_BEGIN();
     RUN_TEST(test_edge_ratio_equals_the_reference_on_random_grids);

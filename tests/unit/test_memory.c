@@ -4,8 +4,12 @@
 
 #include "unity.h"
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 static bvx_context_options default_options(void)
 {
@@ -40,6 +44,7 @@ static void test_used_and_peak_are_counted(void)
     bvx_context_options const o = fault_options(NULL, &heap);
     bvx_context *const ctx = context_with(&o);
     void *a, *b;
+
     TEST_ASSERT_EQUAL_INT64(0, bvx_memory_used(ctx));
     TEST_ASSERT_EQUAL_INT64(0, bvx_memory_peak(ctx));
     a = get(ctx, BVXI_RESULT, 1000);
@@ -65,6 +70,7 @@ static void test_blocks_of_no_bytes_are_blocks(void)
     bvx_context_options const o = fault_options(NULL, &heap);
     bvx_context *const ctx = context_with(&o);
     void *const a = get(ctx, BVXI_RESULT, 0), *const b = get(ctx, BVXI_SCRATCH, 0);
+
     TEST_ASSERT_TRUE(a != b);
     bvxi_free(ctx, a, 0);
     bvxi_free(ctx, b, 0);
@@ -78,6 +84,7 @@ static void test_limit_refuses_with_a_message(void)
     bvx_context_options o = default_options();
     bvx_context *ctx;
     void *a, *none = NULL;
+
     o.memory_limit = 1000;
     ctx = context_with(&o);
     a = get(ctx, BVXI_RESULT, 600);
@@ -85,7 +92,8 @@ static void test_limit_refuses_with_a_message(void)
     TEST_ASSERT_EQUAL_STRING("the row table would take 401 bytes; 600 are in use and the limit is 1000",
                              bvx_last_message(ctx));
     TEST_ASSERT_NULL(none);
-    TEST_ASSERT_EQUAL_INT64(BVX_ERR_BUDGET, bvxi_alloc(ctx, BVXI_SCRATCH, UINT64_MAX, "the row table", &none));
+    TEST_ASSERT_EQUAL_INT64(BVX_ERR_BUDGET,
+                            bvxi_alloc(ctx, BVXI_SCRATCH, UINT64_MAX, "the row table", &none));
     TEST_ASSERT_EQUAL_INT64(600, bvx_memory_used(ctx));
     TEST_ASSERT_EQUAL_INT64(600, bvx_memory_peak(ctx));
     bvxi_free(ctx, get(ctx, BVXI_SCRATCH, 400), 400); /* the last byte may be used */
@@ -97,6 +105,7 @@ static void test_sizes_beyond_the_machine_are_refused(void)
 {
     bvx_context *const ctx = context_with(NULL);
     void *none = NULL;
+
     for (uint64_t back = 0; back < 200; back++) {
         bvx_status const status = bvxi_alloc(ctx, BVXI_RESULT, UINT64_MAX - back, "a block", &none);
         int const beyond = UINT64_MAX - back > SIZE_MAX - BVXI_ALIGN; /* always so where size_t has 32 bits */
@@ -138,6 +147,7 @@ static void arena_kept_inside(const arena_room *room)
 static uint64_t largest_block(bvx_context *ctx, int kind)
 {
     uint64_t low = 0, high = ARENA_ROOM; /* low fits, high does not */
+
     while (high - low > 1) {
         uint64_t const middle = (low + high) / 2;
         void *block = NULL;
@@ -156,6 +166,7 @@ static void test_arena_gives_results_low_and_scratch_high(void)
     static arena_room room;
     bvx_context *ctx = NULL;
     unsigned char *r[3], *s[3];
+
     TEST_ASSERT_EQUAL_INT64(BVX_OK, arena_context(&room, 0, ARENA_BYTES, &ctx));
     for (int i = 0; i < 3; i++) {
         r[i] = get(ctx, BVXI_RESULT, 100);
@@ -176,6 +187,7 @@ static void test_arena_gives_results_low_and_scratch_high(void)
 static int next_order(int *order, int *counter, int n)
 {
     int i = 1;
+
     while (i < n && counter[i] >= i) counter[i++] = 0;
     if (i >= n) return 0;
     {
@@ -195,6 +207,7 @@ static void test_arena_is_empty_after_any_order_of_freeing(void)
     int order[6] = {0, 1, 2, 3, 4, 5}, counter[6] = {0}, orders = 0;
     bvx_context *ctx = NULL;
     uint64_t free_result, free_scratch;
+
     TEST_ASSERT_EQUAL_INT64(BVX_OK, arena_context(&room, 0, ARENA_BYTES, &ctx));
     free_result = largest_block(ctx, BVXI_RESULT);
     free_scratch = largest_block(ctx, BVXI_SCRATCH);
@@ -226,6 +239,7 @@ static void test_arena_is_empty_after_any_order_of_freeing(void)
 static void test_arena_reuses_its_ends_under_mixed_work(void)
 {
     static arena_room room;
+
     enum { SLOTS = 24, ROUNDS = 20000 };
     static struct {
         unsigned char *block;
@@ -269,6 +283,7 @@ static void test_arena_exhaustion_is_clean(void)
 {
     static arena_room room;
     bvx_context *ctx = NULL;
+
     for (int kind = BVXI_RESULT; kind <= BVXI_SCRATCH; kind++) {
         unsigned char *block[ARENA_BYTES / 100];
         uint64_t n = 0, whole;
@@ -282,8 +297,10 @@ static void test_arena_exhaustion_is_clean(void)
         TEST_ASSERT_TRUE(n > 50);
         TEST_ASSERT_EQUAL_INT64(n * 100, bvx_memory_used(ctx));
         for (uint64_t size = 64; size < 400; size++) { /* nothing of that size fits at either end */
-            TEST_ASSERT_EQUAL_INT64(BVX_ERR_MEMORY, bvxi_alloc(ctx, BVXI_RESULT, size + 64, "a block", &none));
-            TEST_ASSERT_EQUAL_INT64(BVX_ERR_MEMORY, bvxi_alloc(ctx, BVXI_SCRATCH, size + 64, "a block", &none));
+            TEST_ASSERT_EQUAL_INT64(BVX_ERR_MEMORY,
+                                    bvxi_alloc(ctx, BVXI_RESULT, size + 64, "a block", &none));
+            TEST_ASSERT_EQUAL_INT64(BVX_ERR_MEMORY,
+                                    bvxi_alloc(ctx, BVXI_SCRATCH, size + 64, "a block", &none));
         }
         TEST_ASSERT_NULL(none);
         TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "no memory for 463 bytes"));
@@ -300,6 +317,7 @@ static void test_arena_exhaustion_is_clean(void)
 static void test_arena_of_any_alignment(void)
 {
     static arena_room room;
+
     for (size_t shift = 0; shift < 64; shift++) {
         bvx_context *ctx = NULL;
         uint64_t whole;
@@ -317,6 +335,7 @@ static void test_arena_of_any_size(void)
 {
     static arena_room room;
     static const size_t shifts[] = {0, 1, 63};
+
     for (size_t i = 0; i < sizeof shifts / sizeof shifts[0]; i++) {
         int made = 0, refused = 0;
         for (size_t size = 1; size < 3000; size++) {
@@ -344,6 +363,7 @@ static void test_arena_counts_against_the_limit(void)
     bvx_context_options o = default_options();
     bvx_context *ctx;
     void *none = NULL;
+
     o.arena = memory;
     o.arena_size = sizeof memory;
     o.memory_limit = 256;

@@ -53,6 +53,7 @@ static void open_noise(int32_t x, int32_t y, int32_t z, int32_t low, int32_t den
     int32_t const dims[3] = {x + 2 * low, y + 2 * low, z + 2 * low};
     bvx_window const w = {{low, low, low}, {x, y, z}};
     bvx_lattice l;
+
     bvx_grid_free(ctx, &grid);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, &w, &grid));
@@ -74,6 +75,7 @@ static void extract_part(const int32_t low[3], const int32_t high[3], const bvx_
     bvx_extract_options o = *whole;
     bvx_window w;
     bvx_grid g = {0};
+
     for (int a = 0; a < 3; a++) {
         w.low[a] = grid.low[a] + low[a];
         w.size[a] = high[a] - low[a] + 1;
@@ -103,6 +105,7 @@ static int32_t choose_cuts(int32_t n, int32_t most, int32_t cut[6])
 static void extract_parts(const bvx_extract_options *o)
 {
     int32_t cut[3][6], count[3], at[3];
+
     for (int a = 0; a < 3; a++) count[a] = choose_cuts(grid.size[a], 4, cut[a]);
     for (at[2] = 0; at[2] < count[2]; at[2]++)
         for (at[1] = 0; at[1] < count[1]; at[1]++)
@@ -120,6 +123,7 @@ static void assert_same_bytes(const bvx_mesh *want, const bvx_mesh *got)
 {
     size_t const point = want->position_type == BVX_F32 ? 12 : 24;
     uint64_t a, b;
+
     TEST_ASSERT_EQUAL_UINT64(want->vertex_count, got->vertex_count);
     TEST_ASSERT_EQUAL_UINT64(want->triangle_count, got->triangle_count);
     TEST_ASSERT_EQUAL_INT32(want->position_type, got->position_type);
@@ -127,7 +131,8 @@ static void assert_same_bytes(const bvx_mesh *want, const bvx_mesh *got)
     TEST_ASSERT_EQUAL_INT(0, memcmp(want->positions, got->positions, (size_t)want->vertex_count * point));
     TEST_ASSERT_EQUAL_INT(0, memcmp(want->triangles, got->triangles, (size_t)want->triangle_count * 12));
     TEST_ASSERT_EQUAL_INT(0, memcmp(want->vertex_keys, got->vertex_keys, (size_t)want->vertex_count * 8));
-    TEST_ASSERT_EQUAL_INT(0, memcmp(want->triangle_keys, got->triangle_keys, (size_t)want->triangle_count * 8));
+    TEST_ASSERT_EQUAL_INT(0,
+                          memcmp(want->triangle_keys, got->triangle_keys, (size_t)want->triangle_count * 8));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, want, &a));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, got, &b));
     TEST_ASSERT_EQUAL_HEX64(a, b);
@@ -146,6 +151,7 @@ static void shuffle_parts(void)
 static void assert_parts_make_the_whole(const bvx_extract_options *o)
 {
     bvx_mesh whole = surface_of(&grid, o), merged = {0};
+
     extract_parts(o);
     shuffle_parts();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_merge(ctx, part, parts, &merged), bvx_last_message(ctx));
@@ -160,8 +166,10 @@ static void assert_parts_make_the_whole(const bvx_extract_options *o)
 
 static void test_windows_merge_to_the_wholes_bytes(void)
 {
-    static const int32_t sizes[][3] = {{1, 1, 1}, {2, 2, 2}, {63, 8, 9}, {64, 9, 8}, {65, 7, 7}, {129, 6, 9}, {5, 20, 21}, {1, 9, 9}};
+    static const int32_t sizes[][3] = {{1, 1, 1},  {2, 2, 2},   {63, 8, 9},  {64, 9, 8},
+                                       {65, 7, 7}, {129, 6, 9}, {5, 20, 21}, {1, 9, 9}};
     int const quick = getenv("BVX_QUICK") != NULL;
+
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t trial = 0; trial < (quick ? 2 : 16); trial++) {
             bvx_extract_options o = extract_options();
@@ -188,6 +196,7 @@ static void test_merging_in_steps(void)
 {
     bvx_extract_options const o = extract_options();
     bvx_mesh whole, merged = {0}, step = {0};
+
     open_noise(70, 10, 11, 0, 7);
     whole = surface_of(&grid, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_merge(ctx, &whole, 1, &merged));
@@ -220,6 +229,7 @@ static void test_empty_parts(void)
     static const int32_t low[3] = {0, 0, 0}, high[3] = {3, 3, 3};
     bvx_extract_options const o = extract_options();
     bvx_mesh merged = {0};
+
     open_noise(4, 4, 4, 0, 0);
     for (int i = 0; i < 3; i++) extract_part(low, high, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_merge(ctx, part, parts, &merged));
@@ -253,6 +263,7 @@ static void test_refusals(void)
     static const int32_t low[3] = {0, 0, 0}, high[3] = {5, 5, 5};
     bvx_extract_options o = extract_options();
     bvx_mesh bad[2];
+
     open_noise(6, 6, 6, 0, 8);
     extract_part(low, high, &o);
     extract_part(low, high, &o);
@@ -292,6 +303,7 @@ static void test_an_index_beyond_the_vertices_is_refused(void)
 {
     static const int32_t low[3] = {0, 0, 0}, high[3] = {5, 5, 5};
     bvx_extract_options const o = extract_options();
+
     open_noise(6, 6, 6, 0, 8);
     extract_part(low, high, &o);
     extract_part(low, high, &o);
@@ -301,12 +313,14 @@ static void test_an_index_beyond_the_vertices_is_refused(void)
     assert_refused(BVX_ERR_RANGE, part, 2, "part 1");
 }
 
-/* Counts beyond what numbers of 32 bits can name are refused before anything is read, also where their sum wraps round. */
+/* Counts beyond what numbers of 32 bits can name are refused before
+ * anything is read, also where their sum wraps round. */
 static void test_too_many_vertices_are_refused(void)
 {
     static const int32_t low[3] = {0, 0, 0}, high[3] = {5, 5, 5};
     bvx_extract_options const o = extract_options();
     bvx_mesh bad[2];
+
     open_noise(6, 6, 6, 0, 8);
     extract_part(low, high, &o);
     bad[0] = bad[1] = part[0];

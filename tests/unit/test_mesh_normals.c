@@ -1,4 +1,5 @@
-/* test_mesh_normals.c - normals as arrays against sums over all facets, on round bodies, far from and close to the origin, and refusals. */
+/* test_mesh_normals.c - normals as arrays against sums over all facets, on
+ * round bodies, far from and close to the origin, and refusals. */
 #include "tools/mesh_maker.h"
 #include "unity.h"
 
@@ -33,7 +34,9 @@ static void all_normals(void)
 /* The normal of facet t by its definition, not of length 1. */
 static void own_normal(size_t t, double n[3])
 {
-    const double *const a = mesh.p + 3 * mesh.t[3 * t], *const b = mesh.p + 3 * mesh.t[3 * t + 1], *const c = mesh.p + 3 * mesh.t[3 * t + 2];
+    const double *const a = mesh.p + 3 * mesh.t[3 * t];
+    const double *const b = mesh.p + 3 * mesh.t[3 * t + 1];
+    const double *const c = mesh.p + 3 * mesh.t[3 * t + 2];
     for (int k = 0; k < 3; k++) {
         int const l = (k + 1) % 3, m = (k + 2) % 3;
         n[k] = (b[l] - a[l]) * (c[m] - a[m]) - (b[m] - a[m]) * (c[l] - a[l]);
@@ -63,7 +66,8 @@ static void test_normals_against_their_definition(void)
         own_normal(t, n);
         assert_direction(n, facet[0] + 3 * t);
         for (int i = 0; i < 3; i++)
-            for (int k = 0; k < 3; k++) mean[k] += (double)vertex[3 * mesh.t[3 * t + (size_t)i] + (uint32_t)k];
+            for (int k = 0; k < 3; k++)
+                mean[k] += (double)vertex[3 * mesh.t[3 * t + (size_t)i] + (uint32_t)k];
         assert_direction(mean, facet[1] + 3 * t);
     }
     for (size_t v = 0; v < mesh.vertices; v++) {
@@ -83,6 +87,7 @@ static void test_normals_against_their_definition(void)
 static void test_normals_of_huge_and_tiny_meshes(void)
 {
     static float usual[3 * 4000];
+
     make_star(1.0);
     all_normals();
     memcpy(usual, vertex, sizeof usual);
@@ -100,14 +105,17 @@ static void test_normals_where_there_is_none(void)
     for (int i = 0; i < 4; i++) maker_vertex(&mesh, i, 0, 0); /* on one line, the last one unused */
     maker_triangle(&mesh, 0, 1, 2);
     all_normals();
-    for (int i = 0; i < 4; i++) TEST_ASSERT_TRUE(vertex[3 * i] == 0.0f && vertex[3 * i + 1] == 0.0f && vertex[3 * i + 2] == 1.0f);
-    for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(facet[i][0] == 0.0f && facet[i][1] == 0.0f && facet[i][2] == 1.0f);
+    for (int i = 0; i < 4; i++)
+        TEST_ASSERT_TRUE(vertex[3 * i] == 0.0f && vertex[3 * i + 1] == 0.0f && vertex[3 * i + 2] == 1.0f);
+    for (int i = 0; i < 2; i++)
+        TEST_ASSERT_TRUE(facet[i][0] == 0.0f && facet[i][1] == 0.0f && facet[i][2] == 1.0f);
 }
 
 static void test_normals_refuse(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
     bvx_mesh_view view;
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_normals(NULL, &view, 0, vertex, NULL));

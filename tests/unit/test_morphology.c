@@ -1,4 +1,5 @@
-/* test_morphology.c - dilation, erosion, opening, closing and hollowing against voxel by voxel; BVX_QUICK makes it shorter. */
+/* test_morphology.c - dilation, erosion, opening, closing and hollowing
+ * against voxel by voxel; BVX_QUICK makes it shorter. */
 #include "morph_support.h"
 
 typedef bvx_status morph_fn(bvx_context *, const bvx_grid *, const bvx_morph_options *, bvx_grid *);
@@ -39,6 +40,7 @@ static wide_box wide_of(const bvx_grid *g, int32_t room, int32_t beyond)
 {
     wide_box b;
     size_t n = 1;
+
     b.room = room;
     b.beyond = beyond;
     for (int a = 0; a < 3; a++) n *= (size_t)(b.size[a] = g->size[a] + 2 * room);
@@ -47,7 +49,8 @@ static wide_box wide_of(const bvx_grid *g, int32_t room, int32_t beyond)
     memset(b.set, beyond, n);
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
-            for (int32_t x = 0; x < g->size[0]; x++) b.set[wide_at(&b, x + room, y + room, z + room)] = (uint8_t)bvx_grid_get(g, x, y, z);
+            for (int32_t x = 0; x < g->size[0]; x++)
+                b.set[wide_at(&b, x + room, y + room, z + room)] = (uint8_t)bvx_grid_get(g, x, y, z);
     return b;
 }
 
@@ -74,6 +77,7 @@ static void wide_step(wide_box *b, const bvx_morph_options *o, const double s[3]
 {
     int32_t offset[4096][3], count = 0, reach[3] = {1, 1, 1};
     uint8_t *made = b->spare;
+
     for (int a = 0; a < 3 && o->neighbourhood == 0; a++) reach[a] = (int32_t)(o->radius / s[a]) + 1;
     for (int32_t dz = -reach[2]; dz <= reach[2]; dz++)
         for (int32_t dy = -reach[1]; dy <= reach[1]; dy++)
@@ -90,7 +94,8 @@ static void wide_step(wide_box *b, const bvx_morph_options *o, const double s[3]
                 int found = 0;
                 for (int32_t i = 0; i < count && !found; i++) {
                     int32_t const u = x + offset[i][0], v = y + offset[i][1], w = z + offset[i][2];
-                    int const inside = u >= 0 && v >= 0 && w >= 0 && u < b->size[0] && v < b->size[1] && w < b->size[2];
+                    int const inside = u >= 0 && v >= 0 && w >= 0 && u < b->size[0] && v < b->size[1] &&
+                                       w < b->size[2];
                     found = (inside ? b->set[wide_at(b, u, v, w)] : b->beyond) == value;
                 }
                 made[wide_at(b, x, y, z)] = (uint8_t)(found ? value : !value);
@@ -103,21 +108,26 @@ static void expect_voxel_by_voxel(int operation, const bvx_morph_options *o)
 {
     const double *const s = grid.lattice.spacing;
     double least = s[0] < s[1] ? s[0] : s[1];
+
     if (s[2] < least) least = s[2];
     int32_t const reach = o->neighbourhood != 0 ? o->steps : (int32_t)(o->radius / least) + 1;
     wide_box b = wide_of(&grid, 2 * reach + 1, o->beyond);
     bvx_grid result = {0};
     int32_t wrong = 0;
     for (int part = 0; part < (operation < OPEN ? 1 : 2); part++)
-        for (int32_t i = 0; i < o->steps; i++) wide_step(&b, o, s, (operation == ERODE || operation == OPEN) ? part : !part);
+        for (int32_t i = 0; i < o->steps; i++)
+            wide_step(&b, o, s, (operation == ERODE || operation == OPEN) ? part : !part);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](ctx, &grid, o, &result));
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
             for (int32_t x = 0; x < grid.size[0]; x++)
-                wrong += bvx_grid_get(&result, x, y, z) != b.set[wide_at(&b, x + b.room, y + b.room, z + b.room)];
+                wrong += bvx_grid_get(&result, x, y, z) !=
+                         b.set[wide_at(&b, x + b.room, y + b.room, z + b.room)];
     TEST_ASSERT_EQUAL_INT32(0, wrong);
-    for (size_t row = 0; row < (size_t)result.size[1] * (size_t)result.size[2] && result.size[0] % 64 != 0; row++)
-        TEST_ASSERT_EQUAL_HEX64(0, result.words[(row + 1) * (size_t)result.words_per_row - 1] >> (result.size[0] % 64));
+    for (size_t row = 0; row < (size_t)result.size[1] * (size_t)result.size[2] && result.size[0] % 64 != 0;
+         row++)
+        TEST_ASSERT_EQUAL_HEX64(0, result.words[(row + 1) * (size_t)result.words_per_row - 1] >>
+                                       (result.size[0] % 64));
     bvx_grid_free(ctx, &result);
     wide_free(&b);
 }
@@ -167,6 +177,7 @@ static uint64_t set_voxels(const bvx_grid *g)
 static void test_neighbours_of_one_voxel_at_a_word_edge(void)
 {
     static const int32_t neighbourhoods[3] = {6, 18, 26};
+
     open_grid(130, 3, 3, 1, 1, 1);
     bvx_grid_set(&grid, 64, 1, 1, 1);
     for (int i = 0; i < 3; i++) {
@@ -185,6 +196,7 @@ static void test_steps_equal_voxel_by_voxel_at_word_edges(void)
 {
     static const int32_t neighbourhoods[3] = {6, 18, 26}, parts[3] = {30, 500, 960};
     int n = 0;
+
     for (int e = 0; e < 7; e++)
         for (int k = 0; k < 3; k++)
             for (int operation = 0; operation < 4; operation++, n++) {
@@ -210,15 +222,18 @@ static void test_many_steps_equal_voxel_by_voxel(void)
 
 static void test_balls_equal_voxel_by_voxel(void)
 {
-    static const double spacings[3][3] = {{1, 1, 1}, {0.1, 0.1, 0.1}, {1, 0.5, 2}}, radii[4] = {1, 1.5, 2.6, 2.3};
+    static const double spacings[3][3] = {{1, 1, 1}, {0.1, 0.1, 0.1}, {1, 0.5, 2}};
+    static const double radii[4] = {1, 1.5, 2.6, 2.3};
     int n = 0;
+
     for (int k = 0; k < 3; k++)
         for (int r = 0; r < 4; r++)
             for (int operation = 0; operation < 4; operation++, n++) {
                 const double *const s = spacings[k];
                 bvx_morph_options const o = ball_of(radii[r] * s[0], n / 4 % 2);
                 if (is_brief() && n % 5 != 0) continue;
-                open_grid(word_edges[n % 7] / 2 + 1, 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9), s[0], s[1], s[2]);
+                open_grid(word_edges[n % 7] / 2 + 1, 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9),
+                          s[0], s[1], s[2]);
                 if (n % 2) scatter(operation == ERODE || operation == OPEN ? 970 : 30);
                 else scatter_balls(5, 6);
                 expect_voxel_by_voxel(operation, &o);
@@ -229,12 +244,15 @@ static void test_balls_equal_voxel_by_voxel(void)
 static void test_balls_equal_distances(void)
 {
     static const double radii[4] = {2.0, 20.0, 40.0, 70.0};
+
     for (int i = 0; i < (is_brief() ? 4 : 16); i++) {
         int32_t const erode = i / 4 % 2, beyond = i % 3 == 0;
         double const r = radii[i % 4];
         open_grid(129, 33, 40, 1, 1, i < 8 ? 1 : 0.75);
         scatter(erode ? 1000 : 0);
-        for (int k = 0; k < 4; k++) bvx_grid_set(&grid, maker_below(&seed, 129), maker_below(&seed, 33), maker_below(&seed, 40), !erode);
+        for (int k = 0; k < 4; k++)
+            bvx_grid_set(&grid, maker_below(&seed, 129), maker_below(&seed, 33), maker_below(&seed, 40),
+                         !erode);
         size_t const n = voxels_of(&grid);
         double *const d = room_for(n, sizeof *d);
         bvx_morph_options const o = ball_of(r, beyond);
@@ -246,7 +264,9 @@ static void test_balls_equal_distances(void)
         bvx_grid g = made_by(erode ? ERODE : DILATE, &grid, &o);
         for (size_t k = 0; k < n; k++) {
             int const within = d[k] <= r;
-            TEST_ASSERT_EQUAL_INT(within != erode, bvx_grid_get(&g, (int32_t)(k % 129), (int32_t)(k / 129 % 33), (int32_t)(k / 129 / 33)));
+            TEST_ASSERT_EQUAL_INT(
+                within != erode,
+                bvx_grid_get(&g, (int32_t)(k % 129), (int32_t)(k / 129 % 33), (int32_t)(k / 129 / 33)));
         }
         bvx_grid_free(ctx, &g);
         free(d);
@@ -258,7 +278,9 @@ static void test_a_ball_of_one_voxel_is_a_cross(void)
     open_grid(70, 9, 9, 0.1, 0.1, 0.1);
     scatter(50);
     bvx_morph_options const ball = ball_of(0.1, 0), point = ball_of(0.0, 0), three = ball_of(0.3, 0);
-    bvx_grid a = made_by(DILATE, &grid, &ball), b = made_by(DILATE, &grid, NULL), c = made_by(ERODE, &grid, &point);
+    bvx_grid a = made_by(DILATE, &grid, &ball);
+    bvx_grid b = made_by(DILATE, &grid, NULL);
+    bvx_grid c = made_by(ERODE, &grid, &point);
     TEST_ASSERT_TRUE(is_same(&a, &b));
     TEST_ASSERT_TRUE(is_same(&c, &grid));
     bvx_grid_free(ctx, &a);
@@ -275,13 +297,21 @@ static void test_identities(void)
 {
     for (int i = 0; i < (is_brief() ? 4 : 16); i++) {
         int32_t const beyond = i % 2;
-        bvx_morph_options o = i % 4 == 3 ? ball_of(2.3, beyond) : steps_of(i % 4 == 0 ? 6 : i % 4 == 1 ? 18 : 26, 1 + i % 5, beyond);
+        bvx_morph_options o = i % 4 == 3 ? ball_of(2.3, beyond)
+                                         : steps_of(i % 4 == 0   ? 6
+                                                    : i % 4 == 1 ? 18
+                                                                 : 26,
+                                                    1 + i % 5, beyond);
         open_grid(word_edges[i % 7], 20, 20, 1, 1, 1);
         scatter_balls(12, 8);
-        bvx_grid opened = made_by(OPEN, &grid, &o), closed = made_by(CLOSE, &grid, &o), eroded = made_by(ERODE, &grid, &o);
+        bvx_grid opened = made_by(OPEN, &grid, &o);
+        bvx_grid closed = made_by(CLOSE, &grid, &o);
+        bvx_grid eroded = made_by(ERODE, &grid, &o);
         bvx_grid dilated = made_by(DILATE, &grid, &o), again = made_by(OPEN, &opened, &o);
-        TEST_ASSERT_TRUE(is_part(&eroded, &opened) && is_part(&opened, &grid) && is_part(&grid, &closed) && is_part(&closed, &dilated));
-        if (beyond == 0) TEST_ASSERT_TRUE(is_same(&again, &opened)); /* with beyond 1 what was opened ends in another outside */
+        TEST_ASSERT_TRUE(is_part(&eroded, &opened) && is_part(&opened, &grid) && is_part(&grid, &closed) &&
+                         is_part(&closed, &dilated));
+        /* with beyond 1 what was opened ends in another outside */
+        if (beyond == 0) TEST_ASSERT_TRUE(is_same(&again, &opened));
         complement(&grid);
         o.beyond = !beyond;
         bvx_grid dual = made_by(DILATE, &grid, &o), dual_open = made_by(CLOSE, &grid, &o);
@@ -304,20 +334,26 @@ static void test_moving_the_set_moves_the_result(void)
 {
     bvx_grid first = {0}, moved = {0};
     int32_t const by[3] = {61, 5, 3};
+
     for (int i = 0; i < 4; i++) {
         bvx_morph_options const o = i == 3 ? ball_of(3.0, 0) : steps_of(i == 0 ? 6 : i == 1 ? 18 : 26, 3, 0);
         open_grid(200, 24, 24, 1, 1, 1);
-        for (int k = 0; k < 300; k++) bvx_grid_set(&grid, 10 + maker_below(&seed, 60), 7 + maker_below(&seed, 5), 7 + maker_below(&seed, 7), 1);
+        for (int k = 0; k < 300; k++)
+            bvx_grid_set(&grid, 10 + maker_below(&seed, 60), 7 + maker_below(&seed, 5),
+                         7 + maker_below(&seed, 7), 1);
         first = made_by(CLOSE, &grid, &o);
         for (int32_t z = grid.size[2] - 1; z >= 0; z--)
             for (int32_t y = grid.size[1] - 1; y >= 0; y--)
                 for (int32_t x = grid.size[0] - 1; x >= 0; x--)
-                    bvx_grid_set(&grid, x, y, z, x >= by[0] && y >= by[1] && z >= by[2] && bvx_grid_get(&grid, x - by[0], y - by[1], z - by[2]));
+                    bvx_grid_set(&grid, x, y, z,
+                                 x >= by[0] && y >= by[1] && z >= by[2] &&
+                                     bvx_grid_get(&grid, x - by[0], y - by[1], z - by[2]));
         moved = made_by(CLOSE, &grid, &o);
         for (int32_t z = by[2]; z < grid.size[2]; z++)
             for (int32_t y = by[1]; y < grid.size[1]; y++)
                 for (int32_t x = by[0]; x < grid.size[0]; x++)
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&first, x - by[0], y - by[1], z - by[2]), bvx_grid_get(&moved, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&first, x - by[0], y - by[1], z - by[2]),
+                                          bvx_grid_get(&moved, x, y, z));
         bvx_grid_free(ctx, &first);
         bvx_grid_free(ctx, &moved);
     }
@@ -326,6 +362,7 @@ static void test_moving_the_set_moves_the_result(void)
 static void test_threads_and_processors_do_not_show(void)
 {
     static const int32_t threads[4] = {1, 2, 3, 8};
+
     for (int i = 0; i < 6; i++) {
         bvx_morph_options const o = i % 2 ? ball_of(3.7, 0) : steps_of(i == 0 ? 6 : i == 2 ? 18 : 26, 3, 0);
         int const operation = i % 4;
@@ -333,7 +370,8 @@ static void test_threads_and_processors_do_not_show(void)
         open_grid(129, 64, is_brief() ? 20 : 90, 1, 1, 1);
         scatter_balls(20, 9);
         for (int t = 0; t < 5; t++) {
-            bvx_context *const other = context_of(t == 0 ? 1 : threads[t - 1], t == 0 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+            bvx_context *const other = context_of(t == 0 ? 1 : threads[t - 1],
+                                                  t == 0 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
             bvx_grid g = {0};
             TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](other, &grid, &o, &g));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(other, &g, t == 0 ? &want : &got));
@@ -360,13 +398,16 @@ static void test_windows_with_a_halo_equal_the_whole(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &grid.lattice, &w, &cut));
         for (int32_t z = 0; z < w.size[2]; z++)
             for (int32_t y = 0; y < w.size[1]; y++)
-                for (int32_t x = 0; x < w.size[0]; x++) bvx_grid_set(&cut, x, y, z, bvx_grid_get(&grid, x + w.low[0], y + w.low[1], z + w.low[2]));
+                for (int32_t x = 0; x < w.size[0]; x++)
+                    bvx_grid_set(&cut, x, y, z,
+                                 bvx_grid_get(&grid, x + w.low[0], y + w.low[1], z + w.low[2]));
         whole = made_by(i % 4, &grid, &o);
         part = made_by(i % 4, &cut, &o);
         for (int32_t z = halo; z < w.size[2] - halo; z++)
             for (int32_t y = halo; y < w.size[1] - halo; y++)
                 for (int32_t x = halo; x < w.size[0] - halo; x++)
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, x + w.low[0], y + w.low[1], z + w.low[2]), bvx_grid_get(&part, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, x + w.low[0], y + w.low[1], z + w.low[2]),
+                                          bvx_grid_get(&part, x, y, z));
         bvx_grid_free(ctx, &cut);
         bvx_grid_free(ctx, &part);
         bvx_grid_free(ctx, &whole);
@@ -377,6 +418,7 @@ static void test_words_of_the_callers(void)
 {
     uint64_t words[2 * 9];
     bvx_grid g = {0};
+
     open_grid(70, 3, 3, 1, 1, 1);
     bvx_grid_set(&grid, 3, 1, 1, 1);
     g.words = words;
@@ -392,6 +434,7 @@ static void test_what_morphology_refuses(void)
 {
     bvx_grid g = {0}, same;
     bvx_morph_options o;
+
     open_grid(4, 4, 4, 1, 1, 1);
     same = grid;
     for (int k = 0; k < 4; k++) {
@@ -437,6 +480,7 @@ static bvx_hollow_options hollow_of(double thickness, bvx_hollow_report *report)
 static void test_hollow_takes_what_is_deeper(void)
 {
     bvx_hollow_report report;
+
     for (int i = 0; i < 4; i++) {
         bvx_hollow_options o = hollow_of(2.0, &report);
         bvx_grid shell = {0}, inner = {0};
@@ -446,7 +490,8 @@ static void test_hollow_takes_what_is_deeper(void)
         o.beyond = i % 2;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hollow(ctx, &grid, &o, &shell));
         inner = made_by(ERODE, &grid, &ball);
-        for (size_t k = 0; k < words_of(&grid); k++) TEST_ASSERT_EQUAL_HEX64(grid.words[k] & ~inner.words[k], shell.words[k]);
+        for (size_t k = 0; k < words_of(&grid); k++)
+            TEST_ASSERT_EQUAL_HEX64(grid.words[k] & ~inner.words[k], shell.words[k]);
         TEST_ASSERT_EQUAL_UINT64(set_voxels(&inner), report.hollowed);
         TEST_ASSERT_TRUE(report.hollowed > 0 && report.drained == 0);
         bvx_grid_free(ctx, &shell);
@@ -458,6 +503,7 @@ static void test_hollow_takes_what_is_deeper(void)
 static void test_hollow_drains_from_any_side(void)
 {
     static const int32_t low[3] = {5, 4, 3}, side[3] = {20, 12, 10};
+
     open_grid(30, 20, 16, 1, 1, 1);
     for (int32_t z = 0; z < side[2]; z++)
         for (int32_t y = 0; y < side[1]; y++)
@@ -477,7 +523,8 @@ static void test_hollow_drains_from_any_side(void)
             TEST_ASSERT_EQUAL_UINT64(16 * 8 * 6, report.hollowed);
             TEST_ASSERT_EQUAL_UINT64(2 * 5, report.drained); /* a cross through a wall of two */
             TEST_ASSERT_EQUAL_UINT64(set_voxels(&grid) - 16 * 8 * 6 - 10, set_voxels(&shell));
-            TEST_ASSERT_EQUAL_DOUBLE(grid.lattice.origin[axis] + low[axis] + (s % 2 ? side[axis] - 2.5 : 2.5), report.drain[axis]);
+            TEST_ASSERT_EQUAL_DOUBLE(grid.lattice.origin[axis] + low[axis] + (s % 2 ? side[axis] - 2.5 : 2.5),
+                                     report.drain[axis]);
             if (placed) TEST_ASSERT_EQUAL_DOUBLE(o.drain_at[0], report.drain[a]);
             bvx_grid_free(ctx, &shell);
         }
@@ -488,6 +535,7 @@ static void test_what_hollow_refuses(void)
     bvx_hollow_report report;
     bvx_hollow_options o = hollow_of(0.0, NULL);
     bvx_grid g = {0};
+
     open_grid(20, 20, 20, 1, 1, 1);
     scatter(1000);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_hollow(ctx, &grid, NULL, &g)); /* no thickness */
@@ -508,7 +556,8 @@ static void test_what_hollow_refuses(void)
         if (bad >= 7) {
             o.drain_radius = 1.0;
             o.drain_placed = 1;
-            o.drain_at[0] = bad == 7 ? 1e9 : grid.lattice.origin[0] + 0.5; /* outside; through the wall alone */
+            /* outside; through the wall alone */
+            o.drain_at[0] = bad == 7 ? 1e9 : grid.lattice.origin[0] + 0.5;
             o.drain_at[1] = grid.lattice.origin[1] + 0.5;
         }
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_hollow(ctx, &grid, &o, &g));

@@ -1,4 +1,5 @@
-/* test_nearest.c - closest points at centres of voxels: every triangle looked at, for meshes, lattices and widths of all kinds. */
+/* test_nearest.c - closest points at centres of voxels: every triangle
+ * looked at, for meshes, lattices and widths of all kinds. */
 #include "field/nearest.h"
 #include "mesh/closest.h"
 #include "mesh/closest_query.h"
@@ -47,8 +48,8 @@ void tearDown(void)
 typedef struct asked {
     bvx_mesh_view view;
     bvx_lattice lattice;
-    bvx_window window;  /* all zero: the whole */
-    double width;       /* or infinity */
+    bvx_window window; /* all zero: the whole */
+    double width;      /* or infinity */
     int32_t value_type;
 } asked;
 
@@ -85,7 +86,8 @@ static void count_rows(const bvx_grid *g, uint64_t *first)
     uint64_t n = 0;
     for (uint64_t r = 0; r < bvxi_grid_rows(g); r++) {
         first[r] = n;
-        for (int32_t k = 0; k < g->words_per_row; k++) n += bvxi_popcount(g->words[r * (uint64_t)g->words_per_row + (uint64_t)k]);
+        for (int32_t k = 0; k < g->words_per_row; k++)
+            n += bvxi_popcount(g->words[r * (uint64_t)g->words_per_row + (uint64_t)k]);
     }
     first[bvxi_grid_rows(g)] = n;
 }
@@ -93,6 +95,7 @@ static void count_rows(const bvx_grid *g, uint64_t *first)
 static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type, answer *a)
 {
     bvxi_nearest_values v;
+
     a->count = a->first[bvxi_grid_rows(&a->band)];
     a->size = value_type == BVX_F32 ? 4 : 8;
     a->vectors = room(a->count * 3 * a->size);
@@ -104,7 +107,8 @@ static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type
     v.distances = a->distances;
     v.triangles = a->triangles;
     v.features = a->features;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(c, "test", 0, 1, nearest, HUGE_VAL, &a->band, a->first, &v));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_nearest_fill(c, "test", 0, 1, nearest, HUGE_VAL, &a->band, a->first, &v));
     TEST_ASSERT_EQUAL_UINT8(0x77, ((uint8_t *)a->distances)[a->count * a->size]);
     TEST_ASSERT_EQUAL_UINT8(0x77, a->features[a->count]);
 }
@@ -112,12 +116,17 @@ static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type
 static void ask(bvx_context *c, const asked *q, answer *a)
 {
     bvxi_nearest *nearest = NULL;
+
     memset(a, 0, sizeof *a);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_nearest_open(c, "test", "test", 0, 1, &q->view, &q->lattice, &nearest), bvx_last_message(c));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(c, &q->lattice, q->window.size[0] ? &q->window : NULL, &a->band));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(
+        BVX_OK, bvxi_nearest_open(c, "test", "test", 0, 1, &q->view, &q->lattice, &nearest),
+        bvx_last_message(c));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_grid_create(c, &q->lattice, q->window.size[0] ? &q->window : NULL, &a->band));
     a->first = room((bvxi_grid_rows(&a->band) + 1) * 8);
     if (q->width < HUGE_VAL) {
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_band(c, "test", 0, 1, nearest, q->width, &a->band, a->first));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                bvxi_nearest_band(c, "test", 0, 1, nearest, q->width, &a->band, a->first));
     } else {
         for (uint64_t r = 0; r < bvxi_grid_rows(&a->band); r++)
             bvxi_set_run(a->band.words + r * (uint64_t)a->band.words_per_row, 0, a->band.size[0]);
@@ -139,6 +148,7 @@ static oracle oracle_of(const bvx_mesh_view *v)
 {
     oracle o = {NULL, 0.0, v->triangle_count};
     double low[3], high[3];
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_view_bounds(ctx, "test", v, low, high));
     o.scale = bvxi_unit_scale(low, high);
     o.t = room(v->triangle_count * sizeof *o.t);
@@ -157,6 +167,7 @@ static oracle oracle_of(const bvx_mesh_view *v)
 static uint32_t oracle_at(const oracle *o, const double p[3], double q[3], double *d2)
 {
     uint32_t best = 0;
+
     *d2 = HUGE_VAL;
     for (uint64_t i = 0; i < o->count; i++) {
         double r[3];
@@ -179,6 +190,7 @@ static void expect_answer(const asked *q, const answer *a, int32_t step)
 {
     oracle const o = oracle_of(&q->view);
     uint64_t n = 0, seen = 0;
+
     for (int32_t z = 0; z < a->band.size[2]; z++)
         for (int32_t y = 0; y < a->band.size[1]; y++) {
             uint64_t const row = (uint64_t)z * (uint64_t)a->band.size[1] + (uint64_t)y;
@@ -191,7 +203,8 @@ static void expect_answer(const asked *q, const answer *a, int32_t step)
                     n += (uint64_t)set;
                     continue;
                 }
-                for (int k = 0; k < 3; k++) p[k] = (q->lattice.origin[k] + ((double)at[k] + 0.5) * q->lattice.spacing[k]) * o.scale;
+                for (int k = 0; k < 3; k++)
+                    p[k] = (q->lattice.origin[k] + ((double)at[k] + 0.5) * q->lattice.spacing[k]) * o.scale;
                 uint32_t const best = oracle_at(&o, p, closest, &d2);
                 double const d = sqrt(d2) / o.scale;
                 TEST_ASSERT_EQUAL_INT(d <= q->width, set);
@@ -199,12 +212,14 @@ static void expect_answer(const asked *q, const answer *a, int32_t step)
                 TEST_ASSERT_EQUAL_UINT32(best, a->triangles[n]);
                 TEST_ASSERT_TRUE((a->size == 4 ? (double)(float)d : d) == number_of(a, a->distances, n));
                 for (int k = 0; k < 3; k++) {
-                    double const v = (closest[k] - p[k]) / o.scale + 0.0, got = number_of(a, a->vectors, 3 * n + (uint64_t)k);
+                    double const v = (closest[k] - p[k]) / o.scale + 0.0;
+                    double const got = number_of(a, a->vectors, 3 * n + (uint64_t)k);
                     TEST_ASSERT_TRUE((a->size == 4 ? (double)(float)v : v) == got);
                     TEST_ASSERT_FALSE(got == 0.0 && 1.0 / got < 0.0); /* one zero of two */
                 }
                 memcpy(t, o.t[best], sizeof t);
-                TEST_ASSERT_EQUAL_INT(bvxi_closest_feature(p, (const double(*)[3])t, closest), a->features[n]);
+                TEST_ASSERT_EQUAL_INT(bvxi_closest_feature(p, (const double(*)[3])t, closest),
+                                      a->features[n]);
                 n++;
             }
         }
@@ -226,8 +241,10 @@ static void expect_same(const answer *a, const answer *b)
 /* Against the oracle, and the same bytes in every way of getting them. */
 static void expect_everywhere(const asked *q, int32_t step)
 {
-    static const int32_t threads[4] = {2, 8, 1, 2}, cpu[4] = {BVX_CPU_BEST, BVX_CPU_BEST, BVX_CPU_PORTABLE, BVX_CPU_PORTABLE};
+    static const int32_t threads[4] = {2, 8, 1, 2};
+    static const int32_t cpu[4] = {BVX_CPU_BEST, BVX_CPU_BEST, BVX_CPU_PORTABLE, BVX_CPU_PORTABLE};
     answer a, b;
+
     ask(ctx, q, &a);
     expect_answer(q, &a, step);
     for (int i = 0; i < 4; i++) {
@@ -247,7 +264,11 @@ enum { KINDS = 7 };
 
 static void make_mesh(int kind)
 {
-    static const double low[3] = {2, 3, 4}, high[3] = {19, 15, 17}, centre[3] = {11, 9, 10}, radius[3] = {8, 6, 7};
+    static const double low[3] = {2, 3, 4};
+    static const double high[3] = {19, 15, 17};
+    static const double centre[3] = {11, 9, 10};
+    static const double radius[3] = {8, 6, 7};
+
     maker_clear(&m);
     if (kind == 0) maker_soup(&m, &seed, 50, low, high, 1000);
     if (kind == 1) maker_needles(&m, &seed, 50, low, high, 65536);
@@ -256,12 +277,14 @@ static void make_mesh(int kind)
     if (kind == 4) maker_box(&m, low, high);
     if (kind == 5) maker_soup(&m, &seed, 80, low, high, 1); /* many ties */
     if (kind == 6) maker_soup(&m, &seed, 1, low, high, 3);
-    if (kind == 2) maker_triangle(&m, 0, maker_vertex(&m, 9.5, 7.25, 8), maker_vertex(&m, 3, 12, 9)); /* one of area */
+    /* one of area */
+    if (kind == 2) maker_triangle(&m, 0, maker_vertex(&m, 9.5, 7.25, 8), maker_vertex(&m, 3, 12, 9));
 }
 
 static bvx_mesh_view view_as(int32_t type)
 {
     bvx_mesh_view v = maker_view(&m);
+
     if (type == BVX_F64) return v;
     free(floats);
     floats = room(m.vertices * 12);
@@ -271,7 +294,8 @@ static bvx_mesh_view view_as(int32_t type)
     return v;
 }
 
-static bvx_lattice lattice_of(const double origin[3], const double spacing[3], int32_t nx, int32_t ny, int32_t nz)
+static bvx_lattice lattice_of(const double origin[3], const double spacing[3], int32_t nx, int32_t ny,
+                              int32_t nz)
 {
     int32_t const dims[3] = {nx, ny, nz};
     bvx_lattice l;
@@ -295,10 +319,12 @@ static asked question(bvx_mesh_view view, bvx_lattice lattice, double width)
 static void test_nearest_band_equals_every_triangle(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1};
+
     for (int kind = 0; kind < KINDS; kind++)
         for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
             make_mesh(kind);
-            asked q = question(view_as(type), lattice_of(origin, spacing, 26, 21, 23), kind == 4 ? 3.0 : 2.75);
+            asked q = question(view_as(type), lattice_of(origin, spacing, 26, 21, 23),
+                               kind == 4 ? 3.0 : 2.75);
             q.value_type = type;
             expect_everywhere(&q, 3);
         }
@@ -316,10 +342,14 @@ static void test_nearest_everywhere_equals_every_triangle(void)
 
 static void test_nearest_with_stretched_voxels(void)
 {
-    static const double origin[3] = {-1, 1.5, 2}, spacing[4][3] = {{0.25, 1, 2.5}, {3, 0.5, 0.5}, {0.7, 0.9, 1.3}, {16, 0.125, 4}};
+    static const double origin[3] = {-1, 1.5, 2};
+    static const double spacing[4][3] = {{0.25, 1, 2.5}, {3, 0.5, 0.5}, {0.7, 0.9, 1.3}, {16, 0.125, 4}};
+
     for (int i = 0; i < 4; i++) {
         make_mesh(i % 2 ? 3 : 0);
-        asked q = question(view_as(BVX_F64), lattice_of(origin, spacing[i], (int32_t)(22 / spacing[i][0]) + 1, 20, (int32_t)(20 / spacing[i][2]) + 1),
+        asked q = question(view_as(BVX_F64),
+                           lattice_of(origin, spacing[i], (int32_t)(22 / spacing[i][0]) + 1, 20,
+                                      (int32_t)(20 / spacing[i][2]) + 1),
                            1.5 * (i == 3 ? 4 : spacing[i][2]));
         expect_everywhere(&q, 5);
         q.width = HUGE_VAL;
@@ -330,13 +360,16 @@ static void test_nearest_with_stretched_voxels(void)
 /* Metres of a map, voxels of centimetres; and a mesh that is small beside where it lies. */
 static void test_nearest_far_from_the_origin(void)
 {
-    static const double shift[2][3] = {{500000, 5400000, 300}, {4e6, -3e6, 2e6}}, spacing[2][3] = {{1, 1, 1}, {0.01, 0.01, 0.01}};
+    static const double shift[2][3] = {{500000, 5400000, 300}, {4e6, -3e6, 2e6}};
+    static const double spacing[2][3] = {{1, 1, 1}, {0.01, 0.01, 0.01}};
+
     for (int i = 0; i < 2; i++)
         for (int kind = 0; kind < 4; kind++) {
             make_mesh(kind);
             for (size_t k = 0; k < 3 * m.vertices; k++) m.p[k] = m.p[k] * spacing[i][0] + shift[i][k % 3];
             double const origin[3] = {shift[i][0], shift[i][1], shift[i][2]};
-            asked const q = question(view_as(BVX_F64), lattice_of(origin, spacing[i], 22, 18, 20), 2 * spacing[i][0]);
+            asked const q = question(view_as(BVX_F64), lattice_of(origin, spacing[i], 22, 18, 20),
+                                     2 * spacing[i][0]);
             expect_everywhere(&q, 5);
         }
 }
@@ -345,6 +378,7 @@ static void test_nearest_far_from_the_origin(void)
 static void test_nearest_in_any_unit(void)
 {
     static const double unit[4] = {1e-300, 1e-30, 1e30, 1e290};
+
     for (int i = 0; i < 4; i++) {
         make_mesh(i);
         for (size_t k = 0; k < 3 * m.vertices; k++) m.p[k] *= unit[i];
@@ -356,8 +390,10 @@ static void test_nearest_in_any_unit(void)
 
 static void test_nearest_where_the_lattice_is_far_or_of_another_size(void)
 {
-    static const double origin[5][3] = {{900, 20, 5}, {-1e6, 1e6, 1e6}, {9, 9, 9}, {-4000, -4000, -4000}, {1e12, 0, 0}};
+    static const double origin[5][3] = {
+        {900, 20, 5}, {-1e6, 1e6, 1e6}, {9, 9, 9}, {-4000, -4000, -4000}, {1e12, 0, 0}};
     static const double size[5] = {1, 1, 1.0 / 1024, 512, 1e9};
+
     for (int i = 0; i < 5; i++) {
         double const spacing[3] = {size[i], size[i], size[i]};
         make_mesh(i == 2 ? 3 : 0);
@@ -372,7 +408,9 @@ static void test_nearest_where_the_lattice_is_far_or_of_another_size(void)
 static void test_nearest_in_a_window(void)
 {
     static const double origin[3] = {0, 1, 2}, spacing[3] = {0.25, 0.25, 0.25};
-    static const bvx_window window[3] = {{{1, 2, 3}, {70, 40, 30}}, {{63, 0, 17}, {5, 50, 1}}, {{30, 20, 5}, {1, 1, 1}}};
+    static const bvx_window window[3] = {
+        {{1, 2, 3}, {70, 40, 30}}, {{63, 0, 17}, {5, 50, 1}}, {{30, 20, 5}, {1, 1, 1}}};
+
     make_mesh(3);
     for (int i = 0; i < 3; i++) {
         asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 80, 60, 60), 0.8);
@@ -381,10 +419,12 @@ static void test_nearest_in_a_window(void)
     }
 }
 
-/* A width that is some centre's very distance: that centre is in the band, and not with the next smaller width. */
+/* A width that is some centre's very distance: that centre is in the band,
+ * and not with the next smaller width. */
 static void test_nearest_band_is_closed(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1};
+
     make_mesh(3);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 26, 21, 23), HUGE_VAL);
     answer all, a;
@@ -418,10 +458,13 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
     bvx_context *const other = context_of(2, BVX_CPU_BEST);
     bvxi_nearest *nearest = NULL, *fresh = NULL;
     bvx_grid band = {0};
+
     make_mesh(3);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 50, 40, 46), HUGE_VAL);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_open(other, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &fresh));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_nearest_open(other, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &fresh));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(other, &q.lattice, NULL, &band));
     uint64_t *const first = room((bvxi_grid_rows(&band) + 1) * 8);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_band(other, "test", 0, 1, nearest, 1.0, &band, first));
@@ -432,7 +475,9 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
         for (int32_t z = 0; z < a.band.size[2]; z++)
             for (int32_t y = 0; y < a.band.size[1]; y++)
                 for (int32_t x = 0; x < a.band.size[0]; x++)
-                    bvx_grid_set(&a.band, x, y, z, i == 2 ? bvx_grid_get(&band, x, y, z) == 0 : maker_below(&seed, i == 0 ? 2 : 30) == 0);
+                    bvx_grid_set(&a.band, x, y, z,
+                                 i == 2 ? bvx_grid_get(&band, x, y, z) == 0
+                                        : maker_below(&seed, i == 0 ? 2 : 30) == 0);
         a.first = room((bvxi_grid_rows(&a.band) + 1) * 8);
         count_rows(&a.band, a.first);
         b = a;
@@ -458,12 +503,14 @@ static void test_nearest_fills_single_arrays(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1}, guess[4] = {2.0, 0.9, 0.05, 0.0};
     bvxi_nearest *nearest = NULL;
+
     make_mesh(0);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 26, 21, 23), 2.0);
     q.value_type = BVX_F32;
     answer a;
     ask(ctx, &q, &a);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
     for (int i = 0; i < 4; i++) {
         uint64_t const bytes = a.count * (i == 0 ? 12 : i == 3 ? 1 : 4);
         void *const got = room(bytes);
@@ -472,8 +519,14 @@ static void test_nearest_fills_single_arrays(void)
         if (i == 1) v.distances = got;
         if (i == 2) v.triangles = got;
         if (i == 3) v.features = got;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(ctx, "test", 0, 1, nearest, guess[i], &a.band, a.first, &v));
-        TEST_ASSERT_EQUAL_INT(0, memcmp(got, i == 0 ? a.vectors : i == 1 ? a.distances : i == 2 ? (void *)a.triangles : a.features, (size_t)bytes));
+        TEST_ASSERT_EQUAL_INT32(
+            BVX_OK, bvxi_nearest_fill(ctx, "test", 0, 1, nearest, guess[i], &a.band, a.first, &v));
+        TEST_ASSERT_EQUAL_INT(0, memcmp(got,
+                                        i == 0   ? a.vectors
+                                        : i == 1 ? a.distances
+                                        : i == 2 ? (void *)a.triangles
+                                                 : a.features,
+                                        (size_t)bytes));
         free(got);
     }
     bvxi_nearest_close(ctx, nearest);
@@ -482,10 +535,12 @@ static void test_nearest_fills_single_arrays(void)
 
 /* ---- Many triangles ---- */
 
-/* A sphere of 2 n (n - 1) triangles round a centre of the lattice, from where all are equally far but for rounding. */
+/* A sphere of 2 n (n - 1) triangles round a centre of the lattice, from
+ * where all are equally far but for rounding. */
 static void make_sphere(int32_t n, double x, double y, double z, double r)
 {
     double const pi = 3.14159265358979323846;
+
     for (int32_t i = 0; i <= n; i++)
         for (int32_t j = 0; j < n; j++) {
             double const a = pi * i / n, b = 2 * pi * j / n;
@@ -504,6 +559,7 @@ static void test_nearest_in_the_middle_of_a_sphere(void)
 {
     static const double origin[3] = {-6, -6, -6}, spacing[3] = {1, 1, 1};
     static const bvx_window middle = {{4, 4, 4}, {5, 5, 5}};
+
     make_sphere(90, 0.5, 0.5, 0.5, 5);
     asked q = question(view_as(BVX_F64), lattice_of(origin, spacing, 13, 13, 13), HUGE_VAL);
     q.window = middle;
@@ -516,9 +572,11 @@ static void test_nearest_in_the_middle_of_a_sphere(void)
 static void test_nearest_among_equal_triangles(void)
 {
     static const double origin[3] = {-3, -3, -3}, spacing[3] = {1, 1, 1};
+
     for (int32_t i = 0; i < 3000; i++) {
         double const a = 6.283185307179586 * i / 3000, b = 6.283185307179586 * (i + 1) / 3000;
-        uint32_t const top = maker_vertex(&m, 0.5, 0.5, 0.5), u = maker_vertex(&m, 4 * cos(a), 4 * sin(a), -3);
+        uint32_t const top = maker_vertex(&m, 0.5, 0.5, 0.5);
+        uint32_t const u = maker_vertex(&m, 4 * cos(a), 4 * sin(a), -3);
         maker_triangle(&m, top, u, maker_vertex(&m, 4 * cos(b), 4 * sin(b), -3));
     }
     for (int32_t i = 0; i < 2000; i++) maker_triangle(&m, 0, 1, 2);
@@ -526,7 +584,8 @@ static void test_nearest_among_equal_triangles(void)
     expect_everywhere(&q, 3);
 }
 
-/* One triangle far away must not cost the others their places in the tree: without care this takes minutes. */
+/* One triangle far away must not cost the others their places in the tree: without care this takes
+ * minutes. */
 static void test_nearest_beside_a_triangle_far_away(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {0.5, 0.5, 0.5};
@@ -543,6 +602,7 @@ static void test_nearest_with_a_crowd_in_a_corner(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {0.015625, 0.015625, 0.015625};
     static const bvx_window window = {{60, 61, 62}, {7, 6, 5}};
+
     make_sphere(60, 1, 1, 1, 0.03);
     uint32_t const a = maker_vertex(&m, 60, 61, 62), b = maker_vertex(&m, 61, 61, 61);
     maker_triangle(&m, a, b, maker_vertex(&m, 62, 59, 61));
@@ -554,8 +614,12 @@ static void test_nearest_with_a_crowd_in_a_corner(void)
 /* Triangles much larger than voxels, over the whole lattice. */
 static void test_nearest_to_large_triangles(void)
 {
-    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, low[3] = {20, 20, 20}, high[3] = {235, 230, 225};
+    static const double origin[3] = {0, 0, 0};
+    static const double spacing[3] = {1, 1, 1};
+    static const double low[3] = {20, 20, 20};
+    static const double high[3] = {235, 230, 225};
     static const bvx_window corner = {{10, 12, 14}, {40, 20, 20}};
+
     maker_box(&m, low, high);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 256, 256, 256), 3.0);
     q.window = corner;
@@ -569,6 +633,7 @@ static void test_nearest_refuses(void)
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_of(origin, spacing, 8, 8, 8);
     bvxi_nearest *nearest = (bvxi_nearest *)&seed;
+
     make_mesh(0);
     bvx_mesh_view v = maker_view(&m);
     v.triangle_count = 0;
@@ -588,7 +653,8 @@ static void test_nearest_refuses(void)
     v = maker_view(&m);
     wide.spacing[1] = 0x1p1021; /* 2^1024 is no double */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
-    TEST_ASSERT_EQUAL_STRING("f: the lattice's last voxel has no finite place along y", bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_STRING("f: the lattice's last voxel has no finite place along y",
+                             bvx_last_message(ctx));
     wide.origin[1] = -0x1p1022;
     wide.spacing[1] = 0x1p1020;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
@@ -601,6 +667,7 @@ static void test_nearest_refuses(void)
 int main(void)
 {
     int const brief = getenv("BVX_QUICK") != NULL; /* on emulated machines */
+
     UNITY_BEGIN();
     RUN_TEST(test_nearest_band_equals_every_triangle);
     if (!brief) RUN_TEST(test_nearest_everywhere_equals_every_triangle);

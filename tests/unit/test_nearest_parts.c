@@ -1,5 +1,5 @@
-/* test_nearest_parts.c - the parts of the search for closest points: frames in floats against exact distances, four pairs at a
- * time against one, the evaluation against a finer one. */
+/* test_nearest_parts.c - the parts of the search for closest points: frames in floats against exact
+ * distances, four pairs at a time against one, the evaluation against a finer one. */
 #include "field/nearest_eight.h"
 #include "field/nearest_pairs.h"
 #include "mesh/closest.h"
@@ -21,8 +21,9 @@ void tearDown(void)
 
 /* ---- Exact distances ---- */
 
-/* Coordinates are whole numbers of 2^-24 below 4, so all products below are whole numbers of less than 127 bits: which part of the
- * triangle is nearest is exact, and the distance is rounded in the last steps alone. */
+/* Coordinates are whole numbers of 2^-24 below 4, so all products below are whole numbers of less than 127
+ * bits: which part of the triangle is nearest is exact, and the distance is rounded in the last steps
+ * alone. */
 #define GRID 16777216.0
 typedef long double fine;
 #if defined(__SIZEOF_INT128__)
@@ -46,6 +47,7 @@ static whole whole_dot(const whole a[3], const whole b[3])
 static fine fine_to_segment(const whole p[3], const whole a[3], const whole b[3])
 {
     whole u[3], w[3], n[3];
+
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];
         w[k] = p[k] - a[k];
@@ -65,6 +67,7 @@ static fine fine_distance(const double point[3], const double t[3][3])
 {
     whole p[3], c[3][3], u[3], v[3], w[3], n[3], a[3], b[3];
     fine best = HUGE_VALL;
+
     for (int k = 0; k < 3; k++) {
         p[k] = (whole)(point[k] * GRID);
         for (int i = 0; i < 3; i++) c[i][k] = (whole)(t[i][k] * GRID);
@@ -106,6 +109,7 @@ static void make_triangle(double t[3][3])
 {
     double const size = ldexp(1.0, -maker_below(&seed, 20)), thin = ldexp(1.0, -maker_below(&seed, 40));
     int const kind = maker_below(&seed, 8);
+
     for (int k = 0; k < 3; k++) {
         t[0][k] = between(-1, 1);
         t[1][k] = t[0][k] + size * between(-1, 1);
@@ -120,8 +124,8 @@ static void make_triangle(double t[3][3])
     if (kind == 5 && maker_below(&seed, 4) == 0)
         for (int i = 1; i < 3; i++) memcpy(t[i], t[0], sizeof t[0]);
     if (kind == 6)
-        for (int i = 0; i < 3; i++)
-            for (int k = 0; k < 3; k++) t[i][k] = floor(t[i][k] * 8) / 8; /* right angles, equal coordinates */
+        for (int i = 0; i < 3; i++) /* right angles, equal coordinates */
+            for (int k = 0; k < 3; k++) t[i][k] = floor(t[i][k] * 8) / 8;
     to_grid(t[0], 9);
 }
 
@@ -131,6 +135,7 @@ static void make_point(const double t[3][3], double p[3])
     double const reach = ldexp(1.0, -maker_below(&seed, 22));
     int const kind = maker_below(&seed, 6);
     double const a = between(-0.5, 1.5), b = between(-0.5, 1.5);
+
     for (int k = 0; k < 3; k++) {
         p[k] = t[0][k] + a * (t[1][k] - t[0][k]) + b * (t[2][k] - t[0][k]);
         if (kind < 3) p[k] += reach * between(-1, 1);
@@ -143,11 +148,12 @@ static void make_point(const double t[3][3], double p[3])
 
 /* ---- Tests ---- */
 
-/* Floats may err by BVXI_NEAR_ERROR of where the leaf's far corner and the centre are, and a foot's half unit; less than
- * half of that is what they do. */
+/* Floats may err by BVXI_NEAR_ERROR of where the leaf's far corner and the centre are, and a foot's half
+ * unit; less than half of that is what they do. */
 static void test_nearest_frames_are_near_the_truth(void)
 {
     float worst = 0.0f;
+
     EXACT();
     for (int i = 0; i < 200000; i++) {
         double t[3][3], p[3];
@@ -164,14 +170,18 @@ static void test_nearest_frames_are_near_the_truth(void)
             high[a] = (float)fmax(t[0][a], fmax(t[1][a], t[2][a])) + 0x1p-22f;
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
                 for (int v = 0; v < 3; v++)
-                    corner[3 * v + a][k] = k == slot ? (float)(t[v][a] - (double)low[a]) : (float)between(0, (double)(high[a] - low[a]));
-            reach += fmaxf(origin - low[a], high[a] - origin) + (high[a] - low[a]) + fabsf((float)(p[a] - (double)origin));
+                    corner[3 * v + a][k] = k == slot ? (float)(t[v][a] - (double)low[a])
+                                                     : (float)between(0, (double)(high[a] - low[a]));
+            reach += fmaxf(origin - low[a], high[a] - origin) + (high[a] - low[a]) +
+                     fabsf((float)(p[a] - (double)origin));
         }
         bvxi_near_make_leaf(number, (const float(*)[BVXI_NEAR_WIDTH])corner, low, 0, &leaf);
         bvxi_near_make_leaf(number, (const float(*)[BVXI_NEAR_WIDTH])corner, low, 1, &same);
         for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
-            for (int f = 0; f < BVXI_NEAR_NUMBERS; f++) TEST_ASSERT_TRUE(leaf.frame[k].f[f] == same.frame[k].f[f]);
-        for (int k = 0; k < BVXI_NEAR_WIDTH; k++) TEST_ASSERT_TRUE(leaf.frame[k].triangle == number[k] && same.frame[k].triangle == number[k]);
+            for (int f = 0; f < BVXI_NEAR_NUMBERS; f++)
+                TEST_ASSERT_TRUE(leaf.frame[k].f[f] == same.frame[k].f[f]);
+        for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
+            TEST_ASSERT_TRUE(leaf.frame[k].triangle == number[k] && same.frame[k].triangle == number[k]);
         TEST_ASSERT_EQUAL_INT(0, memcmp(leaf.low, same.low, sizeof leaf.low));
         TEST_ASSERT_EQUAL_INT(0, memcmp(leaf.high, same.high, sizeof leaf.high));
         const float *const f = leaf.frame[slot].f;
@@ -224,8 +234,8 @@ static void test_nearest_pairs_equal_the_single_evaluation(void)
     }
 }
 
-/* What nearest.c says of the evaluation: never below the truth but for rounding, and above it by no more than 2^-26 of the
- * longest edge. Coordinates are of size 1 here. */
+/* What nearest.c says of the evaluation: never below the truth but for rounding, and above it by no more than
+ * 2^-26 of the longest edge. Coordinates are of size 1 here. */
 static void test_nearest_evaluation_is_near_the_truth(void)
 {
     EXACT();
@@ -235,10 +245,12 @@ static void test_nearest_evaluation_is_near_the_truth(void)
         make_point((const double(*)[3])t, p);
         for (int k = 0; k < 3; k++) {
             double const *const a = t[k], *const b = t[(k + 1) % 3];
-            double const e = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+            double const e = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                                  (a[2] - b[2]) * (a[2] - b[2]));
             longest = fmax(longest, e);
         }
-        double const d = sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q)), truth = (double)fine_distance(p, (const double(*)[3])t);
+        double const d = sqrt(bvxi_closest_on_triangle(p, (const double(*)[3])t, q));
+        double const truth = (double)fine_distance(p, (const double(*)[3])t);
         TEST_ASSERT_TRUE(d >= truth - 4e-15);
         TEST_ASSERT_TRUE(d <= truth + 4e-15 + longest * 0x1p-26);
     }

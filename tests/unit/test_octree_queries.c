@@ -18,6 +18,7 @@ static void make_tree(int32_t nx, int32_t ny, int32_t nz, int32_t levels)
     bvx_lattice base;
     bvx_refine_options o;
     maker_mesh m = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
     for (int a = 0; a < 3; a++) {
         centre[a] = origin[a] + 0.5 * dims[a] * spacing[a];
@@ -73,9 +74,12 @@ static int meets(const double ray[6], double t_max, const bvx_octree_leaf *l, do
 {
     int32_t low[3], high[3];
     double enter = 0, leave = t_max;
+
     box_of(l, low, high);
     for (int a = 0; a < 3; a++) {
-        double const u = (ray[a] - lattice.origin[a]) / lattice.spacing[a], step = ray[3 + a] / lattice.spacing[a], per = 1 / step;
+        double const u = (ray[a] - lattice.origin[a]) / lattice.spacing[a];
+        double const step = ray[3 + a] / lattice.spacing[a];
+        double const per = 1 / step;
         if (step == 0) {
             if (u < low[a] || u > high[a]) return 0;
             continue;
@@ -110,13 +114,16 @@ static uint64_t check_rays(int32_t states, int on_lattice)
             double const side = lattice.dims[a] * lattice.spacing[a];
             double const way = maker_between(&seed, -1, 1, 64);
             if (on_lattice) { /* through planes, edges and corners of voxels */
-                rays[6 * i + a] = lattice.origin[a] + maker_below(&seed, lattice.dims[a] + 5) * lattice.spacing[a] - 2 * lattice.spacing[a];
+                rays[6 * i + a] = lattice.origin[a] +
+                                  maker_below(&seed, lattice.dims[a] + 5) * lattice.spacing[a] -
+                                  2 * lattice.spacing[a];
                 rays[6 * i + 3 + a] = (maker_below(&seed, 3) - 1) * lattice.spacing[a];
             } else {
                 rays[6 * i + a] = lattice.origin[a] + side * maker_between(&seed, -0.3, 1.3, 1000);
                 rays[6 * i + 3 + a] = i % 4 == a ? 0 : way;
             }
-            if (a == 2 && rays[6 * i + 3] == 0 && rays[6 * i + 4] == 0 && rays[6 * i + 5] == 0) rays[6 * i + 5] = 1;
+            if (a == 2 && rays[6 * i + 3] == 0 && rays[6 * i + 4] == 0 && rays[6 * i + 5] == 0)
+                rays[6 * i + 5] = 1;
         }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, states, rays, RAYS, 20, hits));
     for (int i = 0; i < RAYS; i++) {
@@ -134,7 +141,8 @@ static uint64_t check_rays(int32_t states, int on_lattice)
         TEST_ASSERT_EQUAL_MEMORY(best, &hits[i].leaf, sizeof *best);
         TEST_ASSERT_TRUE(best_t == hits[i].t);
         TEST_ASSERT_EQUAL_INT(best_t == 0, hits[i].axis == -1);
-        for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(hits[i].position[a] == rays[6 * i + a] + hits[i].t * rays[6 * i + 3 + a]);
+        for (int a = 0; a < 3; a++)
+            TEST_ASSERT_TRUE(hits[i].position[a] == rays[6 * i + a] + hits[i].t * rays[6 * i + 3 + a]);
     }
     return hit;
 }
@@ -142,6 +150,7 @@ static uint64_t check_rays(int32_t states, int on_lattice)
 static void test_rays_meet_the_first_leaf(void)
 {
     static const int32_t shapes[4][4] = {{4, 4, 4, 3}, {1, 1, 1, 4}, {7, 2, 3, 2}, {3, 5, 4, 0}};
+
     for (int i = 0; i < 4; i++) {
         make_tree(shapes[i][0], shapes[i][1], shapes[i][2], shapes[i][3]);
         TEST_ASSERT_GREATER_THAN(20, check_rays(0, 0));
@@ -158,6 +167,7 @@ static void test_rays_meet_the_first_leaf(void)
 static void test_neighbours_share_a_face(void)
 {
     uint64_t pairs = 0, back = 0;
+
     make_tree(3, 2, 3, 3);
     for (uint64_t n = 0; n < count; n++)
         for (int32_t d = 0; d < 6; d++) {
@@ -165,7 +175,8 @@ static void test_neighbours_share_a_face(void)
             int32_t low[3], high[3];
             uint64_t found = 0, want = 0, again = 0;
             box_of(&leaf[n], low, high);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_neighbours(ctx, tree, &leaf[n], d, beside, 70, &found));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_octree_neighbours(ctx, tree, &leaf[n], d, beside, 70, &found));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_neighbours(ctx, tree, &leaf[n], d, NULL, 0, &again));
             TEST_ASSERT_EQUAL_UINT64(found, again);
             for (uint64_t k = 0; k < count; k++) {
@@ -179,12 +190,15 @@ static void test_neighbours_share_a_face(void)
                 if (!shares) continue;
                 want++;
                 int listed = 0;
-                for (uint64_t i = 0; i < found; i++) listed += memcmp(&beside[i], &leaf[k], sizeof leaf[k]) == 0;
+                for (uint64_t i = 0; i < found; i++)
+                    listed += memcmp(&beside[i], &leaf[k], sizeof leaf[k]) == 0;
                 TEST_ASSERT_EQUAL_INT(1, listed);
             }
             TEST_ASSERT_EQUAL_UINT64(want, found);
             *(d < 3 ? &pairs : &back) += found;
-            if (found > 1) TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_octree_neighbours(ctx, tree, &leaf[n], d, beside, found - 1, &again));
+            if (found > 1)
+                TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_octree_neighbours(ctx, tree, &leaf[n], d,
+                                                                                beside, found - 1, &again));
         }
     TEST_ASSERT_EQUAL_UINT64(pairs, back);
     TEST_ASSERT_GREATER_THAN(100, pairs);
@@ -196,6 +210,7 @@ static void test_refusals(void)
     bvx_octree_hit hit;
     bvx_octree_leaf none = {{0, 0, 0}, 9, 1, {0, 0}};
     uint64_t n;
+
     make_tree(2, 2, 2, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_octree_cast(ctx, tree, 0, ray, 1, 1, &hit));
     ray[3] = 1;

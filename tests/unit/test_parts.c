@@ -1,5 +1,5 @@
-/* test_parts.c - parts of grids listed, numbered, kept, filled and counted, against a flood over single voxels and cells counted
- * one by one. */
+/* test_parts.c - parts of grids listed, numbered, kept, filled and counted,
+ * against a flood over single voxels and cells counted one by one. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
@@ -11,12 +11,13 @@
 static bvx_context *ctx, *other; /* best and portable code */
 static uint64_t seed;
 static bvx_grid grid;
-static int32_t *found;           /* by the flood: -1 for voxels that were not asked about */
+static int32_t *found; /* by the flood: -1 for voxels that were not asked about */
 static int32_t found_count;
 
 void setUp(void)
 {
     bvx_context_options o;
+
     seed = 4711;
     memset(&grid, 0, sizeof grid);
     bvx_context_options_init(&o, sizeof o);
@@ -59,7 +60,8 @@ static void scatter(int32_t percent)
 {
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
-            for (int32_t x = 0; x < grid.size[0]; x++) bvx_grid_set(&grid, x, y, z, maker_below(&seed, 100) < percent);
+            for (int32_t x = 0; x < grid.size[0]; x++)
+                bvx_grid_set(&grid, x, y, z, maker_below(&seed, 100) < percent);
 }
 
 static size_t voxels_of(const bvx_grid *g)
@@ -85,6 +87,7 @@ static void flood(int value, int32_t connectivity)
     int32_t const most = connectivity == 6 ? 1 : connectivity == 18 ? 2 : 3;
     size_t const n = voxels_of(&grid);
     size_t *const stack = malloc((n + 1) * sizeof *stack);
+
     free(found);
     found = malloc((n + 1) * sizeof *found);
     TEST_ASSERT_NOT_NULL(stack);
@@ -97,13 +100,21 @@ static void flood(int value, int32_t connectivity)
         if (found[first] >= 0) continue;
         for (int begun = 0; used > 0; begun = 1) {
             size_t const i = stack[--used], row = i / (size_t)grid.size[0];
-            int32_t const x = (int32_t)(i % (size_t)grid.size[0]), y = (int32_t)(row % (size_t)grid.size[1]), z = (int32_t)(row / (size_t)grid.size[1]);
+            int32_t const x = (int32_t)(i % (size_t)grid.size[0]);
+            int32_t const y = (int32_t)(row % (size_t)grid.size[1]);
+            int32_t const z = (int32_t)(row / (size_t)grid.size[1]);
             if (!begun && bvx_grid_get(&grid, x, y, z) != value) break;
             if (!begun) found[i] = found_count++;
             for (int32_t d = 0; d < 27; d++) {
-                int32_t const dx = d % 3 - 1, dy = d / 3 % 3 - 1, dz = d / 9 - 1, u = x + dx, v = y + dy, w = z + dz;
+                int32_t const dx = d % 3 - 1;
+                int32_t const dy = d / 3 % 3 - 1;
+                int32_t const dz = d / 9 - 1;
+                int32_t const u = x + dx;
+                int32_t const v = y + dy;
+                int32_t const w = z + dz;
                 if ((dx != 0) + (dy != 0) + (dz != 0) > most) continue;
-                if (u < 0 || v < 0 || w < 0 || u >= grid.size[0] || v >= grid.size[1] || w >= grid.size[2]) continue;
+                if (u < 0 || v < 0 || w < 0 || u >= grid.size[0] || v >= grid.size[1] || w >= grid.size[2])
+                    continue;
                 if (bvx_grid_get(&grid, u, v, w) != value || found[index_of(u, v, w)] >= 0) continue;
                 found[index_of(u, v, w)] = found[i];
                 stack[used++] = index_of(u, v, w);
@@ -117,6 +128,7 @@ static void flood(int value, int32_t connectivity)
 static bvx_component *list_found(void)
 {
     bvx_component *const parts = calloc((size_t)found_count + 1, sizeof *parts);
+
     TEST_ASSERT_NOT_NULL(parts);
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
@@ -127,7 +139,9 @@ static bvx_component *list_found(void)
                 if (p->voxels++ == 0) p->first = index_of(x, y, z);
                 for (int32_t a = 0; a < 3; a++) {
                     int32_t const low = p->voxels == 1 || v[a] < p->low[a] ? v[a] : p->low[a];
-                    int32_t const high = p->voxels == 1 || v[a] >= p->low[a] + p->size[a] ? v[a] + 1 : p->low[a] + p->size[a];
+                    int32_t const high = p->voxels == 1 || v[a] >= p->low[a] + p->size[a]
+                                             ? v[a] + 1
+                                             : p->low[a] + p->size[a];
                     p->low[a] = low;
                     p->size[a] = high - low;
                 }
@@ -141,6 +155,7 @@ static void expect_parts(void)
 {
     size_t const n = voxels_of(&grid);
     uint32_t *const labels = malloc(n * sizeof *labels);
+
     TEST_ASSERT_NOT_NULL(labels);
     for (int k = 0; k < 6; k++) {
         bvx_context *const with = k < 3 ? ctx : other;
@@ -213,7 +228,9 @@ static void expect_kept(const bvx_keep_options *options)
     bvx_grid kept = {0}, in_place = {0};
     bvx_component *parts;
     uint8_t *alive, *last;
-    bvx_window const window = {{grid.low[0], grid.low[1], grid.low[2]}, {grid.size[0], grid.size[1], grid.size[2]}};
+    bvx_window const window = {{grid.low[0], grid.low[1], grid.low[2]},
+                               {grid.size[0], grid.size[1], grid.size[2]}};
+
     flood(1, o.connectivity);
     parts = list_found();
     alive = calloc((size_t)found_count + 1, 1);
@@ -222,7 +239,8 @@ static void expect_kept(const bvx_keep_options *options)
     TEST_ASSERT_NOT_NULL(last);
     for (int32_t i = 0; i < found_count; i++) {
         int touched = o.seed_count == 0;
-        for (uint64_t s = 0; s < o.seed_count; s++) touched |= found[index_of(o.seeds[3 * s], o.seeds[3 * s + 1], o.seeds[3 * s + 2])] == i;
+        for (uint64_t s = 0; s < o.seed_count; s++)
+            touched |= found[index_of(o.seeds[3 * s], o.seeds[3 * s + 1], o.seeds[3 * s + 2])] == i;
         alive[i] = touched && parts[i].voxels >= o.at_least;
     }
     for (int32_t i = 0; i < found_count; i++) {
@@ -281,11 +299,13 @@ static void expect_cavities(int32_t connectivity, uint64_t at_most)
     bvx_grid filled = {0};
     bvx_component *parts;
     uint64_t want = 0, got = 99;
+
     flood(0, connectivity);
     parts = list_found();
     for (int32_t i = 0; i < found_count; i++)
         for (int32_t a = 0; a < 3; a++)
-            if (parts[i].low[a] == 0 || parts[i].low[a] + parts[i].size[a] == grid.size[a]) parts[i].reserved = 1;
+            if (parts[i].low[a] == 0 || parts[i].low[a] + parts[i].size[a] == grid.size[a])
+                parts[i].reserved = 1;
     for (int32_t i = 0; i < found_count; i++) {
         if (at_most != 0 && parts[i].voxels > at_most) parts[i].reserved = 1;
         want += parts[i].reserved ? 0 : parts[i].voxels;
@@ -307,6 +327,7 @@ static void expect_cavities(int32_t connectivity, uint64_t at_most)
 static void test_cavities_are_filled(void)
 {
     static const int32_t sides[5] = {3, 63, 64, 65, 129};
+
     for (int s = 0; s < 5; s++)
         for (int k = 0; k < 3; k++)
             for (uint64_t at_most = 0; at_most < 3; at_most++) {
@@ -318,11 +339,12 @@ static void test_cavities_are_filled(void)
 
 /* ---- Topology ---- */
 
-/* Vertices - edges + faces - voxels: a cell counts when any of its voxels is set (26), or with centres for vertices all of them
- * (6). Cells are numbered by twice their middle. */
+/* Vertices - edges + faces - voxels: a cell counts when any of its voxels is set (26), or with centres for
+ * vertices all of them (6). Cells are numbered by twice their middle. */
 static int64_t slow_euler(int32_t connectivity)
 {
     int64_t sum = 0;
+
     for (int32_t z = -1; z <= 2 * grid.size[2]; z++)
         for (int32_t y = -1; y <= 2 * grid.size[1]; y++)
             for (int32_t x = -1; x <= 2 * grid.size[0]; x++) {
@@ -352,6 +374,7 @@ static void expect_topology(int32_t connectivity)
     bvx_component *parts;
     uint64_t components, cavities = 0, set = 0;
     int64_t const euler = slow_euler(connectivity);
+
     flood(1, connectivity);
     components = (uint64_t)found_count;
     for (size_t i = 0; i < voxels_of(&grid); i++) set += found[i] >= 0;
@@ -359,7 +382,8 @@ static void expect_topology(int32_t connectivity)
     parts = list_found();
     for (int32_t i = 0; i < found_count; i++) {
         int side = 0;
-        for (int32_t a = 0; a < 3; a++) side |= parts[i].low[a] == 0 || parts[i].low[a] + parts[i].size[a] == grid.size[a];
+        for (int32_t a = 0; a < 3; a++)
+            side |= parts[i].low[a] == 0 || parts[i].low[a] + parts[i].size[a] == grid.size[a];
         cavities += !side;
     }
     free(parts);
@@ -377,6 +401,7 @@ static void expect_topology(int32_t connectivity)
 static void test_topology_equals_counted_cells(void)
 {
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129}, percents[6] = {0, 6, 30, 55, 90, 100};
+
     for (int s = 0; s < 7; s++)
         for (int p = quick() ? 2 : 0; p < (quick() ? 4 : 6); p++) {
             make_grid(sides[s], 1 + maker_below(&seed, 6), 1 + maker_below(&seed, 6));
@@ -440,11 +465,13 @@ static void test_parts_refuse(void)
     bvx_keep_options o;
     bvx_grid result = {0}, none = {0};
     int32_t out[3] = {0, 1, 0};
+
     make_grid(10, 1, 1);
     for (int32_t x = 0; x < 10; x += 2) bvx_grid_set(&grid, x, 0, 0, 1);
     expect_refused(BVX_ERR_CAPACITY, bvx_grid_components(ctx, &grid, 6, parts, 2, &count), "5 parts");
     TEST_ASSERT_EQUAL_UINT64(5, count);
-    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_components(ctx, &grid, 8, parts, 2, &count), "connectivity is 8");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_components(ctx, &grid, 8, parts, 2, &count),
+                   "connectivity is 8");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_components(ctx, &grid, 6, parts, 2, NULL), "count is NULL");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_components(ctx, NULL, 6, parts, 2, &count), "grid is NULL");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_components(ctx, &none, 6, parts, 2, &count), "no words");
@@ -454,7 +481,8 @@ static void test_parts_refuse(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_label(ctx, &grid, 6, labels, 10, NULL));
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_topology(ctx, &grid, 18, &t), "not 6 or 26");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_topology(ctx, &grid, 6, NULL), "topology is NULL");
-    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 0, 0, &result, NULL), "connectivity is 0");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 0, 0, &result, NULL),
+                   "connectivity is 0");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 6, 0, NULL, NULL), "result is NULL");
     bvx_keep_options_init(&o, sizeof o);
     o.connectivity = 4;

@@ -1,4 +1,5 @@
-/* test_plan_lods.c - bvx_plan_lods: the resolution of the solid against what its rule says, on boxes whose area is known. */
+/* test_plan_lods.c - bvx_plan_lods: the resolution of the solid against
+ * what its rule says, on boxes whose area is known. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
@@ -41,7 +42,8 @@ void tearDown(void)
 static int32_t planned(uint64_t count, int32_t padding, int32_t *limited)
 {
     int32_t resolution = -1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_plan_lods(ctx, &view, &options, count, padding, &resolution, limited),
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK,
+                                    bvx_plan_lods(ctx, &view, &options, count, padding, &resolution, limited),
                                     bvx_last_message(ctx));
     return resolution;
 }

@@ -13,6 +13,7 @@ static void check_npy(int nx, int ny, int nz, uint64_t seed)
     bvx_grid g = {0};
     bvx_buffer b = {0};
     char dict[100];
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &g));
     for (int z = 0; z < nz; z++)
@@ -22,7 +23,8 @@ static void check_npy(int nx, int ny, int nz, uint64_t seed)
     TEST_ASSERT_EQUAL_MEMORY("\x93NUMPY\1\0", b.bytes, 8);
     size_t const header = 10 + (size_t)b.bytes[8] + 256 * (size_t)b.bytes[9];
     TEST_ASSERT_EQUAL_UINT64(0, header % 64);
-    int const n = sprintf(dict, "{'descr': '|b1', 'fortran_order': True, 'shape': (%d, %d, %d), }", nx, ny, nz);
+    int const n = sprintf(dict, "{'descr': '|b1', 'fortran_order': True, 'shape': (%d, %d, %d), }", nx, ny,
+                          nz);
     TEST_ASSERT_EQUAL_MEMORY(dict, b.bytes + 10, (size_t)n);
     for (size_t i = 10 + (size_t)n; i + 1 < header; i++) TEST_ASSERT_EQUAL_UINT8(' ', b.bytes[i]);
     TEST_ASSERT_EQUAL_UINT8('\n', b.bytes[header - 1]);
@@ -47,13 +49,15 @@ static void test_write_npy(void)
 
 static void test_write_grid_refuses(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_NPY, BVX_FORMAT_BINVOX, BVX_FORMAT_VOX, BVX_FORMAT_NRRD, BVX_FORMAT_VTI, BVX_FORMAT_BVX};
+    static const int32_t formats[] = {BVX_FORMAT_NPY,  BVX_FORMAT_BINVOX, BVX_FORMAT_VOX,
+                                      BVX_FORMAT_NRRD, BVX_FORMAT_VTI,    BVX_FORMAT_BVX};
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {1, 1, 1};
     uint64_t word = 1;
     uint8_t byte;
     bvx_grid good = {0}, g;
     bvx_buffer b = {0}, full = {&byte, 1, 0};
+
     good.words = &word;
     good.word_capacity = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &good.lattice));
@@ -88,6 +92,7 @@ static void test_write_grid_too_large(void)
     static const int32_t formats[] = {BVX_FORMAT_NPY, BVX_FORMAT_NRRD, BVX_FORMAT_VTI};
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     uint64_t word = 1;
+
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         for (int32_t bits = 20; bits <= 25; bits += 5) { /* 2^60 bytes, 2^75 */
             int32_t const dims[3] = {1 << bits, 1 << bits, 1 << bits};
@@ -98,7 +103,8 @@ static void test_write_grid_too_large(void)
             g.word_capacity = UINT64_MAX;
             memcpy(g.size, dims, sizeof g.size);
             g.words_per_row = 1 << (bits - 6);
-            TEST_ASSERT_EQUAL_INT32(bits == 20 ? BVX_ERR_BUDGET : BVX_ERR_RANGE, bvx_write_grid(ctx, &g, formats[i], &b));
+            TEST_ASSERT_EQUAL_INT32(bits == 20 ? BVX_ERR_BUDGET : BVX_ERR_RANGE,
+                                    bvx_write_grid(ctx, &g, formats[i], &b));
             TEST_ASSERT_NULL(b.bytes);
         }
 }
@@ -185,26 +191,28 @@ static void test_write_png(void)
     check_png(1, 1);
     check_png(3, 5);
     check_png(100, 80);
-    check_png(21844, 1);  /* one byte filter and 65,532: below one block */
-    check_png(1311, 50);  /* 50 * 3934: several blocks, rows across their borders */
-    check_png(21845, 2);  /* a row of 65,536 */
-    check_png(4369, 10);  /* 10 * 13,108 = 131,080: two blocks and 10 bytes */
+    check_png(21844, 1); /* one byte filter and 65,532: below one block */
+    check_png(1311, 50); /* 50 * 3934: several blocks, rows across their borders */
+    check_png(21845, 2); /* a row of 65,536 */
+    check_png(4369, 10); /* 10 * 13,108 = 131,080: two blocks and 10 bytes */
     check_png(1, 65535 / 4 * 4 + 3);
-    check_png(4368, 5);   /* 5 * 13,105 = 65,525 */
-    check_png(1456, 15);  /* 15 * 4,369 = 65,535: a block to the last byte */
-    check_png(1456, 30);  /* two of them */
+    check_png(4368, 5);  /* 5 * 13,105 = 65,525 */
+    check_png(1456, 15); /* 15 * 4,369 = 65,535: a block to the last byte */
+    check_png(1456, 30); /* two of them */
 }
 
 static void test_write_png_bytes(void) /* one pixel, as other programs read it */
 {
-    static const uint8_t want[] = {
-        0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
-        0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x02, 0x00, 0x00, 0x00, 0x90, 0x77, 0x53, 0xde, 0x00, 0x00, 0x00,
-        0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x04, 0x00, 0xfb, 0xff, 0x00, 0x0a, 0x14, 0x1e, 0x00, 0x68,
-        0x00, 0x3d, 0xe8, 0x0c, 0xbb, 0x83, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+    static const uint8_t want[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d,
+                                   0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01,
+                                   0x08, 0x02, 0x00, 0x00, 0x00, 0x90, 0x77, 0x53, 0xde, 0x00, 0x00, 0x00,
+                                   0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x04, 0x00, 0xfb, 0xff,
+                                   0x00, 0x0a, 0x14, 0x1e, 0x00, 0x68, 0x00, 0x3d, 0xe8, 0x0c, 0xbb, 0x83,
+                                   0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
     uint8_t pixel[3] = {10, 20, 30};
     bvx_image const image = {pixel, 1, 1};
     bvx_buffer b = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_png(ctx, &image, &b));
     TEST_ASSERT_EQUAL_UINT64(sizeof want, b.size);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(want, b.bytes, sizeof want);
@@ -216,6 +224,7 @@ static void test_write_png_refuses(void)
     uint8_t pixel[3] = {1, 2, 3};
     bvx_image image = {pixel, 1, 1};
     bvx_buffer b = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_png(NULL, &image, &b));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_png(ctx, NULL, &b));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_png(ctx, &image, NULL));
@@ -236,6 +245,7 @@ static void test_write_png_refuses(void)
 static void test_image_free(void)
 {
     bvx_image image = {NULL, 5, 4};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_alloc(ctx, BVXI_RESULT, 60, "pixels", &image.pixels));
     TEST_ASSERT_EQUAL_UINT64(60, bvx_memory_used(ctx));
     bvx_image_free(ctx, &image);

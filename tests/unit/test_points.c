@@ -1,5 +1,5 @@
-/* test_points.c - clouds of points: lattices around them, voxels by counting one point after the other, bodies by moving a cube, and
- * files of points. */
+/* test_points.c - clouds of points: lattices around them, voxels by counting one point after the other,
+ * bodies by moving a cube, and files of points. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
@@ -49,7 +49,8 @@ static void expect_refused(bvx_status want, bvx_status got, const char *word)
 /* The voxel of a coordinate by the header's words; dims at the lattice's high side is its last voxel. */
 static int32_t slow_voxel(const bvx_lattice *l, int a, double p)
 {
-    double const steps = (double)(1 << l->fraction_bits), q = floor((p - l->origin[a]) * (steps / l->spacing[a]) + 0.5);
+    double const steps = (double)(1 << l->fraction_bits);
+    double const q = floor((p - l->origin[a]) * (steps / l->spacing[a]) + 0.5);
     double const v = floor(q / steps);
     return q == steps * l->dims[a] ? l->dims[a] - 1 : v < -1 ? -1 : v > l->dims[a] ? l->dims[a] : (int32_t)v;
 }
@@ -61,6 +62,7 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
     bvx_points_options o;
     bvx_points_report report, want = {0};
     bvx_grid g = {0};
+
     TEST_ASSERT_NOT_NULL(count);
     for (uint64_t i = 0; i < view.vertex_count; i++) {
         int32_t v[3];
@@ -70,7 +72,8 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
             inside &= v[a] >= 0 && v[a] < w->size[a];
         }
         *(inside ? &want.inside : &want.outside) += 1;
-        if (inside) count[((size_t)v[2] * (size_t)w->size[1] + (size_t)v[1]) * (size_t)w->size[0] + (size_t)v[0]]++;
+        if (inside)
+            count[((size_t)v[2] * (size_t)w->size[1] + (size_t)v[1]) * (size_t)w->size[0] + (size_t)v[0]]++;
     }
     for (size_t i = 0; i < n; i++) want.occupied += count[i] >= (uint32_t)minimum;
     bvx_points_options_init(&o, sizeof o);
@@ -81,8 +84,10 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, l, &o, &g));
     TEST_ASSERT_EQUAL_MEMORY(&want, &report, sizeof want);
     for (size_t i = 0; i < n; i++) {
-        int32_t const x = (int32_t)(i % (size_t)w->size[0]), y = (int32_t)(i / (size_t)w->size[0] % (size_t)w->size[1]);
-        TEST_ASSERT_EQUAL_INT(count[i] >= (uint32_t)minimum, bvx_grid_get(&g, x, y, (int32_t)(i / (size_t)w->size[0] / (size_t)w->size[1])));
+        int32_t const x = (int32_t)(i % (size_t)w->size[0]);
+        int32_t const y = (int32_t)(i / (size_t)w->size[0] % (size_t)w->size[1]);
+        TEST_ASSERT_EQUAL_INT(count[i] >= (uint32_t)minimum,
+                              bvx_grid_get(&g, x, y, (int32_t)(i / (size_t)w->size[0] / (size_t)w->size[1])));
     }
     bvx_grid_free(ctx, &g);
     free(count);
@@ -91,11 +96,13 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
 static void test_points_are_counted_in_their_voxels(void)
 {
     static const int32_t dims[6] = {1, 63, 64, 65, 128, 129};
+
     for (int d = 0; d < 6; d++)
         for (int32_t minimum = 1; minimum <= 9; minimum += 1 + minimum / 3) {
             double const origin[3] = {1.5, 1.25, 2}, spacing[3] = {0.5, 0.75, 1};
             int32_t const sides[3] = {dims[d], 5, 4};
-            bvx_window const whole = {{0, 0, 0}, {dims[d], 5, 4}}, part = {{dims[d] / 3, 1, 1}, {dims[d] - dims[d] / 3, 3, 2}};
+            bvx_window const whole = {{0, 0, 0}, {dims[d], 5, 4}};
+            bvx_window const part = {{dims[d] / 3, 1, 1}, {dims[d] - dims[d] / 3, 3, 2}};
             bvx_lattice l;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, sides, &l));
             scatter(d < 3 ? 700 : MOST_POINTS, d == 0 ? 12 : 4 * dims[d] < 60 ? 4 * dims[d] : 60, 0.125);
@@ -116,7 +123,8 @@ static void test_a_fitted_lattice_holds_the_cloud(void)
         scatter(2 + (uint64_t)maker_below(&seed, 500), 1000, 0.001 * (1 + maker_below(&seed, 50)));
         bvx_lattice_options_init(&o, sizeof o);
         if (round % 3 == 0) o.resolution = 1 + maker_below(&seed, 70);
-        if (round % 3 == 1) o.spacing[0] = o.spacing[1] = o.spacing[2] = 0.07 + 0.01 * maker_below(&seed, 100);
+        if (round % 3 == 1)
+            o.spacing[0] = o.spacing[1] = o.spacing[2] = 0.07 + 0.01 * maker_below(&seed, 100);
         if (round % 3 == 2)
             for (int a = 0; a < 3; a++) o.axis_resolution[a] = 1 + maker_below(&seed, 40);
         o.padding = round % 2;
@@ -140,6 +148,7 @@ static void test_points_of_any_view(void)
     bvx_lattice_options o;
     bvx_lattice l, m;
     uint64_t first = 0, second = 1;
+
     scatter(40, 30, 0.25);
     for (int i = 0; i < 40; i++)
         for (int k = 0; k < 3; k++) packed[i][k] = (float)cloud[i][k];
@@ -181,17 +190,21 @@ static int cube_is_empty(const bvx_grid *g, const int32_t low[3], int32_t side)
     return 1;
 }
 
-/* The body by its definition: a cube goes step by step from where it touches no voxel of the lattice; what it covers is outside. */
+/* The body by its definition: a cube goes step by step from where it
+ * touches no voxel of the lattice; what it covers is outside. */
 static void slow_body(const bvx_grid *shell, int32_t side, bvx_grid *body, uint64_t *pockets)
 {
-    int32_t const n[3] = {shell->size[0] + side + 1, shell->size[1] + side + 1, shell->size[2] + side + 1}; /* places from -side on */
+    /* places from -side on */
+    int32_t const n[3] = {shell->size[0] + side + 1, shell->size[1] + side + 1, shell->size[2] + side + 1};
     size_t const places = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
     uint8_t *const state = calloc(places, 1); /* 1: free, 2: reached from outside, 3: in a pocket */
     size_t *const stack = malloc((places + 1) * sizeof *stack);
+
     TEST_ASSERT_NOT_NULL(state);
     TEST_ASSERT_NOT_NULL(stack);
     for (size_t i = 0; i < places; i++) {
-        int32_t const low[3] = {(int32_t)(i % (size_t)n[0]) - side, (int32_t)(i / (size_t)n[0] % (size_t)n[1]) - side,
+        int32_t const low[3] = {(int32_t)(i % (size_t)n[0]) - side,
+                                (int32_t)(i / (size_t)n[0] % (size_t)n[1]) - side,
                                 (int32_t)(i / (size_t)n[0] / (size_t)n[1]) - side};
         state[i] = (uint8_t)cube_is_empty(shell, low, side);
     }
@@ -222,7 +235,9 @@ static void slow_body(const bvx_grid *shell, int32_t side, bvx_grid *body, uint6
             for (int32_t x = 0; x < body->size[0]; x++) {
                 int outside = 0;
                 for (int32_t i = 0; i < side * side * side; i++) {
-                    size_t const u = (size_t)(x + side - i % side), v = (size_t)(y + side - i / side % side), w = (size_t)(z + side - i / side / side);
+                    size_t const u = (size_t)(x + side - i % side);
+                    size_t const v = (size_t)(y + side - i / side % side);
+                    size_t const w = (size_t)(z + side - i / side / side);
                     outside |= state[(w * (size_t)n[1] + v) * (size_t)n[0] + u] == 2;
                 }
                 bvx_grid_set(body, x, y, z, !outside);
@@ -240,11 +255,14 @@ static void test_a_body_is_closed_and_filled(void)
     bvx_points_report report;
     bvx_points_options o;
     bvx_lattice l;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, NULL, &want));
     view.vertex_count = 700;
     for (uint64_t i = 0; i < view.vertex_count; i++) { /* a spiral from pole to pole */
-        double const z = 1 - 2 * ((double)i + 0.5) / 700, r = sqrt(1 - z * z), turn = 2.399963229728653 * (double)i;
+        double const z = 1 - 2 * ((double)i + 0.5) / 700;
+        double const r = sqrt(1 - z * z);
+        double const turn = 2.399963229728653 * (double)i;
         cloud[i][0] = 11 + 9 * r * cos(turn);
         cloud[i][1] = 11 + 9 * r * sin(turn);
         cloud[i][2] = z > 0.97 ? 3 : 12.5 + 9 * z;
@@ -278,6 +296,7 @@ static void test_points_refuse(void)
     bvx_lattice_options fit;
     bvx_lattice l;
     bvx_grid g = {0};
+
     scatter(20, 30, 0.25);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 4;
@@ -286,7 +305,8 @@ static void test_points_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, &fit, NULL), "lattice is NULL");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &fit, &l));
     for (int which = 0; which < 6; which++) {
-        static const char *const words[6] = {"minimum is 0", "body is 2", "close_gaps is -1", "goes with body", "reserved", "whole lattice"};
+        static const char *const words[6] = {"minimum is 0",   "body is 2", "close_gaps is -1",
+                                             "goes with body", "reserved",  "whole lattice"};
         bvx_points_options_init(&o, sizeof o);
         if (which == 0) o.minimum = 0;
         if (which == 1) o.body = 2;
@@ -316,7 +336,8 @@ static void test_points_refuse(void)
 static void expect_xyz(const char *text, uint64_t count, const double *want)
 {
     bvx_mesh m = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_points(ctx, text, strlen(text), BVX_FORMAT_XYZ, &m), text);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_points(ctx, text, strlen(text), BVX_FORMAT_XYZ, &m),
+                                    text);
     TEST_ASSERT_EQUAL_UINT64(count, m.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(0, m.triangle_count);
     TEST_ASSERT_EQUAL_INT32(BVX_F64, m.position_type);
@@ -327,18 +348,22 @@ static void expect_xyz(const char *text, uint64_t count, const double *want)
 static void test_xyz_is_read(void)
 {
     static const double two[6] = {1, -2.5, 3, 4e-1, 5, 6};
+
     expect_xyz("1 -2.5 3\n4e-1 5 6\n", 2, two);
     expect_xyz("1 -2.5 3\r\n4e-1 5 6", 2, two);
     expect_xyz("  1\t-2.5,3 0.1 0.2 word\n\n.4;5; 6 ; 7\n \n", 2, two);
     expect_xyz("# a cloud\n// x y z\n1 -2.5 3 # end\n% more\n0.4 5 6", 2, two);
     expect_xyz("X Y Z R G B\n1 -2.5 3 255 0 0\n0.4 5 6 1 2 3\n", 2, two);
-    expect_xyz("\xef\xbb\xbf" "2\n1 -2.5 3\r0.4 5 6\r", 2, two);
+    expect_xyz("\xef\xbb\xbf"
+               "2\n1 -2.5 3\r0.4 5 6\r",
+               2, two);
     expect_xyz("x,y,z\n1,-2.5,3\n0.4,5,6\n", 2, two);
 }
 
 static void test_xyz_refuses(void)
 {
     bvx_mesh m = {0};
+
 #define READ(text) bvx_read_points(ctx, text, sizeof text - 1, BVX_FORMAT_XYZ, &m)
     expect_refused(BVX_ERR_EMPTY, READ(""), "no bytes");
     expect_refused(BVX_ERR_EMPTY, READ("# nothing\n\n"), "no points");
@@ -350,7 +375,8 @@ static void test_xyz_refuses(void)
     expect_refused(BVX_ERR_RANGE, READ("1 2 1e999\n"), "line 1: point 0");
     expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_STL, &m), "take .ply .xyz");
     expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, NULL, 5, BVX_FORMAT_XYZ, &m), "bytes is NULL");
-    expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_XYZ, NULL), "points is NULL");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_read_points(ctx, "1 2 3", 5, BVX_FORMAT_XYZ, NULL),
+                   "points is NULL");
     TEST_ASSERT_NULL(m.positions);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, READ("1 2 3"));
     m.owned = 0; /* as if they were the caller's */
@@ -362,15 +388,19 @@ static void test_xyz_refuses(void)
 
 static void test_ply_points_are_read(void)
 {
-    static const char alone[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
-                                "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 255 0 9\n4 5 6 0 1 2\n";
-    static const char faced[] = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
-                                "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5 6\n7 8 9\n3 0 1 2\n";
-    static const char none[] = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    static const char alone[] =
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 255 0 9\n4 5 6 0 1 2\n";
+    static const char faced[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5 6\n7 8 9\n3 0 1 2\n";
+    static const char none[] =
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
     static const float floats[6] = {1, 2, 3, 4, 5, 6};
     static const double doubles[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     static const uint8_t colours[8] = {255, 0, 9, 255, 0, 1, 2, 255};
     bvx_mesh m = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_points(ctx, alone, sizeof alone - 1, BVX_FORMAT_PLY, &m));
     TEST_ASSERT_EQUAL_UINT64(2, m.vertex_count);
     TEST_ASSERT_EQUAL_INT32(BVX_F32, m.position_type);
@@ -382,9 +412,11 @@ static void test_ply_points_are_read(void)
     TEST_ASSERT_EQUAL_UINT64(0, m.triangle_count);
     TEST_ASSERT_EQUAL_MEMORY(doubles, m.positions, sizeof doubles);
     bvx_mesh_free(ctx, &m);
-    expect_refused(BVX_ERR_EMPTY, bvx_read_points(ctx, none, sizeof none - 1, BVX_FORMAT_PLY, &m), "no vertices");
+    expect_refused(BVX_ERR_EMPTY, bvx_read_points(ctx, none, sizeof none - 1, BVX_FORMAT_PLY, &m),
+                   "no vertices");
     expect_refused(BVX_ERR_FORMAT, bvx_read_points(ctx, alone, sizeof alone - 8, BVX_FORMAT_PLY, &m), "PLY");
-    expect_refused(BVX_ERR_EMPTY, bvx_read_mesh(ctx, alone, sizeof alone - 1, BVX_FORMAT_PLY, &m), "no faces");
+    expect_refused(BVX_ERR_EMPTY, bvx_read_mesh(ctx, alone, sizeof alone - 1, BVX_FORMAT_PLY, &m),
+                   "no faces");
 }
 
 static void test_xyz_has_a_format(void)

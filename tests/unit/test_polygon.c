@@ -1,8 +1,9 @@
 /* test_polygon.c - polygons cut into triangles, against whole-number oracles.
  *
- * Polygons have whole coordinates in a plane that is laid into space by whole vectors, so areas and senses are known without
- * rounding. A cut is right when it has count - 2 triangles, none turned over, their areas sum up to the polygon's, each
- * side of the polygon belongs to one triangle and every other edge to two that run along it in opposite directions. */
+ * Polygons have whole coordinates in a plane that is laid into space by whole vectors, so areas and senses
+ * are known without rounding. A cut is right when it has count - 2 triangles, none turned over, their areas
+ * sum up to the polygon's, each side of the polygon belongs to one triangle and every other edge to two that
+ * run along it in opposite directions. */
 #include "mesh/polygon.h"
 #include "mesh/polygon_ring.h"
 #include "tools/fault.h"
@@ -29,6 +30,7 @@ static uint64_t seed;
 void setUp(void)
 {
     bvx_context_options o;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
@@ -84,7 +86,8 @@ static int same_place(const int64_t *a, const int64_t *b)
 
 static int on_segment(const int64_t *a, const int64_t *b, const int64_t *p)
 {
-    return twice_area(a, b, p) == 0 && (p[0] - a[0]) * (p[0] - b[0]) <= 0 && (p[1] - a[1]) * (p[1] - b[1]) <= 0;
+    return twice_area(a, b, p) == 0 && (p[0] - a[0]) * (p[0] - b[0]) <= 0 &&
+           (p[1] - a[1]) * (p[1] - b[1]) <= 0;
 }
 
 static int sign_of(int64_t v)
@@ -125,6 +128,7 @@ static int edges_match(uint32_t n, const uint32_t *t)
     uint64_t *const e = malloc((size_t)edges * 8), *const back = malloc((size_t)edges * 8);
     uint64_t inner = 0, sides = 0, inner_back = 0;
     int good = 1;
+
     for (uint64_t i = 0; i < edges; i++) {
         uint64_t const a = t[i], b = t[i % 3 == 2 ? i - 2 : i + 1];
         if (b == (a + 1) % n) sides++;
@@ -159,6 +163,7 @@ static void check_cut(const flat *s, const uint32_t *t, int simple)
     int64_t const whole = twice_area_of(s);
     int const strict = simple && !is_convex(s);
     int64_t sum = 0;
+
     check_numbers(s->n, t);
     for (uint32_t i = 0; i < s->n - 2; i++) {
         int64_t const area = twice_area(s->p[t[3 * i]], s->p[t[3 * i + 1]], s->p[t[3 * i + 2]]);
@@ -172,9 +177,11 @@ static void check_cut(const flat *s, const uint32_t *t, int simple)
 /* ---- planes ---- */
 
 static const double planes[][3][3] = {
-    {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},   {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}},    {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}},
-    {{0, 0, 5}, {0, 1, 0}, {1, 0, 0}},   {{7, -3, 2}, {1, 2, 3}, {3, 1, -2}},  {{-100, 1, 7}, {1, 0, 1}, {0, 1, 1}},
-    {{1, 1, 1}, {2, 0, -2}, {0, 3, -3}}, {{1e6, 1e6, 1e6}, {5, 0, 1}, {-1, 7, 1}}, {{0, 0, 0}, {1, 0, 1000}, {0, 1, -1000}},
+    {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},        {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+    {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}},        {{0, 0, 5}, {0, 1, 0}, {1, 0, 0}},
+    {{7, -3, 2}, {1, 2, 3}, {3, 1, -2}},      {{-100, 1, 7}, {1, 0, 1}, {0, 1, 1}},
+    {{1, 1, 1}, {2, 0, -2}, {0, 3, -3}},      {{1e6, 1e6, 1e6}, {5, 0, 1}, {-1, 7, 1}},
+    {{0, 0, 0}, {1, 0, 1000}, {0, 1, -1000}},
 };
 enum { PLANES = sizeof planes / sizeof planes[0] };
 
@@ -182,7 +189,9 @@ static void lay_into_space(const flat *s, const double plane[3][3], double scale
 {
     for (uint32_t i = 0; i < s->n; i++)
         for (int a = 0; a < 3; a++)
-            space[i][a] = (plane[0][a] + (double)s->p[i][0] * plane[1][a] + (double)s->p[i][1] * plane[2][a]) * scale;
+            space[i][a] = (plane[0][a] + (double)s->p[i][0] * plane[1][a] +
+                           (double)s->p[i][1] * plane[2][a]) *
+                          scale;
 }
 
 static void cut_space(uint32_t n, uint32_t *t)
@@ -217,6 +226,7 @@ static void check_polygon(const flat *s, int simple)
 {
     static const double scales[] = {0x1p960, 0x1p-1060, 0x1p3, 0x1p-300};
     uint32_t const plane = (uint32_t)maker_below(&seed, PLANES);
+
     lay_into_space(s, planes[plane], 1);
     cut_space(s->n, cut);
     check_cut(s, cut, simple);
@@ -238,6 +248,7 @@ static void check_polygon(const flat *s, int simple)
 static void make_star(uint32_t n, int32_t reach)
 {
     int64_t const side = (int64_t)n * 4; /* the rays go through a square of this half side */
+
     shape.n = 0;
     for (uint32_t i = 0; i < n; i++) {
         int64_t const k = (int64_t)i * 8 * side / n + maker_below(&seed, 32), along = k % (2 * side) - side;
@@ -267,6 +278,7 @@ static void make_spiral(uint32_t arms)
 {
     static const int64_t steps[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     int64_t x = 0, y = 0;
+
     shape.n = 0;
     for (uint32_t i = 0; i < arms; i++) {
         add(&shape, x, y);
@@ -287,13 +299,17 @@ static void make_polyomino(int32_t size, int32_t cells)
     static const int32_t steps[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     int32_t const w = 2 * size + 3;
     uint8_t *const full = calloc((size_t)(w * w), 1);
-#define CELL(x, y) full[(y) * w + (x)]
+
+#define CELL(x, y) full[(y)*w + (x)]
     int32_t x = 1, y = 1, direction = 0;
     CELL(1, 1) = 1;
     int32_t *const have = calloc((size_t)cells, 8), n = 1;
     have[0] = have[1] = 1;
     for (int32_t tries = 0; tries < cells * 50 && n < cells; tries++) {
-        int32_t const from = maker_below(&seed, n), d = maker_below(&seed, 4), cx = have[2 * from], cy = have[2 * from + 1];
+        int32_t const from = maker_below(&seed, n);
+        int32_t const d = maker_below(&seed, 4);
+        int32_t const cx = have[2 * from];
+        int32_t const cy = have[2 * from + 1];
         int32_t const nx = cx + 2 * steps[d][0], ny = cy + 2 * steps[d][1];
         if (nx < 1 || ny < 1 || nx > 2 * size || ny > 2 * size || CELL(nx, ny)) continue;
         CELL(nx, ny) = CELL(cx + steps[d][0], cy + steps[d][1]) = 1;
@@ -305,7 +321,8 @@ static void make_polyomino(int32_t size, int32_t cells)
         add(&shape, x, y);
         x += steps[direction][0];
         y += steps[direction][1];
-        int32_t const left[4][2] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}}; /* cells round (x, y), left of the ways out */
+        /* cells round (x, y), left of the ways out */
+        int32_t const left[4][2] = {{0, 0}, {-1, 0}, {-1, -1}, {0, -1}};
         int32_t const turn = (direction + 1) % 4;
         int const ahead_left = CELL(x + left[direction][0], y + left[direction][1]);
         int const ahead_right = CELL(x + left[(direction + 3) % 4][0], y + left[(direction + 3) % 4][1]);
@@ -342,6 +359,7 @@ static void test_cut_convex_polygons_are_fans(void)
 {
     static const int64_t square[][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     static const int64_t straight[][2] = {{0, 0}, {1, 0}, {4, 0}, {4, 4}, {2, 4}, {2, 4}, {0, 4}, {0, 1}};
+
     for (int turned = 0; turned < 2; turned++)
         for (uint32_t plane = 0; plane < PLANES; plane++)
             for (int which = 0; which < 2; which++) {
@@ -375,6 +393,7 @@ static void test_cut_dart(void)
 static void test_cut_every_small_polygon(void)
 {
     uint32_t simple = 0, all = 0;
+
     for (uint32_t n = 3; n <= 9; n++) {
         uint32_t total = 1;
         for (uint32_t i = 0; i < n && n <= 6; i++) total *= 9;
@@ -385,8 +404,8 @@ static void test_cut_every_small_polygon(void)
             for (uint32_t i = 0; i < n; i++) {
                 uint32_t at = rest % 9;
                 rest /= 9;
-                if (n > 6)
-                    do at = (uint32_t)maker_below(&seed, 9);
+                if (n > 6) do
+                        at = (uint32_t)maker_below(&seed, 9);
                     while (used >> at & 1);
                 used |= 1u << at;
                 add(&shape, at % 3, at / 3);
@@ -408,6 +427,7 @@ static void test_cut_every_small_polygon(void)
 static void test_cut_random_polygons(void)
 {
     uint32_t uncrossed = 0;
+
     for (int round = 0; round < 300; round++) {
         make_star(8 + (uint32_t)maker_below(&seed, 60), round % 2 == 0 ? 3 : 100);
         check_polygon(&shape, 1);
@@ -440,7 +460,8 @@ static void test_cut_large_polygons(void)
     check_polygon(&shape, 1);
 }
 
-/* Corners that are nearly on one line, a last bit apart, far from the origin: floating-point turns would be wrong. */
+/* Corners that are nearly on one line, a last bit apart, far from the
+ * origin: floating-point turns would be wrong. */
 static void test_cut_nearly_straight_polygons(void)
 {
     for (int round = 0; round < 2000; round++) {
@@ -474,7 +495,9 @@ static void test_cut_nearly_straight_polygons(void)
 static void test_cut_floats_and_extremes(void)
 {
     static const double sizes[] = {1e300, 1e-300, 1e308, 5e-324, 1e-160, 1e160, 0.1, 3e38, 1e-45};
-    static const int64_t letter[][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 2}, {1, 2}, {1, 3}, {0, 3}};
+    static const int64_t letter[][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 0}, {3, 0},
+                                        {3, 3}, {2, 3}, {2, 2}, {1, 2}, {1, 3}, {0, 3}};
+
     shape.n = 0;
     for (size_t i = 0; i < sizeof letter / sizeof letter[0]; i++) add(&shape, letter[i][0], letter[i][1]);
     for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
@@ -500,10 +523,12 @@ static void test_cut_floats_and_extremes(void)
     check_numbers(shape.n, cut);
 }
 
-/* A polygon whose projection along one axis is a line goes along another, also when rounding hides its normal. */
+/* A polygon whose projection along one axis is a line goes along another,
+ * also when rounding hides its normal. */
 static void test_cut_upright_needle(void)
 {
     static const int64_t needle[][2] = {{0, 0}, {10, 1}, {20, 1}, {30, 0}, {20, 2}, {10, 2}};
+
     shape.n = 0;
     for (size_t i = 0; i < 6; i++) add(&shape, needle[i][0], needle[i][1]);
     for (int turned = 0; turned < 2; turned++) {
@@ -563,7 +588,9 @@ static void test_cut_polygons_with_bridges(void)
 static void test_cut_polygons_that_touch(void)
 {
     static const int64_t touching[][2] = {{0, 0}, {1, 0}, {1, 1}, {2, 1}, {2, 2}, {1, 2}, {1, 1}, {0, 1}};
-    static const int64_t thorn[][2] = {{0, 0}, {4, 0}, {4, 2}, {6, 2}, {4, 2}, {4, 4}, {0, 4}, {0, 2}, {2, 2}, {0, 2}};
+    static const int64_t thorn[][2] = {{0, 0}, {4, 0}, {4, 2}, {6, 2}, {4, 2},
+                                       {4, 4}, {0, 4}, {0, 2}, {2, 2}, {0, 2}};
+
     shape.n = 0;
     for (size_t i = 0; i < 8; i++) add(&shape, touching[i][0], touching[i][1]);
     check_polygon(&shape, 0);
@@ -574,7 +601,9 @@ static void test_cut_polygons_that_touch(void)
 
 static void test_cut_takes_anything(void)
 {
-    static const double places[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}, {-0.0, -0.0, 0}, {2, 2, 2}, {1e300, 0, 1}};
+    static const double places[][3] = {{0, 0, 0},       {1, 0, 0}, {0, 1, 0},    {1, 1, 1},
+                                       {-0.0, -0.0, 0}, {2, 2, 2}, {1e300, 0, 1}};
+
     for (int round = 0; round < 20000; round++) {
         uint32_t const n = 3 + (uint32_t)maker_below(&seed, round % 100 == 0 ? 500 : 12);
         int const few = round % 3;
@@ -593,7 +622,10 @@ static void test_cut_takes_anything(void)
         for (int kind = 0; kind < 4; kind++) {
             for (uint32_t i = 0; i < n; i++)
                 for (int a = 0; a < 3; a++)
-                    space[i][a] = kind == 0 ? 7 : kind == 1 ? (double)(i % 2) : kind == 2 ? (double)i : (double)(i / 2 % 2);
+                    space[i][a] = kind == 0   ? 7
+                                  : kind == 1 ? (double)(i % 2)
+                                  : kind == 2 ? (double)i
+                                              : (double)(i / 2 % 2);
             cut_space(n, cut);
             check_numbers(n, cut);
             TEST_ASSERT_TRUE(edges_match(n, cut));
@@ -601,13 +633,18 @@ static void test_cut_takes_anything(void)
     }
 }
 
-/* A million corners at random, at two places, and a star of a million crossing edges: an end comes in bounded time. */
+/* A million corners at random, at two places, and a star of a million
+ * crossing edges: an end comes in bounded time. */
 static void test_cut_large_and_not_simple(void)
 {
     for (int kind = 0; kind < 4; kind++) {
         for (uint32_t i = 0; i < MOST; i++) {
-            space[i][0] = kind == 0 ? maker_between(&seed, 0, 1, 1 << 30) : kind == 1 ? (double)(i % 2) : (double)(i % 1021);
-            space[i][1] = kind == 0 ? maker_between(&seed, 0, 1, 1 << 30) : kind == 3 ? (double)(i % 3) : (double)(i % 1019);
+            space[i][0] = kind == 0   ? maker_between(&seed, 0, 1, 1 << 30)
+                          : kind == 1 ? (double)(i % 2)
+                                      : (double)(i % 1021);
+            space[i][1] = kind == 0   ? maker_between(&seed, 0, 1, 1 << 30)
+                          : kind == 3 ? (double)(i % 3)
+                                      : (double)(i % 1019);
             space[i][2] = kind == 1 ? (double)(i % 2) : 0;
         }
         cut_space(MOST, cut);
@@ -624,6 +661,7 @@ static void add_product(uint32_t *sum, int64_t a, int64_t b, int shift)
 {
     int const minus = (a < 0) != (b < 0);
     uint64_t const x = (uint64_t)(a < 0 ? -a : a), y = (uint64_t)(b < 0 ? -b : b);
+
     for (int i = 0; i < 64; i++) { /* bit by bit: slow and plain */
         if (!(x >> i & 1)) continue;
         uint64_t const at = (uint64_t)(shift + i);
@@ -642,6 +680,7 @@ static void add_product(uint32_t *sum, int64_t a, int64_t b, int shift)
 static void test_side_exact(void)
 {
     uint32_t zero = 0;
+
     for (int round = 0; round < 60000; round++) {
         int64_t m[3][2];
         int e[3][2];
@@ -649,7 +688,8 @@ static void test_side_exact(void)
         int const wide = round % 3;
         for (int i = 0; i < 3; i++)
             for (int a = 0; a < 2; a++) {
-                m[i][a] = (int64_t)(maker_random(&seed) >> (11 + maker_below(&seed, round % 2 == 0 ? 8 : 53)));
+                m[i][a] = (int64_t)(maker_random(&seed) >>
+                                    (11 + maker_below(&seed, round % 2 == 0 ? 8 : 53)));
                 if (maker_below(&seed, 2) == 0) m[i][a] = -m[i][a];
                 e[i][a] = wide == 0 ? 0 : wide == 1 ? maker_below(&seed, 60) : maker_below(&seed, 946);
             }
@@ -699,6 +739,7 @@ static bvx_status cut_with(uint64_t limit, int *stop, uint64_t *peak)
     bvx_context_options o;
     bvxi_polygon own = {0};
     bvx_status status;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     o.memory_limit = limit;
@@ -717,6 +758,7 @@ static void test_cut_cancels_and_keeps_to_its_memory(void)
 {
     uint64_t peak, limit;
     int stops = 0;
+
     for (int crossing = 0; crossing < 2; crossing++) {
         make_comb(33000, 1000);
         if (crossing) shape.p[100][1] = -500;
@@ -745,6 +787,7 @@ static bvx_status cut_some(void *user, bvx_context *own_ctx)
     static const double bow[4][3] = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
     bvxi_polygon own = {0};
     bvx_status status;
+
     (void)user;
     own.ctx = own_ctx;
     status = bvxi_polygon_cut(&own, bow, 4, cut);
@@ -766,6 +809,7 @@ static void test_cut_every_allocation_may_fail(void)
 static void test_cut_golden(void)
 {
     uint64_t hash = 0;
+
     for (uint32_t n = 8; n < 200; n += 3) {
         make_star(n, 50);
         lay_into_space(&shape, planes[n % PLANES], 1);

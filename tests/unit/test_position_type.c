@@ -1,5 +1,5 @@
-/* test_position_type.c - BVX_POSITION_AUTO: every function that makes positions gives near the origin the bytes of BVX_F32, and far
- * from it, where BVX_F32 is refused, those of BVX_F64. */
+/* test_position_type.c - BVX_POSITION_AUTO: every function that makes positions gives near the origin the
+ * bytes of BVX_F32, and far from it, where BVX_F32 is refused, those of BVX_F64. */
 #include "unity.h"
 
 #include "bitvox.h"
@@ -176,14 +176,16 @@ static const struct maker {
     {"bvx_build_levels, measured", levels, 0},
 };
 
-static uint64_t made_hash(const struct maker *m, const world *w, int32_t type, int32_t local, int32_t *made_type)
+static uint64_t made_hash(const struct maker *m, const world *w, int32_t type, int32_t local,
+                          int32_t *made_type)
 {
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
 
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, m->make(w, type, local, &mesh), bvx_last_message(ctx));
     TEST_ASSERT_TRUE_MESSAGE(mesh.triangle_count != 0, m->name);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash)); /* positions, their type, triangles, frame */
+    /* positions, their type, triangles, frame */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash));
     *made_type = mesh.position_type;
     bvx_mesh_free(ctx, &mesh);
     return hash;
@@ -195,7 +197,8 @@ static void test_near_the_origin_positions_are_floats(void)
         int32_t automatic, given;
         uint64_t const expected = made_hash(&makers[i], &worlds[0], BVX_F32, 0, &given);
 
-        TEST_ASSERT_EQUAL_HEX64_MESSAGE(expected, made_hash(&makers[i], &worlds[0], BVX_POSITION_AUTO, 0, &automatic), makers[i].name);
+        TEST_ASSERT_EQUAL_HEX64_MESSAGE(
+            expected, made_hash(&makers[i], &worlds[0], BVX_POSITION_AUTO, 0, &automatic), makers[i].name);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_F32, automatic, makers[i].name);
     }
 }
@@ -207,9 +210,11 @@ static void test_far_from_the_origin_positions_are_doubles(void)
         bvx_mesh refused = {0};
         uint64_t expected;
 
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_RANGE, makers[i].make(&worlds[1], BVX_F32, 0, &refused), makers[i].name);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_RANGE, makers[i].make(&worlds[1], BVX_F32, 0, &refused),
+                                        makers[i].name);
         expected = made_hash(&makers[i], &worlds[1], BVX_F64, 0, &given);
-        TEST_ASSERT_EQUAL_HEX64_MESSAGE(expected, made_hash(&makers[i], &worlds[1], BVX_POSITION_AUTO, 0, &automatic), makers[i].name);
+        TEST_ASSERT_EQUAL_HEX64_MESSAGE(
+            expected, made_hash(&makers[i], &worlds[1], BVX_POSITION_AUTO, 0, &automatic), makers[i].name);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_F64, automatic, makers[i].name);
     }
 }
@@ -241,7 +246,8 @@ static void test_counts_are_given_wherever_the_grid_lies(void)
         TEST_ASSERT_EQUAL_UINT64(mesh.vertex_count, vertices);
         TEST_ASSERT_EQUAL_UINT64(mesh.triangle_count, triangles);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_faces_count(ctx, &worlds[i].solid, &f, &vertices, &triangles));
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_faces(ctx, &worlds[i].solid, &f, &mesh)); /* of another type: made anew */
+        /* of another type: made anew */
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_faces(ctx, &worlds[i].solid, &f, &mesh));
         TEST_ASSERT_EQUAL_UINT64(mesh.vertex_count, vertices);
         bvx_mesh_free(ctx, &mesh);
     }
@@ -284,10 +290,12 @@ static void test_without_voxels_the_input_decides(void)
 
     bvx_slice_options_init(&cut, sizeof cut);
     cut.spacing = 0.04;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &worlds[0].view, &cut, &sections), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &worlds[0].view, &cut, &sections),
+                                    bvx_last_message(ctx));
     bvx_sections_options_init(&so, sizeof so);
     so.position_type = BVX_POSITION_AUTO;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_sections(ctx, &sections, &so, &mesh), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_sections(ctx, &sections, &so, &mesh),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32(BVX_F64, mesh.position_type);
     bvx_mesh_free(ctx, &mesh);
     bvx_sections_free(ctx, &sections);
@@ -303,14 +311,16 @@ static void test_without_voxels_the_input_decides(void)
 
 static void make_world(world *w, const double origin[3])
 {
-    static const uint32_t triangles[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    static const uint32_t triangles[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+                                           2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
     static const double spacing[3] = {0.01, 0.01, 0.01};
     static const int32_t dims[3] = {24, 24, 24};
     bvx_refine_options refining;
     bvx_field_options measuring;
 
     for (int v = 0; v < 6; v++)
-        for (int a = 0; a < 3; a++) w->corner[3 * v + a] = origin[a] + 0.12 + (a == v / 2 ? (v % 2 == 0 ? 0.1 : -0.1) : 0.0);
+        for (int a = 0; a < 3; a++)
+            w->corner[3 * v + a] = origin[a] + 0.12 + (a == v / 2 ? (v % 2 == 0 ? 0.1 : -0.1) : 0.0);
     w->view.positions = w->corner;
     w->view.indices = triangles;
     w->view.vertex_count = 6;
@@ -321,7 +331,8 @@ static void make_world(world *w, const double origin[3])
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &w->view, &w->lattice, NULL, &w->solid));
     bvx_field_options_init(&measuring, sizeof measuring);
     measuring.features = 1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_measure_field(ctx, &w->view, &w->lattice, &measuring, &w->field), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(
+        BVX_OK, bvx_measure_field(ctx, &w->view, &w->lattice, &measuring, &w->field), bvx_last_message(ctx));
     bvx_refine_options_init(&refining, sizeof refining);
     refining.levels = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_refine(ctx, &w->view, &w->lattice, &refining, &w->tree));

@@ -1,5 +1,5 @@
-/* test_progress.c - what a progress callback sees: for every public function one fraction that rises to 1, reached by those that
- * succeed only; works within each other share it. */
+/* test_progress.c - what a progress callback sees: for every public function one fraction that rises to 1,
+ * reached by those that succeed only; works within each other share it. */
 #include "unity.h"
 
 #include "call_table.h"
@@ -9,8 +9,12 @@
 #include <stdio.h>
 #include <math.h>
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 /* What one call reported. */
 typedef struct record {
@@ -61,13 +65,28 @@ static const char *wrong_rise(const record *r)
 static bvx_buffer ply, packed_tree;
 static bvx_closest *finder;
 
-static bvx_status read_mesh(const world *w) { return bvx_read_mesh(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out); }
-static bvx_status read_points(const world *w) { return bvx_read_points(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out); }
-static bvx_status read_octree(const world *w) { return bvx_read_octree(w->ctx, packed_tree.bytes, packed_tree.size, (bvx_octree **)w->out); }
-static bvx_status closest_find(const world *w) { return bvx_closest_find(w->ctx, finder, a_point, 1, (bvx_closest_point *)w->out); }
+static bvx_status read_mesh(const world *w)
+{
+    return bvx_read_mesh(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out);
+}
+static bvx_status read_points(const world *w)
+{
+    return bvx_read_points(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out);
+}
+static bvx_status read_octree(const world *w)
+{
+    return bvx_read_octree(w->ctx, packed_tree.bytes, packed_tree.size, (bvx_octree **)w->out);
+}
+static bvx_status closest_find(const world *w)
+{
+    return bvx_closest_find(w->ctx, finder, a_point, 1, (bvx_closest_point *)w->out);
+}
 
 static const call more_calls[] = {
-    CALL(read_mesh, 0, TO_MESH), CALL(read_points, 0, TO_MESH), CALL(read_octree, 0, TO_TREE), CALL(closest_find, 0, PLAIN),
+    CALL(read_mesh, 0, TO_MESH),
+    CALL(read_points, 0, TO_MESH),
+    CALL(read_octree, 0, TO_TREE),
+    CALL(closest_find, 0, PLAIN),
 };
 enum { MORE_CALLS = sizeof more_calls / sizeof more_calls[0] };
 
@@ -78,7 +97,8 @@ static const call *call_at(int i)
 
 static int is_silent(const call *c)
 {
-    static const char *const silent[] = {"bvx_lattice_make", "bvx_grid_create", "bvx_octree_lattice", "bvx_octree_neighbours"};
+    static const char *const silent[] = {"bvx_lattice_make", "bvx_grid_create", "bvx_octree_lattice",
+                                         "bvx_octree_neighbours"};
 
     for (size_t i = 0; i < sizeof silent / sizeof silent[0]; i++)
         if (strcmp(c->name, silent[i]) == 0) return 1;
@@ -141,8 +161,8 @@ static void test_every_call_rises_once_to_1(void)
     TEST_ASSERT_EQUAL_INT(0, wrong);
 }
 
-/* Stopped at each report in turn: no 1 then, nothing after the stop, and the next call begins anew; at the report of 1 all is
- * done, and the answer changes nothing. */
+/* Stopped at each report in turn: no 1 then, nothing after the stop, and the next call begins anew; at the
+ * report of 1 all is done, and the answer changes nothing. */
 static void test_a_cancelled_call_does_not_reach_1(void)
 {
     record r = {0};
@@ -208,7 +228,8 @@ static void test_a_refused_call_does_not_reach_1(void)
 
 /* ---- shares ---- */
 
-/* Where in its call a step begins, at the least and at the most: about its share of the time on models of common sizes. */
+/* Where in its call a step begins, at the least and at the most: about its
+ * share of the time on models of common sizes. */
 typedef struct step {
     bvx_status (*make)(const world *w);
     const char *stage;
@@ -334,7 +355,8 @@ static void test_steps_begin_where_their_time_does(void)
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, steps[i].make(&w), bvx_last_message(ctx));
         free_result(ctx, steps[i].to);
         if (!(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high))
-            printf("row %d: %s begins at %g, not between %g and %g\n", (int)i, steps[i].stage, seen_step.at, steps[i].low, steps[i].high);
+            printf("row %d: %s begins at %g, not between %g and %g\n", (int)i, steps[i].stage, seen_step.at,
+                   steps[i].low, steps[i].high);
         TEST_ASSERT_TRUE(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high);
         free_world(ctx);
         bvx_context_destroy(ctx);
@@ -414,7 +436,8 @@ static void test_works_share_the_fraction(void)
         seen_count = 0;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, all_works(ctx, 1));
         TEST_ASSERT_EQUAL_INT(24, seen_count);
-        for (int i = 1; i < seen_count; i++) TEST_ASSERT_TRUE(seen[i] >= seen[i - 1] && seen[i] < 1.0 + (double)(i + 1 == seen_count));
+        for (int i = 1; i < seen_count; i++)
+            TEST_ASSERT_TRUE(seen[i] >= seen[i - 1] && seen[i] < 1.0 + (double)(i + 1 == seen_count));
         TEST_ASSERT_TRUE(bvxi_absolute(seen[22] - 0.75) < 0.002);
         TEST_ASSERT_TRUE(seen[23] == 1.0);
     }

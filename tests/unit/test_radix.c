@@ -9,8 +9,12 @@ enum { MOST = 700 };
 static uint64_t keys[MOST], sorted_keys[MOST];
 static uint32_t numbers[MOST], sorted_numbers[MOST];
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 static void insertion_sort(size_t n)
 {
@@ -29,11 +33,13 @@ static void test_sort_is_a_stable_sort(void)
 {
     bvx_context *ctx;
     uint64_t seed = 11;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     for (int round = 0; round < 300; round++) {
         size_t const n = round < 20 ? (size_t)round : (size_t)maker_below(&seed, MOST);
         uint64_t const thin = round % 3 == 0 ? maker_random(&seed) : UINT64_MAX;
-        uint64_t const mask = maker_random(&seed) & maker_random(&seed) & thin; /* bits that differ between keys */
+        /* bits that differ between keys */
+        uint64_t const mask = maker_random(&seed) & maker_random(&seed) & thin;
         uint64_t const rest = maker_random(&seed) & ~mask;
         for (size_t i = 0; i < n; i++) {
             keys[i] = (maker_random(&seed) & (round % 5 == 0 ? mask & 0xff00ff : mask)) | rest;

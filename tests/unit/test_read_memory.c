@@ -1,4 +1,5 @@
-/* test_read_memory.c - the files that make readers take most, held to what bitvox.h says: a multiple of the file's bytes. */
+/* test_read_memory.c - the files that make readers take most, held to what
+ * bitvox.h says: a multiple of the file's bytes. */
 #include "bitvox.h"
 #include "tools/read_limits.h"
 
@@ -63,7 +64,8 @@ static void put_number(const char *form, uint32_t number)
 
 static void put_u32(uint32_t v)
 {
-    uint8_t const b[4] = {(uint8_t)(v & 255), (uint8_t)(v >> 8 & 255), (uint8_t)(v >> 16 & 255), (uint8_t)(v >> 24)};
+    uint8_t const b[4] = {(uint8_t)(v & 255), (uint8_t)(v >> 8 & 255), (uint8_t)(v >> 16 & 255),
+                          (uint8_t)(v >> 24)};
     put(b, 4);
 }
 
@@ -71,7 +73,8 @@ static void put_u32(uint32_t v)
 
 enum { MESH, POINTS, SECTIONS, VOLUME };
 
-/* The most may be no more than the header says, and where this is the worst file known, no less than a half: it shall say what is so. */
+/* The most may be no more than the header says, and where this is the worst
+ * file known, no less than a half: it shall say what is so. */
 static void check_memory(int kind, int32_t format, int32_t multiple, int worst, bvx_status expected)
 {
     bvx_mesh m = {0};
@@ -79,6 +82,7 @@ static void check_memory(int kind, int32_t format, int32_t multiple, int worst, 
     bvx_sections s;
     bvx_status status;
     char words[160];
+
     memset(&s, 0, sizeof s);
     bvx_memory_reset_peak(ctx);
     status = kind == MESH     ? bvx_read_mesh(ctx, file, size, format, &m)
@@ -86,8 +90,8 @@ static void check_memory(int kind, int32_t format, int32_t multiple, int worst, 
              : kind == VOLUME ? bvx_read_volume(ctx, file, size, format, NULL, &v)
                               : bvx_read_sections(ctx, file, size, format, NULL, &s);
     uint64_t const peak = bvx_memory_peak(ctx);
-    snprintf(words, sizeof words, "format %d: %u bytes take %u: %.1f times, %s", (int)format, (unsigned)size, (unsigned)peak, (double)peak / (double)size,
-             bvx_last_message(ctx));
+    snprintf(words, sizeof words, "format %d: %u bytes take %u: %.1f times, %s", (int)format, (unsigned)size,
+             (unsigned)peak, (double)peak / (double)size, bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(expected, status, words);
     TEST_ASSERT_TRUE_MESSAGE(peak <= read_limit(multiple, size), words);
     if (worst) TEST_ASSERT_TRUE_MESSAGE(2 * peak >= (uint64_t)multiple * size, words);
@@ -120,7 +124,9 @@ static void test_stl_takes_at_most(void)
 /* Corners of two bytes: the largest polygon is cut in room of its own. */
 static void test_obj_and_off_take_at_most(void)
 {
-    static const char *const from_one[] = {" 1", " 3", " 2", " 4", " 5"}, *const from_none[] = {" 0", " 2", " 1", " 3", " 4"};
+    static const char *const from_one[] = {" 1", " 3", " 2", " 4", " 5"};
+    static const char *const from_none[] = {" 0", " 2", " 1", " 3", " 4"};
+
     put_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nf");
     put_many(CORNERS, from_one, 5);
     check_memory(MESH, BVX_FORMAT_OBJ, READ_OBJ, 1, BVX_OK);
@@ -136,8 +142,10 @@ static void test_obj_and_off_take_at_most(void)
 /* Corners of one byte. */
 static void test_ply_takes_at_most(void)
 {
-    static const char vertices[] = "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty char x\nproperty char y\nproperty char z\n";
+    static const char vertices[] =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty char x\nproperty char y\nproperty char z\n";
     static const char places[] = "\0\0\0\1\0\0\0\1\0\1\1\0\2\1\0";
+
     put_text(vertices);
     put_text("element face 1\nproperty list uint uchar vertex_indices\nend_header\n");
     put(places, 15);
@@ -155,9 +163,12 @@ static void test_ply_takes_at_most(void)
 static void test_points_take_at_most(void)
 {
     static const char *const point[] = {"1 2 3\n"}, *const newline[] = {"\n"};
+
     put_many(CORNERS, point, 1);
     check_memory(POINTS, BVX_FORMAT_XYZ, READ_POINTS, 0, BVX_OK);
-    put_number("ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty char x\nproperty char y\nproperty char z\nend_header\n", CORNERS);
+    put_number(
+        "ply\nformat binary_little_endian 1.0\nelement vertex %u\nproperty char x\nproperty char y\nproperty char z\nend_header\n",
+        CORNERS);
     for (uint32_t i = 0; i < CORNERS; i++) put("\1\2\3", 3);
     check_memory(POINTS, BVX_FORMAT_PLY, READ_POINTS, 0, BVX_OK);
     put_text("ply\n"); /* lines of a header that name nothing take nothing */
@@ -169,6 +180,7 @@ static void test_points_take_at_most(void)
 static void test_sections_take_at_most(void)
 {
     static const char *const corner[] = {" 0", " 1", " 2"}, *const loop[] = {"1 0 0\n"};
+
     for (uint32_t corners = 20000; corners < 40000; corners += 1500) {
         put_number("CSLC\n1 1\n1 3 1 0 0 1 0\n0 0 0 1 0 0 0 1 0\n%u 1", corners);
         put_many(corners, corner, 3);
@@ -197,15 +209,19 @@ static void test_grids_take_at_most(void)
     static const char *const three[] = {"AAAA"};
     static uint64_t words[4096];
     bvx_grid g = {0};
-    put_text("<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\">"
-             "<ImageData WholeExtent=\"0 64 0 64 0 64\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 64 0 64 0 64\"><CellData>"
-             "<DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">AAAE"); /* 262144 samples follow their count */
+
+    put_text(
+        "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt32\">"
+        "<ImageData WholeExtent=\"0 64 0 64 0 64\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 64 0 64 0 64\"><CellData>"
+        /* 262144 samples follow their count */
+        "<DataArray type=\"UInt8\" Name=\"a\" format=\"binary\">AAAE");
     put_many(87381, three, 1);
     put_text("AAA=</DataArray></CellData></Piece></ImageData></VTKFile>");
     g.words = words;
     g.word_capacity = 4096;
     bvx_memory_reset_peak(ctx);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_grid(ctx, file, size, BVX_FORMAT_VTI, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_grid(ctx, file, size, BVX_FORMAT_VTI, NULL, &g),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= read_limit(READ_GRID, size));
     TEST_ASSERT_TRUE(2 * bvx_memory_peak(ctx) >= READ_GRID * size);
 }
@@ -221,6 +237,7 @@ static void test_octrees_take_at_most(void)
     bvx_refine_options o;
     bvx_octree *tree = NULL, *back = NULL;
     bvx_buffer b = {0};
+
     view.positions = positions;
     view.indices = triangles;
     view.vertex_count = view.triangle_count = 4;
@@ -236,7 +253,8 @@ static void test_octrees_take_at_most(void)
     bvx_memory_reset_peak(ctx);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_octree(ctx, b.bytes, b.size, &back));
     uint64_t const took = bvx_memory_peak(ctx) - before;
-    TEST_ASSERT_TRUE(b.size > 4 * READ_TABLES && took <= read_limit(READ_OCTREE, b.size) && 2 * took >= READ_OCTREE * b.size);
+    TEST_ASSERT_TRUE(b.size > 4 * READ_TABLES && took <= read_limit(READ_OCTREE, b.size) &&
+                     2 * took >= READ_OCTREE * b.size);
     bvx_octree_free(ctx, back);
     bvx_buffer_free(ctx, &b);
 }

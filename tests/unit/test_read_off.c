@@ -23,6 +23,7 @@ static void check_square(const char *text)
     static const double corners[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
     static const uint32_t fan[6] = {0, 1, 2, 0, 2, 3};
     bvx_mesh m = read_good(text);
+
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(4, m.vertex_count, text);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(2, m.triangle_count, text);
     for (int i = 0; i < 12; i++) TEST_ASSERT_TRUE_MESSAGE(((double *)m.positions)[i] == corners[i], text);
@@ -33,28 +34,44 @@ static void check_square(const char *text)
 static void test_read_off_forms(void)
 {
     static const char *const same[] = {
-        "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n", "OFF\n4 1 0\n" SQUARE "4 0 1 2 3", "OFF 4 1 0\n" SQUARE "4 0 1 2 3\n",
-        "OFF4 1 0\n" SQUARE "4 0 1 2 3\n", "4 1 0\n" SQUARE "4 0 1 2 3\n", "+4 1 4\n" SQUARE "4 0 1 2 3\n",
-        "OFF\n4 2 5\n" SQUARE "3 0 1 2\n3 0 2 3\n", "OFF\n4\n1\n0\n" SQUARE "4 0 1 2 3\n", "OFF\n4 1 -1\n" SQUARE "4 0 1 2 3\n",
-        "\xef\xbb\xbfOFF\n4 1 0\n" SQUARE "4 0 1 2 3\n", "\n # a comment\n\nOFF # 1 2 3\n#\n4 1 0 # counts\n\n" SQUARE "#x\n\n4 0 1 2 3#y",
-        "OFF\r\n4 1 0\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n4 0 1 2 3\r\n", "OFF\r4 1 0\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
-        "OFF\n4 1 0\n0 0 0 1 0 0\n1 1 0 0 1 0\n4 0 1 2 3\n", "OFF\n4 1 0 0 0 0 1 0 0 1 1 0 0 1 0 4 0 1 2 3\n",
-        "OFF\n4 1 0\n0\n0\n0\n1\n0\n0\n1\n1\n0\n0\n1\n0\n4\n0\n1\n2\n3\n", "OFF\n4 1 0\n0 0 0 # x\n1 0 0\t\n1\f1 0\v\n0 1 0#4 4 4\n4 0 1 2 3\n",
-        "OFF\n4 2 0\n" SQUARE "3 0 1 2 255 0 0\n3 0 2 3 0.5 0.5 0.5 1 # red\n", "OFF\n4 2 0\n" SQUARE "3 0 1 2 7\n3 0 2 3 x y z\n",
-        "OFF\n4 2 0\n" SQUARE "3 0 1\n2 9 9 9\n3 0 2 3", "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n2 0 1\nanything\n",
+        "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n",
+        "OFF\n4 1 0\n" SQUARE "4 0 1 2 3",
+        "OFF 4 1 0\n" SQUARE "4 0 1 2 3\n",
+        "OFF4 1 0\n" SQUARE "4 0 1 2 3\n",
+        "4 1 0\n" SQUARE "4 0 1 2 3\n",
+        "+4 1 4\n" SQUARE "4 0 1 2 3\n",
+        "OFF\n4 2 5\n" SQUARE "3 0 1 2\n3 0 2 3\n",
+        "OFF\n4\n1\n0\n" SQUARE "4 0 1 2 3\n",
+        "OFF\n4 1 -1\n" SQUARE "4 0 1 2 3\n",
+        "\xef\xbb\xbfOFF\n4 1 0\n" SQUARE "4 0 1 2 3\n",
+        "\n # a comment\n\nOFF # 1 2 3\n#\n4 1 0 # counts\n\n" SQUARE "#x\n\n4 0 1 2 3#y",
+        "OFF\r\n4 1 0\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n4 0 1 2 3\r\n",
+        "OFF\r4 1 0\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
+        "OFF\n4 1 0\n0 0 0 1 0 0\n1 1 0 0 1 0\n4 0 1 2 3\n",
+        "OFF\n4 1 0 0 0 0 1 0 0 1 1 0 0 1 0 4 0 1 2 3\n",
+        "OFF\n4 1 0\n0\n0\n0\n1\n0\n0\n1\n1\n0\n0\n1\n0\n4\n0\n1\n2\n3\n",
+        "OFF\n4 1 0\n0 0 0 # x\n1 0 0\t\n1\f1 0\v\n0 1 0#4 4 4\n4 0 1 2 3\n",
+        "OFF\n4 2 0\n" SQUARE "3 0 1 2 255 0 0\n3 0 2 3 0.5 0.5 0.5 1 # red\n",
+        "OFF\n4 2 0\n" SQUARE "3 0 1 2 7\n3 0 2 3 x y z\n",
+        "OFF\n4 2 0\n" SQUARE "3 0 1\n2 9 9 9\n3 0 2 3",
+        "OFF\n4 1 0\n" SQUARE "4 0 1 2 3\n2 0 1\nanything\n",
         "NOFF\n4 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 -1\n4 0 1 2 3\n",
         "NOFF\n4 1 0\n0 0 0\n0 0 1\n1 0 0 0 0 1 1 1 0 0 0 1 0 1 0 nan inf 0\n4 0 1 2 3\n",
         "OFF\n4 1 0\n0.0 -0 0e5\n1. 0 0\n.1e1 10e-1 0\n0 +1 0\n4 +0 1 02 3\n",
         /* words behind vertices that are no colours */
-        "OFF\n4 1 0\n0 0 0 7\n1 0 0 7\n1 1 0 7\n0 1 0 7\n4 0 1 2 3\n", "OFF\n4 1 0\n0 0 0 a\n1 0 0 b c d e f g h\n1 1 0\n0 1 0 7\n4 0 1 2 3\n",
+        "OFF\n4 1 0\n0 0 0 7\n1 0 0 7\n1 1 0 7\n0 1 0 7\n4 0 1 2 3\n",
+        "OFF\n4 1 0\n0 0 0 a\n1 0 0 b c d e f g h\n1 1 0\n0 1 0 7\n4 0 1 2 3\n",
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) check_square(same[i]);
 }
 
 static void check_positions(int comma)
 {
-    static const char text[] = "OFF 3 1 0\n0.1 -1.5e3 .25\n-0 1e-320 123456789.123456789\n+1. 9007199254740993 1E+2\n3 0 1 2\n";
-    static const double want[9] = {0.1, -1500, 0.25, -0.0, 1e-320, 123456789.123456789, 1, 9007199254740992.0, 100};
+    static const char text[] =
+        "OFF 3 1 0\n0.1 -1.5e3 .25\n-0 1e-320 123456789.123456789\n+1. 9007199254740993 1E+2\n3 0 1 2\n";
+    static const double want[9] = {0.1, -1500, 0.25, -0.0, 1e-320, 123456789.123456789, 1, 9007199254740992.0,
+                                   100};
+
     if (comma && !set_comma_locale()) TEST_IGNORE_MESSAGE("no locale with a decimal comma");
     bvx_mesh m = read_good(text);
     setlocale(LC_ALL, "C");
@@ -93,19 +110,25 @@ static void test_read_off_colours(void)
         "COFF\n3 1 0\n0 0 0 1.0 0 0\n1 0 0 0 1.0 0\n0 1 0 0 0 0.5\n3 0 1 2\n",
         "COFF\n3 1 0\n0 0 0 1.0 0 0 1\n1 0 0 0 1.0 0 1.0\n0 1 0 0 0 5e-1 1.0\n3 0 1 2\n",
         "COFF\n3 1 0\n0 0 0 255.0 0.0 0.0\n1 0 0 0 255.0 0\n0 1 0 0 0 128.4\n3 0 1 2\n",
-        "COFF\n3 1 0\n0 0 0 300 -5 0\n1 0 0 -0.1 1.0 0\n0 1 0 nan 0 128\n3 0 1 2\n", /* brought back into the range */
+        /* brought back into the range */
+        "COFF\n3 1 0\n0 0 0 300 -5 0\n1 0 0 -0.1 1.0 0\n0 1 0 nan 0 128\n3 0 1 2\n",
         "CNOFF 3 1 0\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 255 0\n0 1 0 0 0 1 0 0 128\n3 0 1 2\n",
         "OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 128\n3 0 1 2\n",
         "OFF\n3 1 0\n0 0 0 255 0 0 # red\n1 0 0 0 255 0 255\n\n0 1 0 0 0 128\n3 0 1 2 5 5 5\n",
         "NOFF\n3 1 0\n0 0 0 0 0 1 255 0 0\n1 0 0 0 0 1 0 255 0\n0 1 0 0 0 1 0 0 128\n3 0 1 2\n",
-        "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255 0 1 0 0 0 128 255\n3 0 1 2\n", /* all space is equal */
+        /* all space is equal */
+        "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255 0 1 0 0 0 128 255\n3 0 1 2\n",
         "COFF\n3 1 0\n0 0\n0\n255 0 0 255\n1 0 0\n0 255 0 255 0 1 0 0 0\n128 255\n3 0 1 2\n",
     };
     static const char *const without[] = {
-        "OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0\n0 1 0 0 0 128\n3 0 1 2\n", "OFF\n3 1 0\n0 0 0 0 0 -1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
-        "OFF\n3 1 0\n0 0 0 0 0 256\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n", "OFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 x\n0 1 0 0 0 1\n3 0 1 2\n",
-        "OFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 nan\n0 1 0 0 0 1\n3 0 1 2\n", "OFF\n3 1 0\n0 0 0\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0\n0 1 0 0 0 128\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0 0 0 -1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0 0 0 256\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 x\n0 1 0 0 0 1\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 nan\n0 1 0 0 0 1\n3 0 1 2\n",
+        "OFF\n3 1 0\n0 0 0\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n",
     };
+
     for (size_t i = 0; i < sizeof with_rgb / sizeof with_rgb[0]; i++) check_colours(with_rgb[i], rgb);
     check_colours("COFF\n3 1 0\n0 0 0 255 0 0 9\n1 0 0 0 255 0 0\n0 1 0 1 1 1\n3 0 1 2\n", rgba);
     for (size_t i = 0; i < sizeof without / sizeof without[0]; i++) check_colours(without[i], NULL);
@@ -114,13 +137,15 @@ static void test_read_off_colours(void)
 static void test_read_off_texture_coordinates(void)
 {
     static const char *const same[] = {
-        "STOFF\n3 1 0\n0 0 0 0.5 0\n1 0 0 -1 2\n0 1 0 1e3 0.25\n3 0 1 2\n", "STOFF 3 1 0 0 0 0 0.5 0 1 0 0 -1 2 0 1 0 1e3 0.25\n3 0 1 2\n",
+        "STOFF\n3 1 0\n0 0 0 0.5 0\n1 0 0 -1 2\n0 1 0 1e3 0.25\n3 0 1 2\n",
+        "STOFF 3 1 0 0 0 0 0.5 0 1 0 0 -1 2 0 1 0 1e3 0.25\n3 0 1 2\n",
         "STNOFF\n3 1 0\n0 0 0 0 0 1 0.5 0\n1 0 0 0 0 1 -1 2\n0 1 0 0 0 1 1e3 0.25\n3 0 1 2\n",
         "STCOFF\n3 1 0\n0 0 0 1 2 3 0.5 0\n1 0 0 1 2 3 -1 2\n0 1 0 1 2 3 1e3 0.25\n3 0 1 2\n",
         "STCNOFF\n3 1 0\n0 0 0 0 0 1 1 2 3 255 0.5 0\n1 0 0 0 0 1 1 2 3 255 -1 2\n0 1 0 0 0 1 1 2 3 255 1e3 0.25\n3 0 1 2\n",
     };
     static const float want[6] = {0.5f, 0, -1, 2, 1000, 0.25f};
     static const uint8_t colours[12] = {1, 2, 3, 255, 1, 2, 3, 255, 1, 2, 3, 255};
+
     for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
         bvx_mesh m = read_good(same[i]);
         TEST_ASSERT_EQUAL_UINT64(3, m.uv_count);
@@ -139,6 +164,7 @@ static void test_read_off_polygons(void)
                                "3 0 1 2 9 9 9\n4 0 1 2 3 0.1 0.2 0.3\n3 4 5 6\n4 4 5 6 7\n";
     static const double dart[4][3] = {{0, 0, 0}, {4, 2, 0}, {0, 4, 0}, {1, 2, 0}};
     uint32_t want[18] = {0, 1, 2, 0, 0, 0, 0, 0, 0, 4, 5, 6, 4, 5, 6, 4, 6, 7};
+
     cut_polygon(dart, 4, want + 3);
     TEST_ASSERT_TRUE(want[3] == 3 || want[4] == 3 || want[5] == 3); /* both triangles meet the inner corner */
     bvx_mesh m = read_good(text);
@@ -166,7 +192,8 @@ static void test_read_off_large_polygon(void)
     for (int i = 0; i < CORNERS; i++) t += sprintf(t, i % 10 == 9 ? "\n%d" : " %d", i);
     cut_polygon((const double(*)[3])corner, CORNERS, want);
     bvx_mesh m;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(text, (size_t)(t - text), OFF, &m), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(text, (size_t)(t - text), OFF, &m),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(CORNERS - 2, m.triangle_count);
     TEST_ASSERT_EQUAL_UINT32_ARRAY(want, m.triangles, 3 * (CORNERS - 2));
     bvx_mesh_free(ctx, &m);
@@ -180,17 +207,21 @@ static void test_read_off_large_polygon(void)
 static void test_read_off_reads_what_is_written(void)
 {
     uint64_t state = 5;
+
     for (int round = 0; round < 40; round++) {
-        uint32_t const n = 3 + (uint32_t)(next_random(&state) % 50), triangles = 1 + (uint32_t)(next_random(&state) % 90);
+        uint32_t const n = 3 + (uint32_t)(next_random(&state) % 50);
+        uint32_t const triangles = 1 + (uint32_t)(next_random(&state) % 90);
         double positions[53 * 3];
         uint32_t numbers[90 * 3];
         uint8_t colours[53 * 4];
         bvx_mesh m = {0}, back;
         bvx_buffer file = {0};
         for (uint32_t i = 0; i < n * 3; i++)
-            positions[i] = ((double)(next_random(&state) >> 11) - 4503599627370496.0) / (double)(1 + next_random(&state) % 1000);
+            positions[i] = ((double)(next_random(&state) >> 11) - 4503599627370496.0) /
+                           (double)(1 + next_random(&state) % 1000);
         for (uint32_t i = 0; i < triangles * 3; i++) numbers[i] = (uint32_t)(next_random(&state) % n);
-        for (uint32_t i = 0; i < n * 4; i++) colours[i] = (uint8_t)(next_random(&state) & (round % 4 == 1 ? 1 : 255));
+        for (uint32_t i = 0; i < n * 4; i++)
+            colours[i] = (uint8_t)(next_random(&state) & (round % 4 == 1 ? 1 : 255));
         m.positions = positions;
         m.triangles = numbers;
         m.colours = round % 2 == 0 ? NULL : colours;
@@ -223,42 +254,64 @@ static void test_read_off_refuses(void)
         bvx_status status;
         const char *words;
     } bad[] = {
-        {"", BVX_ERR_EMPTY, "OFF: the file has no bytes"}, {"\n\n# OFF\n", BVX_ERR_FORMAT, "the file ends where OFF or the number of vertices"},
+        {"", BVX_ERR_EMPTY, "OFF: the file has no bytes"},
+        {"\n\n# OFF\n", BVX_ERR_FORMAT, "the file ends where OFF or the number of vertices"},
         {"solid x\n", BVX_ERR_FORMAT, "OFF: line 1: expected OFF or the number of vertices, found 'solid'"},
         {"\nOFFx 1 2 3\n", BVX_ERR_FORMAT, "line 2: expected OFF or the number of vertices, found 'OFFx'"},
-        {"OF 3 1 0\n", BVX_ERR_FORMAT, "found 'OF'"}, {"NCOFF\n3 1 0\n", BVX_ERR_FORMAT, "found 'NCOFF'"},
+        {"OF 3 1 0\n", BVX_ERR_FORMAT, "found 'OF'"},
+        {"NCOFF\n3 1 0\n", BVX_ERR_FORMAT, "found 'NCOFF'"},
         {"4OFF\n3 1 0\n", BVX_ERR_UNSUPPORTED, "line 1: vertices of four or any dimensions"},
         {"#\nSTCN4nOFF\n5 3 1 0\n", BVX_ERR_UNSUPPORTED, "line 2: vertices of four or any dimensions"},
-        {"nOFF\n3\n3 1 0\n", BVX_ERR_UNSUPPORTED, "dimensions"}, {"OFF BINARY\n\1\2\3", BVX_ERR_UNSUPPORTED, "line 1: the binary form"},
-        {"COFF  BINARY\n", BVX_ERR_UNSUPPORTED, "the binary form"}, {"OFF", BVX_ERR_FORMAT, "the file ends where the number of vertices"},
+        {"nOFF\n3\n3 1 0\n", BVX_ERR_UNSUPPORTED, "dimensions"},
+        {"OFF BINARY\n\1\2\3", BVX_ERR_UNSUPPORTED, "line 1: the binary form"},
+        {"COFF  BINARY\n", BVX_ERR_UNSUPPORTED, "the binary form"},
+        {"OFF", BVX_ERR_FORMAT, "the file ends where the number of vertices"},
         {"OFF\nBINARY\n", BVX_ERR_FORMAT, "line 2: expected the number of vertices, found 'BINARY'"},
         {"OFF\n4 x 0\n", BVX_ERR_FORMAT, "line 2: expected the number of faces, found 'x'"},
-        {"OFF\n4 1\n", BVX_ERR_FORMAT, "the number of edges"}, {"OFF\n4.5 1 0\n", BVX_ERR_FORMAT, "found '4.5'"},
-        {"OFF\n0 0 0\n", BVX_ERR_EMPTY, "line 2: 0 vertices and 0 faces are no mesh"}, {"OFF\n4 0 0\n" SQUARE, BVX_ERR_EMPTY, "no mesh"},
+        {"OFF\n4 1\n", BVX_ERR_FORMAT, "the number of edges"},
+        {"OFF\n4.5 1 0\n", BVX_ERR_FORMAT, "found '4.5'"},
+        {"OFF\n0 0 0\n", BVX_ERR_EMPTY, "line 2: 0 vertices and 0 faces are no mesh"},
+        {"OFF\n4 0 0\n" SQUARE, BVX_ERR_EMPTY, "no mesh"},
         {"OFF\n-1 1 0\n" SQUARE, BVX_ERR_FORMAT, "line 2: -1 vertices and 1 faces are no counts"},
-        {"OFF\n4 2147483648 0\n" SQUARE "3 0 1 2\n", BVX_ERR_FORMAT, "4 vertices and 2147483648 faces do not fit the 33 bytes that follow"},
+        {"OFF\n4 2147483648 0\n" SQUARE "3 0 1 2\n", BVX_ERR_FORMAT,
+         "4 vertices and 2147483648 faces do not fit the 33 bytes that follow"},
         {"OFF\n4 1 0\n0 0\n", BVX_ERR_FORMAT, "do not fit"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", BVX_ERR_FORMAT, "line 5: expected a coordinate, found 'x'"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 5: expected a coordinate, found 'x'"},
         {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0,5\n3 0 1 2\n", BVX_ERR_FORMAT, "found '0,5'"},
-        {"OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", BVX_ERR_RANGE, "line 4: vertex 1 has a coordinate that is not finite"},
+        {"OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", BVX_ERR_RANGE,
+         "line 4: vertex 1 has a coordinate that is not finite"},
         {"OFF\n3 1 0\n0 0 0\n1 0 1e309\n0 1 0\n3 0 1 2\n", BVX_ERR_RANGE, "line 4: vertex 1"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", BVX_ERR_RANGE, "line 6: face 0 names vertex 3, but there are 3"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", BVX_ERR_RANGE,
+         "line 6: face 0 names vertex 3, but there are 3"},
         {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n", BVX_ERR_RANGE, "names vertex -1"},
         {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296\n", BVX_ERR_RANGE, "names vertex 4294967296"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1 2\n", BVX_ERR_FORMAT, "line 6: face 0 has 2 corners; it needs three"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1 2\n", BVX_ERR_FORMAT, "has 0 corners"}, {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 1 2 0", BVX_ERR_FORMAT, "has -3 corners"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2\n", BVX_ERR_FORMAT, "line 6: face 0 has 4294967295 corners, more than the file holds"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2 \n", BVX_ERR_FORMAT, "line 7: the file ends where a vertex number"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n", BVX_ERR_FORMAT, "line 6: expected a vertex number, found '2.5'"},
-        {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 3 0 1 2\n", BVX_ERR_FORMAT, "line 7: the file ends where a face's number of corners"},
-        {"COFF\n3 1 0\n0 0 0 1 2 3\n1 0 0 1 2\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT, "line 4: vertex 1 has 2 numbers behind it; its colour needs three"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1 2\n", BVX_ERR_FORMAT,
+         "line 6: face 0 has 2 corners; it needs three"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1 2\n", BVX_ERR_FORMAT, "has 0 corners"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 1 2 0", BVX_ERR_FORMAT, "has -3 corners"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2\n", BVX_ERR_FORMAT,
+         "line 6: face 0 has 4294967295 corners, more than the file holds"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2 \n", BVX_ERR_FORMAT,
+         "line 7: the file ends where a vertex number"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2.5\n", BVX_ERR_FORMAT,
+         "line 6: expected a vertex number, found '2.5'"},
+        {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 7: the file ends where a face's number of corners"},
+        {"COFF\n3 1 0\n0 0 0 1 2 3\n1 0 0 1 2\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 4: vertex 1 has 2 numbers behind it; its colour needs three"},
         {"COFF\n3 1 0\n0 0 0 1 2 3\n1 0 0 1 2 x\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT, "line 4: vertex 1"},
-        {"STOFF\n3 1 0\n0 0 0 1 2\n1 0 0 1\n0 1 0 1 2\n3 0 1 2\n", BVX_ERR_FORMAT, "line 4: vertex 1 has 1 numbers behind it; its texture coordinates are two"},
-        {"STOFF\n3 1 0\n0 0 0 1 2\n1 0 0 1 inf\n0 1 0 1 2\n3 0 1 2\n", BVX_ERR_RANGE, "line 4: vertex 1 has a texture coordinate that is not finite"},
-        {"COFF\n3 1 0\n0 0 0\n1 2 3 x\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT, "line 4: expected a colour or texture coordinate, found 'x'"},
-        {"NOFF\n3 1 0\n0 0 0 0 0 x\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT, "line 3: expected a normal, found 'x'"},
+        {"STOFF\n3 1 0\n0 0 0 1 2\n1 0 0 1\n0 1 0 1 2\n3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 4: vertex 1 has 1 numbers behind it; its texture coordinates are two"},
+        {"STOFF\n3 1 0\n0 0 0 1 2\n1 0 0 1 inf\n0 1 0 1 2\n3 0 1 2\n", BVX_ERR_RANGE,
+         "line 4: vertex 1 has a texture coordinate that is not finite"},
+        {"COFF\n3 1 0\n0 0 0\n1 2 3 x\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 4: expected a colour or texture coordinate, found 'x'"},
+        {"NOFF\n3 1 0\n0 0 0 0 0 x\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n", BVX_ERR_FORMAT,
+         "line 3: expected a normal, found 'x'"},
     };
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) check_refused_text(bad[i].text, OFF, bad[i].status, bad[i].words);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        check_refused_text(bad[i].text, OFF, bad[i].status, bad[i].words);
 }
 
 static const char *const samples[] = {
@@ -295,11 +348,14 @@ static void test_read_off_every_prefix(void)
         TEST_ASSERT_TRUE(check_every_prefix(samples[i], strlen(samples[i]), OFF, triangles[i]) >= 2);
 }
 
-/* Every word of a file replaced by numbers that are too small or too large: an error or a valid mesh, and little memory. */
+/* Every word of a file replaced by numbers that are too small or too large:
+ * an error or a valid mesh, and little memory. */
 static void test_read_off_every_number(void)
 {
-    static const char *const numbers[] = {"0", "1", "-1", "2147483648", "4294967295", "18446744073709551617", "1e999", "", "#"};
+    static const char *const numbers[] = {
+        "0", "1", "-1", "2147483648", "4294967295", "18446744073709551617", "1e999", "", "#"};
     int good = 0, bad = 0;
+
     for (size_t k = 0; k < 4; k++)
         for (const char *p = samples[k]; *p != 0;) {
             const char *const stop = p + strcspn(p, " \r\n");
@@ -323,6 +379,7 @@ static void test_read_off_damaged(void)
     static const char marks[] = "0123456789.-+eE #\n\r\tOFNCST4n";
     uint64_t state = 9;
     int good = 0;
+
     for (int round = 0; round < 40000; round++) {
         char text[400];
         bvx_mesh m;
@@ -340,6 +397,7 @@ static void test_read_off_cancels(void)
 {
     size_t const n = 3 << 20;
     char *const text = malloc(n + 200);
+
     for (int polygons = 0; polygons < 2; polygons++) {
         strcpy(text, "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n");
         size_t const head = strlen(text);
@@ -357,11 +415,13 @@ static void test_read_off_cancels(void)
 
 static void test_read_off_cube_of_the_format(void)
 {
-    static const char text[] = "OFF\n8 6 12\n1 1 1\n1 1 -1\n1 -1 1\n1 -1 -1\n-1 1 1\n-1 1 -1\n-1 -1 1\n-1 -1 -1\n"
-                               "4 0 2 3 1 255 0 0\n4 4 5 7 6 0 255 0\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+    static const char text[] =
+        "OFF\n8 6 12\n1 1 1\n1 1 -1\n1 -1 1\n1 -1 -1\n-1 1 1\n-1 1 -1\n-1 -1 1\n-1 -1 -1\n"
+        "4 0 2 3 1 255 0 0\n4 4 5 7 6 0 255 0\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
     bvx_certificate c;
     bvx_mesh_view view;
     bvx_mesh m = read_good(text);
+
     bvx_mesh_view_of(&m, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
     TEST_ASSERT_TRUE(c.closed && c.oriented && c.triangles == 12 && c.volume == 8.0);

@@ -9,8 +9,9 @@ static size_t file_size;
 static int encoding;
 
 static const char *const encodings[3] = {"ascii", "binary_little_endian", "binary_big_endian"};
-static const char *const types[8][2] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
-                                        {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
+static const char *const types[8][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                        {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                        {"float", "float32"}, {"double", "float64"}};
 static const int type_sizes[8] = {1, 1, 2, 2, 4, 4, 4, 8};
 enum { I8, U8, I16, U16, I32, U32, F32, F64 };
 
@@ -35,6 +36,7 @@ static void put_value(int type, double v)
 {
     uint8_t bytes[8];
     uint64_t bits = type < F32 ? (uint64_t)(int64_t)v : 0;
+
     if (encoding == ASCII) {
         char text[40];
         sprintf(text, type < F32 ? "%.0f " : "%.17g ", v);
@@ -64,9 +66,12 @@ static void put_square(int how, const char *vertex_count, const char *face_count
 {
     static const int xy[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     char header[400];
+
     begin_header(how);
-    sprintf(header, "comment a square\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\n"
-                    "element face %s\nproperty list uchar int vertex_indices\nend_header\n", vertex_count, face_count);
+    sprintf(header,
+            "comment a square\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face %s\nproperty list uchar int vertex_indices\nend_header\n",
+            vertex_count, face_count);
     put_text(header);
     for (int v = 0; v < 4; v++) {
         put_value(F32, xy[v][0]);
@@ -84,6 +89,7 @@ static void check_square(const void *bytes, size_t size)
     static const uint32_t fan[6] = {0, 1, 2, 0, 2, 3};
     static const float xyz[12] = {0, 0, 0.5, 1, 0, 0.5, 1, 1, 0.5, 0, 1, 0.5};
     bvx_mesh m;
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(bytes, size, PLY, &m), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(4, m.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(2, m.triangle_count);
@@ -138,12 +144,19 @@ static void add_noise(layout *l)
 /* spelling: which names of types and of the list are taken, and what space */
 static void put_properties(const layout *l, int spelling)
 {
-    static const char *const names[][4] = {
-        {"x"}, {"y"}, {"z"}, {"red", "diffuse_red", "r", "red"}, {"green", "diffuse_green", "g", "green"},
-        {"blue", "diffuse_blue", "b", "blue"}, {"alpha", "diffuse_alpha", "a", "alpha"},
-        {"s", "u", "texture_u", "texture_s"}, {"t", "v", "texture_v", "texture_t"}, {"vertex_indices", "vertex_index"},
-        {"texcoord"}};
+    static const char *const names[][4] = {{"x"},
+                                           {"y"},
+                                           {"z"},
+                                           {"red", "diffuse_red", "r", "red"},
+                                           {"green", "diffuse_green", "g", "green"},
+                                           {"blue", "diffuse_blue", "b", "blue"},
+                                           {"alpha", "diffuse_alpha", "a", "alpha"},
+                                           {"s", "u", "texture_u", "texture_s"},
+                                           {"t", "v", "texture_v", "texture_t"},
+                                           {"vertex_indices", "vertex_index"},
+                                           {"texcoord"}};
     char text[100];
+
     for (int i = 0; i < l->n; i++) {
         const layout_property *const p = &l->p[i];
         if (p->role != NOISE) sprintf(text, "%s", names[p->role][p->set]);
@@ -176,7 +189,8 @@ typedef struct meaning {
     float uvs[MOST_VERTICES][2], corner_uvs[MOST_FACES][MOST_CORNERS][2];
     int corners[MOST_FACES], corner[MOST_FACES][MOST_CORNERS];
     int vertices, faces, has_colours, has_alpha, has_uvs; /* has_uvs: 1 at vertices, 2 at corners */
-    int bare_face;                                        /* its texture coordinates are missing; -1: none is */
+    /* its texture coordinates are missing; -1: none is */
+    int bare_face;
 } meaning;
 
 static meaning meant;
@@ -186,7 +200,9 @@ static double any_value(const layout_property *p)
 {
     if (p->role >= RED && p->role <= ALPHA) {
         double const share = below(1001) / 1000.0;
-        return p->type == F32 ? (double)(float)share : p->type == F64 ? share : below(p->type == U16 ? 65536 : 256);
+        return p->type == F32   ? (double)(float)share
+               : p->type == F64 ? share
+                                : below(p->type == U16 ? 65536 : 256);
     }
     double const v = below(100);
     return p->type == F32 ? (double)(float)(v / 7) : p->type == F64 ? v / -7 : p->type % 2 == 0 ? v - 50 : v;
@@ -227,7 +243,8 @@ static void put_faces(const layout *l)
                 put_noise(p);
             } else if (p->role == CORNERS) {
                 put_value(p->count_type, corners);
-                for (int k = 0; k < corners; k++) put_value(p->type, meant.corner[f][k] = below(meant.vertices));
+                for (int k = 0; k < corners; k++)
+                    put_value(p->type, meant.corner[f][k] = below(meant.vertices));
             } else {
                 put_value(p->count_type, f == meant.bare_face ? 0 : 2 * corners);
                 for (int k = 0; k < 2 * corners && f != meant.bare_face; k++) {
@@ -249,14 +266,18 @@ static void put_other(const layout *l, int rows)
     }
 }
 
-/* Coordinates, colours and texture coordinates in any order among others; half of all files have only floats, and half
- * have what belongs together side by side. */
+/* Coordinates, colours and texture coordinates in any order among others; half of all files have only floats,
+ * and half have what belongs together side by side. */
 static int32_t make_vertex_layout(layout *l)
 {
     static const int colour_types[5] = {U8, U8, U16, F32, F64};
-    int const kind = below(4), together = below(2), colour_type = colour_types[below(5)], uv_type = F32 + below(2);
+    int const kind = below(4);
+    int const together = below(2);
+    int const colour_type = colour_types[below(5)];
+    int const uv_type = F32 + below(2);
     int const colour_set = below(3), uv_set = below(4);
     int roles[9], n = 0, all_float = 1;
+
     meant.has_colours = below(2);
     meant.has_alpha = meant.has_colours && below(2);
     meant.has_uvs = below(3);
@@ -290,6 +311,7 @@ static int32_t put_any_layout(int how)
     char text[60];
     int32_t const type = make_vertex_layout(&vertex);
     int const uvs_first = below(2);
+
     meant.vertices = 1 + below(MOST_VERTICES);
     meant.faces = 1 + below(MOST_FACES);
     meant.bare_face = below(4) == 0 ? below(meant.faces) : -1;
@@ -307,8 +329,13 @@ static int32_t put_any_layout(int how)
         int const is_vertex = i == (face_first ? 3 : 1), is_face = i == (face_first ? 1 : 3);
         const layout *const l = is_vertex ? &vertex : is_face ? &face : &other[i / 2];
         put_text(i % 2 == 0 ? "comment element face 7\nobj_info x\n" : "");
-        sprintf(text, "element %s %d\n", is_vertex ? "vertex" : is_face ? "face" : "other",
-                is_vertex ? meant.vertices : is_face ? meant.faces : rows[i / 2]);
+        sprintf(text, "element %s %d\n",
+                is_vertex ? "vertex"
+                : is_face ? "face"
+                          : "other",
+                is_vertex ? meant.vertices
+                : is_face ? meant.faces
+                          : rows[i / 2]);
         put_text(text);
         put_properties(l, names);
     }
@@ -341,8 +368,10 @@ static void check_meant_vertices(const bvx_mesh *m)
                                                          : ((double *)m->positions)[3 * v + a];
             TEST_ASSERT_TRUE(c == meant.xyz[v][a]);
         }
-        for (size_t c = 0; c < 4 && meant.has_colours; c++) TEST_ASSERT_EQUAL_UINT8(meant.colours[v][c], m->colours[4 * v + c]);
-        for (size_t c = 0; c < 2 && meant.has_uvs == 1; c++) TEST_ASSERT_TRUE(m->uvs[2 * v + c] == meant.uvs[v][c]);
+        for (size_t c = 0; c < 4 && meant.has_colours; c++)
+            TEST_ASSERT_EQUAL_UINT8(meant.colours[v][c], m->colours[4 * v + c]);
+        for (size_t c = 0; c < 2 && meant.has_uvs == 1; c++)
+            TEST_ASSERT_TRUE(m->uvs[2 * v + c] == meant.uvs[v][c]);
     }
 }
 
@@ -350,14 +379,16 @@ static void check_meant_faces(const bvx_mesh *m)
 {
     int const has_uvs = meant.has_uvs == 2 && meant.bare_face < 0;
     size_t t = 0;
+
     TEST_ASSERT_EQUAL_UINT64(meant_triangles(), m->triangle_count);
     TEST_ASSERT_EQUAL_INT(has_uvs, m->uv_triangles != NULL);
     TEST_ASSERT_EQUAL_INT(has_uvs || meant.has_uvs == 1, m->uvs != NULL);
     for (int f = 0; f < meant.faces; f++) {
         double corner[MOST_CORNERS][3];
         uint32_t cut[3 * MOST_CORNERS];
-        for (int k = 0; k < meant.corners[f]; k++) memcpy(corner[k], meant.xyz[meant.corner[f][k]], sizeof corner[k]);
-        cut_polygon((const double (*)[3])corner, (uint64_t)meant.corners[f], cut);
+        for (int k = 0; k < meant.corners[f]; k++)
+            memcpy(corner[k], meant.xyz[meant.corner[f][k]], sizeof corner[k]);
+        cut_polygon((const double(*)[3])corner, (uint64_t)meant.corners[f], cut);
         for (int i = 0; i < 3 * (meant.corners[f] - 2); i++, t++) {
             TEST_ASSERT_EQUAL_UINT32(meant.corner[f][cut[i]], m->triangles[t]);
             for (size_t c = 0; c < 2 && has_uvs; c++)
@@ -383,21 +414,26 @@ static void test_read_ply_any_layout(void)
 
 /* ---- colours and texture coordinates: which properties are taken ---- */
 
-/* A triangle whose vertices have these properties with these values, the same for each; NULL colour or uv: none. */
+/* A triangle whose vertices have these properties with these values, the
+ * same for each; NULL colour or uv: none. */
 static void check_attributes(const char *properties, const char *values, const char *colour, const float *uv)
 {
     char text[1000];
     bvx_mesh m;
-    sprintf(text, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n%s"
-                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 %s\n1 0 0 %s\n0 1 0 %s\n3 0 1 2\n",
-            properties, values, values, values);
+
+    sprintf(
+        text,
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n%s"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 %s\n1 0 0 %s\n0 1 0 %s\n3 0 1 2\n",
+        properties, values, values, values);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(text, strlen(text), PLY, &m), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT_MESSAGE(colour != NULL, m.colours != NULL, text);
     TEST_ASSERT_EQUAL_INT_MESSAGE(uv != NULL, m.uvs != NULL, text);
     for (size_t v = 0; v < 3; v++) {
         char got[10];
         if (colour != NULL) {
-            sprintf(got, "%02x%02x%02x%02x", m.colours[4 * v], m.colours[4 * v + 1], m.colours[4 * v + 2], m.colours[4 * v + 3]);
+            sprintf(got, "%02x%02x%02x%02x", m.colours[4 * v], m.colours[4 * v + 1], m.colours[4 * v + 2],
+                    m.colours[4 * v + 3]);
             TEST_ASSERT_EQUAL_STRING_MESSAGE(colour, got, text);
         }
         if (uv != NULL) TEST_ASSERT_TRUE(m.uvs[2 * v] == uv[0] && m.uvs[2 * v + 1] == uv[1]);
@@ -408,45 +444,60 @@ static void check_attributes(const char *properties, const char *values, const c
 static void test_read_ply_attributes(void)
 {
     static const float uv[2] = {0.25f, -3};
+
 #define P(type, name) "property " type " " name "\n"
     check_attributes(P("uchar", "red") P("uchar", "green") P("uchar", "blue"), "1 2 255", "0102ffff", NULL);
     check_attributes(P("uchar", "red") P("uchar", "green"), "1 2", NULL, NULL);
     check_attributes(P("uchar", "red") P("uchar", "green") P("uchar", "b"), "1 2 3", NULL, NULL);
     check_attributes(P("uchar", "red") P("uchar", "alpha"), "1 2", NULL, NULL);
-    check_attributes(P("uchar", "r") P("uchar", "red") P("uchar", "green") P("uchar", "blue"), "9 1 2 3", "010203ff", NULL);
-    check_attributes(P("uchar", "diffuse_red") P("uchar", "diffuse_green") P("uchar", "diffuse_blue") P("uchar", "red")
-                     P("uchar", "green") P("uchar", "blue") P("uchar", "a"), "9 9 9 1 2 3 7", "010203ff", NULL);
-    check_attributes(P("ushort", "b") P("float", "g") P("int", "r") P("double", "a"), "65535 0.5 300 -1", "ff80ff00", NULL);
-    check_attributes(P("ushort", "red") P("ushort", "green") P("ushort", "blue"), "128 129 65406", "0001feff", NULL);
-    check_attributes("property list uchar uchar red\n" P("uchar", "green") P("uchar", "blue"), "1 1 2 3", NULL, NULL);
+    check_attributes(P("uchar", "r") P("uchar", "red") P("uchar", "green") P("uchar", "blue"), "9 1 2 3",
+                     "010203ff", NULL);
+    check_attributes(P("uchar", "diffuse_red") P("uchar", "diffuse_green") P("uchar", "diffuse_blue")
+                         P("uchar", "red") P("uchar", "green") P("uchar", "blue") P("uchar", "a"),
+                     "9 9 9 1 2 3 7", "010203ff", NULL);
+    check_attributes(P("ushort", "b") P("float", "g") P("int", "r") P("double", "a"), "65535 0.5 300 -1",
+                     "ff80ff00", NULL);
+    check_attributes(P("ushort", "red") P("ushort", "green") P("ushort", "blue"), "128 129 65406", "0001feff",
+                     NULL);
+    check_attributes("property list uchar uchar red\n" P("uchar", "green") P("uchar", "blue"), "1 1 2 3",
+                     NULL, NULL);
     check_attributes(P("float", "s") P("float", "t"), "0.25 -3", NULL, uv);
     check_attributes(P("float", "v") P("double", "u"), "-3 0.25", NULL, uv);
     check_attributes(P("float", "s") P("float", "u") P("float", "v"), "9 0.25 -3", NULL, uv);
-    check_attributes(P("float", "texture_u") P("float", "texture_v") P("short", "s") P("char", "red"), "0.25 -3 1 1", NULL, uv);
+    check_attributes(P("float", "texture_u") P("float", "texture_v") P("short", "s") P("char", "red"),
+                     "0.25 -3 1 1", NULL, uv);
     check_attributes(P("float", "texture_s") P("float", "v") P("float", "texture_t"), "0.25 9 -3", NULL, uv);
     check_attributes(P("float", "s") P("float", "v"), "0.25 9", NULL, NULL);
     check_attributes(P("float", "s"), "nan", NULL, NULL); /* nobody wants it */
-#define VERTICES(more) "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" more
+#define VERTICES(more) \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" more
 #define ONE_FACE(more) "element face 1\nproperty list uchar int vertex_indices\n" more "end_header\n"
-    check_refused_text(VERTICES(P("float", "red") P("float", "green") P("float", "blue")) ONE_FACE("")
-                       "0 0 0 1 1 1\n1 0 0 1 inf 1\n0 1 0 1 1 1\n3 0 1 2\n", PLY, BVX_ERR_RANGE,
-                       "vertex 1 (line 14) has a colour that is not finite");
-    check_refused_text(VERTICES(P("double", "u") P("float", "v")) ONE_FACE("") "0 0 0 1 1\n1 0 0 1e39 1\n0 1 0 1 1\n3 0 1 2\n", PLY,
-                       BVX_ERR_RANGE, "vertex 1 (line 13) has a texture coordinate that is not finite");
-    check_refused_text(VERTICES("") ONE_FACE("property list uchar float texcoord\n") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 0 nan 0 0\n",
-                       PLY, BVX_ERR_RANGE, "face 0 (line 14) has a texture coordinate that is not finite");
-    check_refused_text(VERTICES("") ONE_FACE("property list uchar float texcoord\n") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 5 0 0 0 0 0\n",
-                       PLY, BVX_ERR_FORMAT, "face 0 (line 14) has 3 corners and 5 numbers in texcoord");
-    check_refused_text(VERTICES(P("uchar", "red") P("uchar", "red")) ONE_FACE(""), PLY, BVX_ERR_FORMAT, "line 8: a second property");
+    check_refused_text(VERTICES(P("float", "red") P("float", "green") P("float", "blue"))
+                           ONE_FACE("") "0 0 0 1 1 1\n1 0 0 1 inf 1\n0 1 0 1 1 1\n3 0 1 2\n",
+                       PLY, BVX_ERR_RANGE, "vertex 1 (line 14) has a colour that is not finite");
+    check_refused_text(VERTICES(P("double", "u") P("float", "v"))
+                           ONE_FACE("") "0 0 0 1 1\n1 0 0 1e39 1\n0 1 0 1 1\n3 0 1 2\n",
+                       PLY, BVX_ERR_RANGE, "vertex 1 (line 13) has a texture coordinate that is not finite");
+    check_refused_text(
+        VERTICES("")
+            ONE_FACE("property list uchar float texcoord\n") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 0 nan 0 0\n",
+        PLY, BVX_ERR_RANGE, "face 0 (line 14) has a texture coordinate that is not finite");
+    check_refused_text(
+        VERTICES("")
+            ONE_FACE("property list uchar float texcoord\n") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 5 0 0 0 0 0\n",
+        PLY, BVX_ERR_FORMAT, "face 0 (line 14) has 3 corners and 5 numbers in texcoord");
+    check_refused_text(VERTICES(P("uchar", "red") P("uchar", "red")) ONE_FACE(""), PLY, BVX_ERR_FORMAT,
+                       "line 8: a second property");
 }
 
 /* Those of vertices come before those of corners. */
 static void test_read_ply_both_texture_coordinates(void)
 {
-    static const char text[] = VERTICES(P("float", "s") P("float", "t")) ONE_FACE("property list uchar float texcoord\n")
-                               "0 0 0 1 2\n1 0 0 3 4\n0 1 0 5 6\n3 0 1 2 6 9 9 9 9 9 9\n";
+    static const char text[] = VERTICES(P("float", "s") P("float", "t")) ONE_FACE(
+        "property list uchar float texcoord\n") "0 0 0 1 2\n1 0 0 3 4\n0 1 0 5 6\n3 0 1 2 6 9 9 9 9 9 9\n";
     static const float uvs[6] = {1, 2, 3, 4, 5, 6};
     bvx_mesh m;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(text, strlen(text), PLY, &m));
     TEST_ASSERT_NULL(m.uv_triangles);
     TEST_ASSERT_EQUAL_MEMORY(uvs, m.uvs, sizeof uvs);
@@ -455,10 +506,12 @@ static void test_read_ply_both_texture_coordinates(void)
 
 /* ---- strips ---- */
 
-/* A file of 6 vertices with strips of these numbers (ended by -2), and a face before or behind them (0: none). */
+/* A file of 6 vertices with strips of these numbers (ended by -2), and a
+ * face before or behind them (0: none). */
 static void put_strips(int how, const int *const *strips, int count, int face)
 {
     char text[300];
+
     begin_header(how);
     put_text("element vertex 6\nproperty float x\nproperty float y\nproperty float z\n");
     if (face == 1) put_text("element face 1\nproperty list uchar int vertex_indices\n");
@@ -481,19 +534,24 @@ static void put_strips(int how, const int *const *strips, int count, int face)
 
 static void test_read_ply_strips(void)
 {
-    static const int one[] = {0, 1, 2, 3, 4, -1, 5, 4, 3, -2}, two[] = {-1, 0, 1, -1, -1, 2, 3, 3, 3, 5, 4, -1, -2}, none[] = {-2};
+    static const int one[] = {0, 1, 2, 3, 4, -1, 5, 4, 3, -2};
+    static const int two[] = {-1, 0, 1, -1, -1, 2, 3, 3, 3, 5, 4, -1, -2};
+    static const int none[] = {-2};
     static const int bad[] = {0, 1, 2, 6, -2}, worse[] = {0, 1, 2, -3, -2}, flat[] = {0, 1, 1, 0, -2};
     static const uint32_t want[] = {0, 1, 2, 2, 1, 3, 2, 3, 4, 5, 4, 3, /* two: */ 5, 3, 4};
     static const uint32_t face_triangle[] = {1, 2, 3};
     const int *const strips[] = {one, none, two};
+
     for (int how = ASCII; how <= BIG; how++)
         for (int face = 0; face <= 2; face++) {
             bvx_mesh m;
             put_strips(how, strips, 3, face);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(file, file_size, PLY, &m), bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(file, file_size, PLY, &m),
+                                            bvx_last_message(ctx));
             TEST_ASSERT_EQUAL_UINT64(5 + (face > 0), m.triangle_count);
             TEST_ASSERT_EQUAL_UINT32_ARRAY(want, m.triangles + (face == 1 ? 3 : 0), 15);
-            if (face > 0) TEST_ASSERT_EQUAL_UINT32_ARRAY(face_triangle, m.triangles + (face == 1 ? 0 : 15), 3);
+            if (face > 0)
+                TEST_ASSERT_EQUAL_UINT32_ARRAY(face_triangle, m.triangles + (face == 1 ? 0 : 15), 3);
             bvx_mesh_free(ctx, &m);
             check_every_limit(file, file_size, PLY);
             TEST_ASSERT_TRUE(check_every_prefix(file, file_size, PLY, 5 + (face > 0)) >= 1);
@@ -507,8 +565,9 @@ static void test_read_ply_strips(void)
     check_refused(file, file_size, PLY, BVX_ERR_EMPTY, "no triangle");
     put_strips(LITTLE, strips, 0, 0);
     check_refused(file, file_size, PLY, BVX_ERR_EMPTY, "no faces");
-    check_refused_text(VERTICES("") "element tristrips 1\nproperty list int int other\nend_header\n0 0 0\n1 0 0\n0 1 0\n0\n", PLY,
-                       BVX_ERR_FORMAT, "line 7: element tristrips has no list vertex_indices");
+    check_refused_text(
+        VERTICES("") "element tristrips 1\nproperty list int int other\nend_header\n0 0 0\n1 0 0\n0 1 0\n0\n",
+        PLY, BVX_ERR_FORMAT, "line 7: element tristrips has no list vertex_indices");
 }
 
 /* ---- line ends, spaces, indices ---- */
@@ -516,6 +575,7 @@ static void test_read_ply_strips(void)
 static void test_read_ply_line_ends(void)
 {
     static uint8_t other[4000];
+
     for (int how = ASCII; how <= BIG; how++)
         for (int returns = 0; returns < 2; returns++) { /* "\r\n", then "\r" */
             size_t n = 0, i = 0;
@@ -528,10 +588,12 @@ static void test_read_ply_line_ends(void)
             memcpy(other + n, file + i + 11, file_size - i - 11);
             check_square(other, n + file_size - i - 11);
         }
+
     /* data that begins with the byte of a newline, behind lines that end with a carriage return */
     begin_header(LITTLE);
-    put_text("element a 1\nproperty uchar b\nelement vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
-             "element face 1\nproperty list uchar uchar vertex_index\nend_header\n");
+    put_text(
+        "element a 1\nproperty uchar b\nelement vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+        "element face 1\nproperty list uchar uchar vertex_index\nend_header\n");
     for (size_t i = 0; i < file_size; i++)
         if (file[i] == '\n') file[i] = '\r';
     put_text("\n\n\n\n");
@@ -540,9 +602,10 @@ static void test_read_ply_line_ends(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(file, file_size + 4, PLY, &m));
     TEST_ASSERT_TRUE(((double *)m.positions)[2] == 10);
     bvx_mesh_free(ctx, &m);
-    static const char loose[] = "ply \nformat\tascii  1.0 \ncomment\n  element vertex 4 \nproperty  float x\nproperty float y\n"
-                                "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header \n"
-                                "0 0 .5 1\t0 0.5\n\n\n1 1 5e-1 0 +1 0.5 4 0 1 2\r\n3";
+    static const char loose[] =
+        "ply \nformat\tascii  1.0 \ncomment\n  element vertex 4 \nproperty  float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header \n"
+        "0 0 .5 1\t0 0.5\n\n\n1 1 5e-1 0 +1 0.5 4 0 1 2\r\n3";
     check_square(loose, strlen(loose));
 }
 
@@ -551,14 +614,18 @@ static void test_read_ply_corner_types_reach_their_ends(void)
     static const struct {
         int type;
         double value;
-    } cases[] = {{I8, 127}, {U8, 128}, {U8, 255}, {I16, 32767}, {U16, 32768}, {U16, 65535}, {I32, 65536}, {U32, 65536}};
+    } cases[] = {{I8, 127},    {U8, 128},    {U8, 255},    {I16, 32767},
+                 {U16, 32768}, {U16, 65535}, {I32, 65536}, {U32, 65536}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         for (int how = ASCII; how <= BIG; how++) {
             char text[300];
             bvx_mesh m;
             begin_header(how);
-            sprintf(text, "element vertex 65537\nproperty uchar x\nproperty char y\nproperty char z\nelement face 1\n"
-                          "property list uchar %s vertex_indices\nend_header\n", types[cases[i].type][0]);
+            sprintf(
+                text,
+                "element vertex 65537\nproperty uchar x\nproperty char y\nproperty char z\nelement face 1\n"
+                "property list uchar %s vertex_indices\nend_header\n",
+                types[cases[i].type][0]);
             put_text(text);
             for (int v = 0; v < 3 * 65537; v++) put_value(U8, 7);
             put_value(U8, 3);
@@ -573,13 +640,23 @@ static void test_read_ply_corner_types_reach_their_ends(void)
 
 static void test_read_ply_refuses_counts(void)
 {
-    static const char *const counts[] = {"5", "100000000", "2147483648", "4294967295", "4294967296", "18446744073709551615",
-                                         "18446744073709551616", "99999999999999999999999999"};
+    static const char *const counts[] = {"5",
+                                         "100000000",
+                                         "2147483648",
+                                         "4294967295",
+                                         "4294967296",
+                                         "18446744073709551615",
+                                         "18446744073709551616",
+                                         "99999999999999999999999999"};
     static const char *const malformed[] = {"-1", "1.0", "", "x", "0x4", "+4", "4x"};
+
     for (int how = ASCII; how <= BIG; how++) {
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
             put_square(how, counts[i], "1");
-            check_refused(file, file_size, PLY, BVX_ERR_FORMAT, i > 0 ? "line 4: " : how == ASCII ? "face 0" : "line 8: ");
+            check_refused(file, file_size, PLY, BVX_ERR_FORMAT,
+                          i > 0          ? "line 4: "
+                          : how == ASCII ? "face 0"
+                                         : "line 8: ");
             put_square(how, "4", counts[i]);
             check_refused(file, file_size, PLY, BVX_ERR_FORMAT, "line 8: ");
             TEST_ASSERT_TRUE(bvx_memory_peak(ctx) < 4096); /* the header's tables at most */
@@ -605,6 +682,7 @@ static void test_read_ply_refuses_corners(void)
 {
     static const double corners[] = {4, 255, 65536, 2147483647, -1, -2147483648.0};
     char words[60];
+
     for (int how = ASCII; how <= BIG; how++)
         for (int length = 3; length <= 4; length++)
             for (size_t i = 0; i < sizeof corners / sizeof corners[0]; i++) {
@@ -613,7 +691,8 @@ static void test_read_ply_refuses_corners(void)
                 for (int k = 0; k < length; k++) put_value(I32, k == length - 1 ? corners[i] : k);
                 sprintf(words, "names vertex %.0f, but there are 4", corners[i]);
                 check_refused(file, file_size, PLY, BVX_ERR_RANGE, words);
-                check_refused(file, file_size, PLY, BVX_ERR_RANGE, how == ASCII ? "face 1 (line 16)" : "face 1 (byte ");
+                check_refused(file, file_size, PLY, BVX_ERR_RANGE,
+                              how == ASCII ? "face 1 (line 16)" : "face 1 (byte ");
             }
     for (int how = ASCII; how <= BIG; how++)
         for (int length = 0; length < 3; length++) {
@@ -628,6 +707,7 @@ static void test_read_ply_refuses_corners(void)
 static void test_read_ply_refuses_numbers(void)
 {
     static const uint32_t bad[] = {0x7f800000u, 0xff800000u, 0x7fc00000u};
+
     for (int big = 0; big < 2; big++)
         for (int at = 0; at < 12; at++)
             for (size_t i = 0; i < 3; i++) {
@@ -638,23 +718,29 @@ static void test_read_ply_refuses_numbers(void)
                         (unsigned)(file_size - 17 - 48 + 12 * (size_t)(at / 3)));
                 check_refused(file, file_size, PLY, BVX_ERR_RANGE, words);
             }
-#define HEAD "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
-             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+#define HEAD                                                                                          \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     check_refused_text(HEAD "0 0 0 1 0 nan\n0 1 0\n3 0 1 2\n", PLY, BVX_ERR_RANGE, "vertex 1 (line 10)");
     check_refused_text(HEAD "0 0 0\n1 -inf 0\n0 1 0\n3 0 1 2\n", PLY, BVX_ERR_RANGE, "vertex 1 (line 11)");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 1e39\n3 0 1 2\n", PLY, BVX_ERR_RANGE, "vertex 2 (line 12)");
-    check_refused_text(HEAD "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", PLY, BVX_ERR_FORMAT, "line 11: expected a coordinate, found '0,5'");
-    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2x\n", PLY, BVX_ERR_FORMAT, "line 13: expected a vertex number, found '2x'");
-    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2.0\n", PLY, BVX_ERR_FORMAT, "line 13: expected a vertex number");
-    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 99999999999999999999999\n", PLY, BVX_ERR_RANGE, "face 0 (line 13)");
-    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\nx 0 1 2\n", PLY, BVX_ERR_FORMAT, "line 13: expected the length of a list");
+    check_refused_text(HEAD "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", PLY, BVX_ERR_FORMAT,
+                       "line 11: expected a coordinate, found '0,5'");
+    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2x\n", PLY, BVX_ERR_FORMAT,
+                       "line 13: expected a vertex number, found '2x'");
+    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2.0\n", PLY, BVX_ERR_FORMAT,
+                       "line 13: expected a vertex number");
+    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 99999999999999999999999\n", PLY, BVX_ERR_RANGE,
+                       "face 0 (line 13)");
+    check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\nx 0 1 2\n", PLY, BVX_ERR_FORMAT,
+                       "line 13: expected the length of a list");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", PLY, BVX_ERR_FORMAT, "a list of -3");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n99 0 1 2\n", PLY, BVX_ERR_FORMAT, "the file ends");
 }
 
 static void test_read_ply_refuses_headers(void)
 {
-#define XYZ "property float x\nproperty float y\nproperty float z\n"
+#define XYZ  "property float x\nproperty float y\nproperty float z\n"
 #define FACE "element face 1\nproperty list uchar int vertex_indices\n"
 #define ROWS "0 0 0\n3 0 0 0\n"
     static const struct {
@@ -662,9 +748,13 @@ static void test_read_ply_refuses_headers(void)
         bvx_status status;
         const char *words;
     } bad[] = {
-        {"", BVX_ERR_EMPTY, "PLY: the file has no bytes"}, {"ply", BVX_ERR_FORMAT, "line 'ply'"}, {"plyx\n", BVX_ERR_FORMAT, "line 'ply'"},
-        {" ply\n", BVX_ERR_FORMAT, "line 'ply'"}, {"solid\n", BVX_ERR_FORMAT, "line 'ply'"},
-        {"ply\n", BVX_ERR_FORMAT, "ends before end_header"}, {"ply\nend_header", BVX_ERR_FORMAT, "ends before end_header"},
+        {"", BVX_ERR_EMPTY, "PLY: the file has no bytes"},
+        {"ply", BVX_ERR_FORMAT, "line 'ply'"},
+        {"plyx\n", BVX_ERR_FORMAT, "line 'ply'"},
+        {" ply\n", BVX_ERR_FORMAT, "line 'ply'"},
+        {"solid\n", BVX_ERR_FORMAT, "line 'ply'"},
+        {"ply\n", BVX_ERR_FORMAT, "ends before end_header"},
+        {"ply\nend_header", BVX_ERR_FORMAT, "ends before end_header"},
         {"ply\nend_header\n", BVX_ERR_FORMAT, "no line 'format'"},
         {"ply\nformat ascii 1.0\nend_header\n", BVX_ERR_EMPTY, "no faces"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "end_header\n0 0 0\n", BVX_ERR_EMPTY, "no faces"},
@@ -674,36 +764,52 @@ static void test_read_ply_refuses_headers(void)
         {"ply\nformat ascii 1.0\nformat ascii 1.0\nend_header\n", BVX_ERR_FORMAT, "line 3"},
         {"ply\nformat ascii 1.0\nnonsense\nend_header\n", BVX_ERR_FORMAT, "line 3: expected format, element"},
         {"ply\nformat ascii 1.0\n\nend_header\n", BVX_ERR_FORMAT, "line 3: the line ends"},
-        {"ply\nformat ascii 1.0\nproperty float x\nend_header\n", BVX_ERR_FORMAT, "line 3: a property before any element"},
-        {"ply\nformat ascii 1.0\nelement\nend_header\n", BVX_ERR_FORMAT, "line 3: the line ends where an element's name"},
-        {"ply\nformat ascii 1.0\nelement vertex\nend_header\n", BVX_ERR_FORMAT, "line 3: the line ends where a count"},
-        {"ply\nformat ascii 1.0\nelement vertex 1 1\nend_header\n", BVX_ERR_FORMAT, "line 3: expected the end"},
-        {"ply\nformat ascii 1.0\nelement a 0\nproperty half x\nend_header\n", BVX_ERR_FORMAT, "line 4: expected a type"},
-        {"ply\nformat ascii 1.0\nelement a 0\nproperty float\nend_header\n", BVX_ERR_FORMAT, "line 4: the line ends where a prop"},
-        {"ply\nformat ascii 1.0\nelement a 0\nproperty list float int x\nend_header\n", BVX_ERR_FORMAT, "expected an integer type"},
-        {"ply\nformat ascii 1.0\nelement a 0\nproperty list uchar\nend_header\n", BVX_ERR_FORMAT, "line 4: the line ends"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ XYZ FACE "end_header\n" ROWS, BVX_ERR_FORMAT, "line 7: a second property"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\n" FACE "end_header\n" ROWS, BVX_ERR_FORMAT,
-         "line 4: a coordinate cannot be a list"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n" FACE "end_header\n" ROWS, BVX_ERR_FORMAT,
-         "line 3: element vertex has no property z"},
+        {"ply\nformat ascii 1.0\nproperty float x\nend_header\n", BVX_ERR_FORMAT,
+         "line 3: a property before any element"},
+        {"ply\nformat ascii 1.0\nelement\nend_header\n", BVX_ERR_FORMAT,
+         "line 3: the line ends where an element's name"},
+        {"ply\nformat ascii 1.0\nelement vertex\nend_header\n", BVX_ERR_FORMAT,
+         "line 3: the line ends where a count"},
+        {"ply\nformat ascii 1.0\nelement vertex 1 1\nend_header\n", BVX_ERR_FORMAT,
+         "line 3: expected the end"},
+        {"ply\nformat ascii 1.0\nelement a 0\nproperty half x\nend_header\n", BVX_ERR_FORMAT,
+         "line 4: expected a type"},
+        {"ply\nformat ascii 1.0\nelement a 0\nproperty float\nend_header\n", BVX_ERR_FORMAT,
+         "line 4: the line ends where a prop"},
+        {"ply\nformat ascii 1.0\nelement a 0\nproperty list float int x\nend_header\n", BVX_ERR_FORMAT,
+         "expected an integer type"},
+        {"ply\nformat ascii 1.0\nelement a 0\nproperty list uchar\nend_header\n", BVX_ERR_FORMAT,
+         "line 4: the line ends"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ XYZ FACE "end_header\n" ROWS, BVX_ERR_FORMAT,
+         "line 7: a second property"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\n" FACE "end_header\n" ROWS,
+         BVX_ERR_FORMAT, "line 4: a coordinate cannot be a list"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n" FACE
+         "end_header\n" ROWS,
+         BVX_ERR_FORMAT, "line 3: element vertex has no property z"},
         {"ply\nformat ascii 1.0\n" FACE "end_header\n" ROWS, BVX_ERR_FORMAT, "no element vertex"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ FACE FACE "end_header\n" ROWS ROWS, BVX_ERR_FORMAT,
          "line 9: a second element"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "element face 1\nproperty list uchar float vertex_indices\nend_header\n" ROWS,
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+         "element face 1\nproperty list uchar float vertex_indices\nend_header\n" ROWS,
          BVX_ERR_FORMAT, "line 8: vertex numbers must be integers"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "element face 1\nproperty list uchar int other\nend_header\n" ROWS,
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+         "element face 1\nproperty list uchar int other\nend_header\n" ROWS,
          BVX_ERR_FORMAT, "line 7: element face has no list vertex_indices"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "element face 1\nproperty int vertex_indices\nend_header\n" ROWS,
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+         "element face 1\nproperty int vertex_indices\nend_header\n" ROWS,
          BVX_ERR_FORMAT, "line 7: element face has no list"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ FACE "end_headerx\n" ROWS, BVX_ERR_FORMAT, "ends before end_header"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ FACE "end_headerx\n" ROWS, BVX_ERR_FORMAT,
+         "ends before end_header"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         check_refused_text(bad[i].text, PLY, bad[i].status, bad[i].words);
     static const char elements_without_properties[] =
-        "ply\nformat ascii 1.0\nelement none 18446744073709551615\nelement vertex 1\n" XYZ FACE "end_header\n" ROWS;
+        "ply\nformat ascii 1.0\nelement none 18446744073709551615\nelement vertex 1\n" XYZ FACE
+        "end_header\n" ROWS;
     bvx_mesh m;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(elements_without_properties, strlen(elements_without_properties), PLY, &m));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, read_file(elements_without_properties, strlen(elements_without_properties), PLY, &m));
     bvx_mesh_free(ctx, &m);
 }
 
@@ -730,15 +836,17 @@ static void test_read_ply_every_list_length(void)
 {
     static const uint32_t values[] = {0, 1, 0xffffffffu, 0x80000000u, 0x7fffffffu, 3, 0x55555556u};
     static const int strip[] = {0, 1, 2, 3, 4, 5, -2};
+
     for (int how = LITTLE; how <= BIG; how++)
         for (int kind = 0; kind < 2; kind++) {
             static uint8_t other[4000];
             if (kind == 0) put_strips(how, (const int *const[]){strip}, 1, 2);
             else {
                 begin_header(how);
-                put_text("element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                         "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
-                         "end_header\n");
+                put_text(
+                    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                    "property list uint int a\nproperty list uint uint vertex_index\nproperty list int float texcoord\n"
+                    "end_header\n");
                 for (int i = 0; i < 9; i++) put_value(F32, i * i);
                 put_value(U32, 2);
                 for (int i = 0; i < 2; i++) put_value(I32, i);
@@ -757,7 +865,8 @@ static void test_read_ply_every_list_length(void)
         }
 }
 
-/* Polygons whose corners take a byte each: one large one (read_file holds it to its bound), and many of four corners. */
+/* Polygons whose corners take a byte each: one large one (read_file holds
+ * it to its bound), and many of four corners. */
 static void test_read_ply_memory_of_polygons(void)
 {
     for (int kind = 0; kind < 2; kind++) {
@@ -766,8 +875,10 @@ static void test_read_ply_memory_of_polygons(void)
         char text[300];
         bvx_mesh m;
         begin_header(LITTLE);
-        sprintf(text, "element vertex 250\nproperty uchar x\nproperty uchar y\nproperty uchar z\nelement face %d\n"
-                      "property list int uchar vertex_index\nend_header\n", faces);
+        sprintf(text,
+                "element vertex 250\nproperty uchar x\nproperty uchar y\nproperty uchar z\nelement face %d\n"
+                "property list int uchar vertex_index\nend_header\n",
+                faces);
         put_text(text);
         for (int v = 0; v < 750; v++) file[file_size++] = (uint8_t)(next_random(&state) >> 32 & 0xff);
         for (int f = 0; f < faces; f++) {
@@ -788,7 +899,8 @@ static void test_read_ply_every_prefix(void)
         int const good = check_every_prefix(file, file_size, PLY, 2);
         TEST_ASSERT_EQUAL_INT(how == ASCII ? 2 : 1, good); /* a text may lack its last newline */
     }
-    layout_state = 23; /* and with lists and other elements; those behind the last one that is wanted may be cut */
+    /* and with lists and other elements; those behind the last one that is wanted may be cut */
+    layout_state = 23;
     for (int round = 0; round < 6; round++) {
         put_any_layout(round % 3);
         TEST_ASSERT_TRUE(check_every_prefix(file, file_size, PLY, meant_triangles()) >= 1);
@@ -799,6 +911,7 @@ static void test_read_ply_every_prefix(void)
 static void test_read_ply_every_byte_changed(void)
 {
     static const uint8_t values[] = {0, 1, 0x7f, 0x80, 0xff, '\n', '9', '-'};
+
     for (int how = ASCII; how <= BIG; how++) {
         put_square(how, "4", "1");
         for (size_t i = 0; i < file_size; i++)
@@ -820,8 +933,10 @@ static void test_read_ply_cancels(void)
         char text[300];
         size_t n;
         begin_header(how);
-        sprintf(text, "element vertex %d\nproperty uchar x\nproperty uchar y\nproperty uchar z\nelement face 1\n"
-                      "property list uchar int vertex_indices\nend_header\n", rows);
+        sprintf(text,
+                "element vertex %d\nproperty uchar x\nproperty uchar y\nproperty uchar z\nelement face 1\n"
+                "property list uchar int vertex_indices\nend_header\n",
+                rows);
         put_text(text);
         n = file_size;
         memcpy(large, file, n);
@@ -843,6 +958,7 @@ static void test_read_ply_real_file(void)
     FILE *const stream = fopen(name, "rb");
     double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
     bvx_mesh m;
+
     if (stream == NULL) TEST_IGNORE_MESSAGE("../shared/meshes is not there");
     file_size = fread(file, 1, sizeof file, stream);
     fclose(stream);

@@ -1,4 +1,5 @@
-/* test_read_sections.c - contour files: CSL and CSV by hand, round trips, every cut, and what they refuse; contours of meshes. */
+/* test_read_sections.c - contour files: CSL and CSV by hand, round trips,
+ * every cut, and what they refuse; contours of meshes. */
 #include "tools/section_maker.h"
 #include "unity.h"
 
@@ -44,8 +45,9 @@ static void refuse(const char *text, int32_t format, bvx_status status, const ch
 
 /* ---- CSL ---- */
 
-static const char csl[] = "CSLC\n2 3\n\n1 7 2 0 0 1 -0.5\n\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n1 1 .5\n2 1 .5\n1 2 .5\n\n4 1 0 1 2 3\n3h0 1 4 5 6\n"
-                          "2 3 1 0 0 -1 1.5\n0 0 1.5 4 0 1.5 4 4 1.5\n3 2 2 1 0\n";
+static const char csl[] =
+    "CSLC\n2 3\n\n1 7 2 0 0 1 -0.5\n\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n1 1 .5\n2 1 .5\n1 2 .5\n\n4 1 0 1 2 3\n3h0 1 4 5 6\n"
+    "2 3 1 0 0 -1 1.5\n0 0 1.5 4 0 1.5 4 4 1.5\n3 2 2 1 0\n";
 
 static void test_csl_by_hand(void)
 {
@@ -62,8 +64,9 @@ static void test_csl_by_hand(void)
     TEST_ASSERT_EQUAL_DOUBLE(4.0, s.points[3 * 7]);
 }
 
-static const char drum[] = "CSLC\n2 2\n1 8 2 0 0 1 -1\n0 0 1 4 0 1 4 4 1 0 4 1 1 1 1 3 1 1 3 3 1 1 3 1\n4 1 0 1 2 3\n4h0 %d 4 5 6 7\n"
-                           "2 8 2 0 0 1 -3\n0 0 3 4 0 3 4 4 3 0 4 3 1 1 3 3 1 3 3 3 3 1 3 3\n4h1 %d 4 5 6 7\n4 1 0 1 2 3\n";
+static const char drum[] =
+    "CSLC\n2 2\n1 8 2 0 0 1 -1\n0 0 1 4 0 1 4 4 1 0 4 1 1 1 1 3 1 1 3 3 1 1 3 1\n4 1 0 1 2 3\n4h0 %d 4 5 6 7\n"
+    "2 8 2 0 0 1 -3\n0 0 3 4 0 3 4 4 3 0 4 3 1 1 3 3 1 3 3 3 3 1 3 3\n4h1 %d 4 5 6 7\n4 1 0 1 2 3\n";
 
 /* A hole bounds the body around it whatever its own label, and the body of that label. */
 static void test_csl_holes_belong_to_what_is_around_them(void)
@@ -99,20 +102,29 @@ static void test_csl_has_a_byte_order_mark(void)
 
 static void test_csl_refusals(void)
 {
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 7\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 3: the plane's points do not lie where");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3h1 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "a hole lies in loop 1, which");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 7\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "line 3: the plane's points do not lie where");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3h1 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "a hole lies in loop 1, which");
 
     refuse("", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 1: the file does not begin with CSLC");
-    refuse("CSLC\n1 2\n1 3 1 0 0 0 1\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 3: the plane's normal has no length");
+    refuse("CSLC\n1 2\n1 3 1 0 0 0 1\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "line 3: the plane's normal has no length");
     refuse("CSLC\n0 2\n", BVX_FORMAT_CSL, BVX_ERR_EMPTY, "no loop");
-    refuse("CSLC\n2 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n2 3 1 0 0.001 1 -1\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2", BVX_FORMAT_CSL,
-           BVX_ERR_UNSUPPORTED, "line 6: the plane is not parallel to the first one");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 3\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "there is no point 3 on this plane");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 x 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 4: expected a point's coordinate");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 inf 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_RANGE, "line 4: a number is not finite");
+    refuse(
+        "CSLC\n2 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n2 3 1 0 0.001 1 -1\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2",
+        BVX_FORMAT_CSL, BVX_ERR_UNSUPPORTED, "line 6: the plane is not parallel to the first one");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 3\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "there is no point 3 on this plane");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 x 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "line 4: expected a point's coordinate");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 inf 1 1 0\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_RANGE,
+           "line 4: a number is not finite");
     refuse("CSLC\n1 2\n1 999999999999 1 0 0 1 0\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "more than can be there");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\nmore", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 6: there is more");
-    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n0 1\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT, "a loop without points");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\nmore", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "line 6: there is more");
+    refuse("CSLC\n1 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n0 1\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
+           "a loop without points");
     refuse("x", BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED, "holds no contours");
 }
 
@@ -120,8 +132,12 @@ static void test_csl_refusals(void)
 
 static void test_csv_by_hand(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_text("\xef\xbb\xbf\"Y\";x;Section;grade;position;loop;label\r\n# a remark\r\n1;2;A;9;10.5;1;7\r\n1;4;A;9;10.5;1;7\r\n"
-                                              "3;4;A;9;10.5;1;7\r\n1;2;A;9;10.5;1;7\r\n\r\n0;0;B;9;11;1;7\n0;1;B;9;11;1;7\n1;1;B;9;11;1;7", BVX_FORMAT_CSV));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK,
+        read_text(
+            "\xef\xbb\xbf\"Y\";x;Section;grade;position;loop;label\r\n# a remark\r\n1;2;A;9;10.5;1;7\r\n1;4;A;9;10.5;1;7\r\n"
+            "3;4;A;9;10.5;1;7\r\n1;2;A;9;10.5;1;7\r\n\r\n0;0;B;9;11;1;7\n0;1;B;9;11;1;7\n1;1;B;9;11;1;7",
+            BVX_FORMAT_CSV));
     TEST_ASSERT_EQUAL_UINT64(2, s.section_count);
     TEST_ASSERT_EQUAL_UINT64(2, s.loop_count);
     TEST_ASSERT_EQUAL_UINT64(6, s.point_count); /* the first point came again at the end */
@@ -130,21 +146,26 @@ static void test_csv_by_hand(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, s.points[1]);
     TEST_ASSERT_EQUAL_DOUBLE(10.5, s.points[2]);
     TEST_ASSERT_EQUAL_INT32(7, s.loops[1].label);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_text("section\tposition\tloop\tx\ty\n1\t0\t1\t0\t0\n1\t0\t1\t1\t0\n1\t0\t1\t1\t1\n", BVX_FORMAT_CSV));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, read_text("section\tposition\tloop\tx\ty\n1\t0\t1\t0\t0\n1\t0\t1\t1\t0\n1\t0\t1\t1\t1\n",
+                          BVX_FORMAT_CSV));
     TEST_ASSERT_EQUAL_UINT64(3, s.point_count);
 }
 
 #define HEAD "section,position,loop,x,y\n"
 
-/* Two rounds over very many sections: each loop finds its own, in a time that does not grow with their square. */
+/* Two rounds over very many sections: each loop finds its own, in a time
+ * that does not grow with their square. */
 static void test_csv_of_many_sections(void)
 {
     uint32_t const sections = getenv("BVX_QUICK") != NULL ? 2000 : 100000;
     char *const text = malloc((size_t)sections * 60 + 100);
     int n = sprintf(text, "loop,section,x,y,position\n");
+
     TEST_ASSERT_NOT_NULL(text);
     for (uint32_t i = 0; i < 2 * sections; i++)
-        n += sprintf(text + n, "%u,%u,1,2,%u\n", (unsigned)(i / sections), (unsigned)(i % sections * 7), (unsigned)(i % sections));
+        n += sprintf(text + n, "%u,%u,1,2,%u\n", (unsigned)(i / sections), (unsigned)(i % sections * 7),
+                     (unsigned)(i % sections));
     bvx_status const status = bvx_read_sections(ctx, text, (uint64_t)n, BVX_FORMAT_CSV, NULL, &s);
     free(text);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
@@ -158,6 +179,7 @@ static void test_csv_refusals(void)
 {
     bvx_read_sections_options o;
     static const char gap[] = HEAD "1,0,1,0,0\n1,0,1,1,0\n1,0,1,1,1\n";
+
     refuse("", BVX_FORMAT_CSV, BVX_ERR_EMPTY, "no head line");
     refuse(HEAD, BVX_FORMAT_CSV, BVX_ERR_EMPTY, "no loop");
     refuse("section,position,x,y\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "no column loop");
@@ -165,19 +187,26 @@ static void test_csv_refusals(void)
     refuse(HEAD "1,0,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 2: the line has fewer columns");
     refuse(HEAD "1,0,1,0,0x\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 2: expected a number as y");
     refuse(HEAD "1,0,1,0,nan\n", BVX_FORMAT_CSV, BVX_ERR_RANGE, "line 2: a number is not finite");
-    refuse(HEAD "1,0,1,0,0\n1,2,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 3: the section has another position");
-    refuse(HEAD "1,0,1,0,0\n2,5,1,1,0\n1,2,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 4: the section has another position");
-    refuse(HEAD "1,0,1,0,0\n1,0,2,1,0\n1,0,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "have one name in one section");
-    refuse("section,position,loop,x,y,label\n1,0,1,0,0,1.5\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 2: the label is no whole number");
-    refuse("section,position,loop,x,y,label\n1,0,1,0,0,1\n1,0,1,1,0,2\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 3: the loop has another label");
+    refuse(HEAD "1,0,1,0,0\n1,2,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 3: the section has another position");
+    refuse(HEAD "1,0,1,0,0\n2,5,1,1,0\n1,2,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 4: the section has another position");
+    refuse(HEAD "1,0,1,0,0\n1,0,2,1,0\n1,0,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "have one name in one section");
+    refuse("section,position,loop,x,y,label\n1,0,1,0,0,1.5\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 2: the label is no whole number");
+    refuse("section,position,loop,x,y,label\n1,0,1,0,0,1\n1,0,1,1,0,2\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 3: the loop has another label");
     bvx_read_sections_options_init(&o, sizeof o);
     o.close_gap = 1.5;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
     bvx_sections_free(ctx, &t);
     o.close_gap = 1.4;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT,
+                            bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
     o.close_gap = -1.0;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
 }
 
 /* ---- both ---- */
@@ -189,13 +218,15 @@ static void assert_same(const bvx_sections *a, const bvx_sections *b)
     TEST_ASSERT_EQUAL_UINT64(a->point_count, b->point_count);
     TEST_ASSERT_EQUAL_MEMORY(a->points, b->points, (size_t)a->point_count * 24);
     TEST_ASSERT_EQUAL_MEMORY(a->loops, b->loops, (size_t)a->loop_count * sizeof *a->loops);
-    for (uint64_t i = 0; i < a->section_count; i++) TEST_ASSERT_DOUBLE_WITHIN(1e-12, a->positions[i], b->positions[i]);
+    for (uint64_t i = 0; i < a->section_count; i++)
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, a->positions[i], b->positions[i]);
 }
 
 static void test_round_trips(void)
 {
     static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV};
     uint64_t seed = 3;
+
     for (int i = 0; i < 40; i++) {
         stack_random(&made, &seed);
         for (int f = 0; f < 2; f++) {
@@ -207,7 +238,8 @@ static void test_round_trips(void)
             }
             if (f == 1 && empty) continue;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_sections(ctx, &made.s, formats[f], &file));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, file.bytes, file.size, formats[f], NULL, &t));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_read_sections(ctx, file.bytes, file.size, formats[f], NULL, &t));
             assert_same(&made.s, &t);
             bvx_sections_free(ctx, &t);
             bvx_buffer_free(ctx, &file);
@@ -215,10 +247,12 @@ static void test_round_trips(void)
     }
 }
 
-/* A file that is cut short is an error or, where whole lines were lost, a smaller stack; in no case memory is lost. */
+/* A file that is cut short is an error or, where whole lines were lost, a
+ * smaller stack; in no case memory is lost. */
 static void test_every_cut(void)
 {
     static const char table[] = HEAD "1,0,1,0,0\n1,0,1,1,0\n1,0,1,1,1\n2,1,1,0,0\n2,1,1,1,0\n2,1,1,1,1\n";
+
     for (size_t n = 0; n < sizeof csl - 1; n++) {
         bvx_status const status = bvx_read_sections(ctx, csl, n, BVX_FORMAT_CSL, NULL, &t);
         TEST_ASSERT_TRUE(status == BVX_ERR_FORMAT || (n + 2 > sizeof csl - 1 && status == BVX_OK));
@@ -233,6 +267,7 @@ static void test_every_cut(void)
 static void test_writers_refuse(void)
 {
     uint64_t seed = 4;
+
     stack_random(&made, &seed);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_sections(ctx, &made.s, BVX_FORMAT_STL, &file));
     made.point[2] += 1e-9;
@@ -271,18 +306,21 @@ static void test_slices_of_a_box(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {4, 3, 2}, at[3] = {0.0, 1.0, 2.0};
     bvx_slice_options o;
+
     maker_box(&body, low, high);
     bvx_slice_options_init(&o, sizeof o);
     o.positions = at;
     o.position_count = 3;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, slice(&o));
     TEST_ASSERT_EQUAL_UINT64(3, t.section_count);
-    TEST_ASSERT_EQUAL_UINT64(2, t.loop_count); /* vertices on a plane count as above: 1 and the top, and not the bottom */
+    /* vertices on a plane count as above: 1 and the top, and not the bottom */
+    TEST_ASSERT_EQUAL_UINT64(2, t.loop_count);
     for (uint64_t i = 0; i < t.loop_count; i++) {
         const bvx_section_loop *const l = &t.loops[i];
         double area = 0.0;
         for (uint32_t k = 0; k < l->point_count; k++) {
-            const double *const a = t.points + 3 * (l->first_point + k), *const b = t.points + 3 * (l->first_point + (k + 1) % l->point_count);
+            const double *const a = t.points + 3 * (l->first_point + k);
+            const double *const b = t.points + 3 * (l->first_point + (k + 1) % l->point_count);
             area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
             TEST_ASSERT_EQUAL_DOUBLE(t.positions[l->section], a[2]);
         }
@@ -302,6 +340,7 @@ static void test_slices_refuse(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {4, 3, 2}, up[2] = {1.0, 1.0};
     bvx_slice_options o;
+
     maker_box(&body, low, high);
     bvx_slice_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, slice(&o));
@@ -331,6 +370,7 @@ static void test_mesh_to_contours_to_mesh(void)
     static const double centre[3] = {1, 2, 3}, radius[3] = {3, 2, 2.5};
     uint64_t seed = 11;
     double last = 1e9;
+
     maker_star(&body, &seed, centre, radius, 0.1, 12, 17, 1 << 20);
     bvx_mesh_view const view = maker_view(&body);
     bvx_certificate c;

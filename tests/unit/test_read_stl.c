@@ -21,12 +21,13 @@ static size_t put_binary(const char *header, uint32_t count, const float *xyz)
 
 static const float two[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, -0.0f};
 
-static const char text_two[] = "solid a facet of words\n"
-                               "  facet normal 0 0 1\n    outer loop\n      vertex 0 0 0\n      vertex 1 0 0\n"
-                               "      vertex 0 1 0\n    endloop\n  endfacet\n"
-                               "  facet normal nan -inf 1e999\n    outer loop\n      vertex 1 0 0\n      vertex 1 1 0\n"
-                               "      vertex 0 1 -0\n    endloop\n  endfacet\n"
-                               "endsolid a facet of words\n";
+static const char text_two[] =
+    "solid a facet of words\n"
+    "  facet normal 0 0 1\n    outer loop\n      vertex 0 0 0\n      vertex 1 0 0\n"
+    "      vertex 0 1 0\n    endloop\n  endfacet\n"
+    "  facet normal nan -inf 1e999\n    outer loop\n      vertex 1 0 0\n      vertex 1 1 0\n"
+    "      vertex 0 1 -0\n    endloop\n  endfacet\n"
+    "endsolid a facet of words\n";
 
 static void check_two(const bvx_mesh *m)
 {
@@ -60,6 +61,7 @@ static void test_read_stl_binary(void)
 static void test_read_stl_ascii(void)
 {
     static char other[2000];
+
     check_reads_two(text_two, strlen(text_two));
     char *o = other;
     for (const char *p = text_two; *p != 0; p++) { /* CRLF, tabs, capitals */
@@ -71,11 +73,13 @@ static void test_read_stl_ascii(void)
     check_reads_two(other, strlen(other));
     sprintf(other, "%.*s", (int)(strlen(text_two) - 1), text_two); /* no newline at the end */
     check_reads_two(other, strlen(other));
-    static const char several[] = "solid\nfacet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet "
-                                  "endsolid\nSOLID two\nfacet outer loop vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop\n"
-                                  "endfacet endsolid";
+    static const char several[] =
+        "solid\nfacet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet "
+        "endsolid\nSOLID two\nfacet outer loop vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop\n"
+        "endfacet endsolid";
     check_reads_two(several, strlen(several));
-    static const char quad[] = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop endfacet";
+    static const char quad[] =
+        "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop endfacet";
     static const uint32_t fan[6] = {0, 1, 2, 0, 2, 3};
     bvx_mesh m;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(quad, strlen(quad), STL, &m));
@@ -85,9 +89,11 @@ static void test_read_stl_ascii(void)
 
 static void test_read_stl_ascii_rounds_to_float(void)
 {
-    static const char text[] = "solid\nfacet outer loop vertex 0.1 16777217 1e-45 vertex 3.4028235e38 -0.0 1e-50\n"
-                               "vertex 1.00000017881393432617187500 1 1 endloop endfacet\nendsolid";
-    static const uint32_t bits[9] = {0x3dcccccdu, 0x4b800000u, 1, 0x7f7fffffu, 0, 0, 0x3f800002u, 0x3f800000u, 0x3f800000u};
+    static const char text[] =
+        "solid\nfacet outer loop vertex 0.1 16777217 1e-45 vertex 3.4028235e38 -0.0 1e-50\n"
+        "vertex 1.00000017881393432617187500 1 1 endloop endfacet\nendsolid";
+    static const uint32_t bits[9] = {0x3dcccccdu, 0x4b800000u, 1,           0x7f7fffffu, 0,
+                                     0,           0x3f800002u, 0x3f800000u, 0x3f800000u};
     bvx_mesh m;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(text, strlen(text), STL, &m));
     TEST_ASSERT_EQUAL_MEMORY(bits, m.positions, sizeof bits);
@@ -100,8 +106,11 @@ static size_t put_sheet_text(int side, char *text)
     char *t = text + sprintf(text, "solid sheet\n");
     for (int i = 0; i < side * side; i++) {
         int const x = i % side, y = i / side;
-        t += sprintf(t, "facet normal 0 0 1\nouter loop\nvertex %d %d 0\nvertex %d %d 0\nvertex %d %d 0\nvertex %d %d 0\n"
-                        "endloop\nendfacet\n", x, y, x + 1, y, x + 1, y + 1, x, y + 1);
+        t += sprintf(
+            t,
+            "facet normal 0 0 1\nouter loop\nvertex %d %d 0\nvertex %d %d 0\nvertex %d %d 0\nvertex %d %d 0\n"
+            "endloop\nendfacet\n",
+            x, y, x + 1, y, x + 1, y + 1, x, y + 1);
     }
     return (size_t)(t + sprintf(t, "endsolid\n") - text);
 }
@@ -109,6 +118,7 @@ static size_t put_sheet_text(int side, char *text)
 static size_t put_sheet_binary(int side)
 {
     float *const xyz = malloc(sizeof(float) * 18 * (size_t)(side * side));
+
     for (int i = 0; i < side * side; i++) {
         float const x = (float)(i % side), y = (float)(i / side);
         float const p[18] = {x, y, 0, x + 1, y, 0, x + 1, y + 1, 0, x, y, 0, x + 1, y + 1, 0, x, y + 1, 0};
@@ -122,6 +132,7 @@ static size_t put_sheet_binary(int side)
 static void check_sheet(const void *bytes, size_t size, int side)
 {
     bvx_mesh m;
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_file(bytes, size, STL, &m), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64((uint64_t)(2 * side * side), m.triangle_count);
     TEST_ASSERT_EQUAL_UINT64((uint64_t)((side + 1) * (side + 1)), m.vertex_count);
@@ -171,7 +182,9 @@ static void test_read_stl_refuses_counts(void)
 {
     size_t const size = put_binary("two", 2, two);
     static const uint32_t counts[] = {3, 0x7fffffffu, 0x80000000u, 0xffffffffu, 0xfffffffeu, 85899346u};
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) { /* the last: 50 * count is 4 beyond 2^32 */
+
+    /* the last: 50 * count is 4 beyond 2^32 */
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
         put_u32(file + 80, counts[i], 0);
         check_refused(file, size, STL, BVX_ERR_FORMAT, "byte 80");
         TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_peak(ctx)); /* before anything was allocated */
@@ -190,6 +203,7 @@ static void test_read_stl_refuses_counts(void)
 static void test_read_stl_every_byte_changed(void)
 {
     static const uint8_t values[] = {0, 1, 0x7f, 0x80, 0xff, '\n', ' ', '9', '-'};
+
     for (int is_text = 0; is_text < 2; is_text++) {
         size_t const size = is_text ? strlen(text_two) : put_binary("two", 2, two);
         if (is_text) memcpy(file, text_two, size);
@@ -207,12 +221,14 @@ static void test_read_stl_every_byte_changed(void)
 static void test_read_stl_refuses_numbers(void)
 {
     static const uint32_t bad[] = {0x7f800000u, 0xff800000u, 0x7fc00000u, 0x7f800001u, 0xffffffffu};
+
     for (int at = 0; at < 18; at++)
         for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
             char words[40];
             size_t const size = put_binary("two", 2, two);
             put_u32(file + 84 + 50 * (at / 9) + 12 + 4 * (at % 9), bad[i], 0);
-            sprintf(words, "triangle %d, corner %d (byte %d)", at / 9, at % 9 / 3, 84 + 50 * (at / 9) + 12 + 12 * (at % 9 / 3));
+            sprintf(words, "triangle %d, corner %d (byte %d)", at / 9, at % 9 / 3,
+                    84 + 50 * (at / 9) + 12 + 12 * (at % 9 / 3));
             check_refused(file, size, STL, BVX_ERR_RANGE, words);
         }
 }
@@ -229,19 +245,24 @@ static void test_read_stl_refuses_text(void)
         {"solid nothing\nendsolid nothing\n", BVX_ERR_EMPTY, "no triangle"},
         {"solid cut\n", BVX_ERR_FORMAT, "line 2: the file ends where 'facet' or 'endsolid'"},
         {"hello world\n", BVX_ERR_FORMAT, "line 1: expected 'solid' or 'facet', found 'hello'"},
-        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nvertex", BVX_ERR_FORMAT, "line 5: expected a coordinate"},
-        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1x\n", BVX_ERR_FORMAT, "line 4: expected a coordinate, found '1x'"},
+        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nvertex", BVX_ERR_FORMAT,
+         "line 5: expected a coordinate"},
+        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1x\n", BVX_ERR_FORMAT,
+         "line 4: expected a coordinate, found '1x'"},
         {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0,5 1\n", BVX_ERR_FORMAT, "found '0,5'"},
         {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 nan 1\n", BVX_ERR_RANGE, "line 4"},
         {"solid\nfacet normal 0 0 1\nouter loop\r\nvertex 0 1 -1e39\n", BVX_ERR_RANGE, "line 4"},
-        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\nvertex 1 1 1\nendloop\n", BVX_ERR_FORMAT, "line 6: expected three"},
+        {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\nvertex 1 1 1\nendloop\n", BVX_ERR_FORMAT,
+         "line 6: expected three"},
         {"solid\nfacet normal 0 0 1\nvertex 0 0 1\n", BVX_ERR_FORMAT, "'outer loop'"},
         {"solid\nfacet normal 0 0 1\nouter vertex 0 0 1\n", BVX_ERR_FORMAT, "line 3: expected 'outer loop'"},
-        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endfacet\n", BVX_ERR_FORMAT, "'endloop'"},
-        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endloop facet\n", BVX_ERR_FORMAT, "'endfacet'"},
+        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endfacet\n", BVX_ERR_FORMAT,
+         "'endloop'"},
+        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endloop facet\n", BVX_ERR_FORMAT,
+         "'endfacet'"},
         {"solid\nsolid\n", BVX_ERR_FORMAT, "line 2"},
-        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endloop endfacet endsolid\nmore", BVX_ERR_FORMAT,
-         "line 3"},
+        {"solid\nfacet outer loop vertex 0 0 1 vertex 1 0 0 vertex 0 1 0 endloop endfacet endsolid\nmore",
+         BVX_ERR_FORMAT, "line 3"},
         {"abc\001", BVX_ERR_FORMAT, "4 bytes"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
@@ -255,9 +276,11 @@ static void test_read_stl_refuses_text(void)
 
 static void test_read_stl_every_prefix(void)
 {
-    TEST_ASSERT_EQUAL_INT(1, check_every_prefix(file, put_binary("two", 2, two), STL, 2)); /* only the whole is right */
+    /* only the whole is right */
+    TEST_ASSERT_EQUAL_INT(1, check_every_prefix(file, put_binary("two", 2, two), STL, 2));
     /* text: all of "endsolid" must be there, what follows it does not matter */
-    TEST_ASSERT_EQUAL_INT((int)strlen(" a facet of words\n") + 1, check_every_prefix(text_two, strlen(text_two), STL, 2));
+    TEST_ASSERT_EQUAL_INT((int)strlen(" a facet of words\n") + 1,
+                          check_every_prefix(text_two, strlen(text_two), STL, 2));
 }
 
 static void test_read_stl_cancels(void)
@@ -277,20 +300,23 @@ static uint64_t inverse_of(uint64_t odd)
     return x;
 }
 
-/* A file whose corners x, y, 0 have hashes (of soup.c) with 24 equal bits at their end, all different, n triangles and then the same
- * n again; to be freed. */
+/* A file whose corners x, y, 0 have hashes (of soup.c) with 24 equal bits at their end, all different, n
+ * triangles and then the same n again; to be freed. */
 static uint8_t *make_flood(uint32_t n, size_t *size)
 {
-    uint64_t const first = inverse_of(UINT64_C(0x9e3779b97f4a7c15)), last = inverse_of(UINT64_C(0xbf58476d1ce4e5b9));
+    uint64_t const first = inverse_of(UINT64_C(0x9e3779b97f4a7c15));
+    uint64_t const last = inverse_of(UINT64_C(0xbf58476d1ce4e5b9));
     uint32_t corners = 0;
     uint8_t *const bytes = calloc(1, *size = 84 + (size_t)100 * n);
+
     TEST_ASSERT_NOT_NULL(bytes);
     put_u32(bytes + 80, 2 * n, 0);
     for (uint64_t i = 1; corners < 3 * n; i++) {
         uint64_t const hash = i << 24, mixed = (hash ^ hash >> 32) * last, xy = (mixed ^ mixed >> 32) * first;
         uint32_t const x = (uint32_t)xy, y = (uint32_t)(xy >> 32);
         uint8_t *const p = bytes + 96 + (size_t)(corners / 3) * 50 + corners % 3 * 12;
-        if (x << 1 >= UINT32_C(0xff000000) || y << 1 >= UINT32_C(0xff000000) || x << 1 == 0 || y << 1 == 0) continue;
+        if (x << 1 >= UINT32_C(0xff000000) || y << 1 >= UINT32_C(0xff000000) || x << 1 == 0 || y << 1 == 0)
+            continue;
         put_u32(p, x, 0);
         put_u32(p + 4, y, 0);
         corners++;
@@ -306,6 +332,7 @@ static void test_read_stl_made_against_the_hash(void)
     size_t size;
     uint8_t *const bytes = make_flood(n, &size);
     bvx_mesh m = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, bytes, size, STL, &m));
     TEST_ASSERT_EQUAL_UINT64(2 * n, m.triangle_count);
     TEST_ASSERT_EQUAL_UINT64(3 * n, m.vertex_count);
@@ -314,7 +341,8 @@ static void test_read_stl_made_against_the_hash(void)
         const uint8_t *const p = bytes + 96 + (size_t)(k / 9) * 50 + k % 9 * 4;
         uint32_t bits;
         memcpy(&bits, (const float *)m.positions + k, sizeof bits);
-        TEST_ASSERT_EQUAL_HEX32((uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24, bits);
+        TEST_ASSERT_EQUAL_HEX32(
+            (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24, bits);
     }
     bvx_mesh_free(ctx, &m);
     free(bytes);
@@ -323,15 +351,18 @@ static void test_read_stl_made_against_the_hash(void)
 static void test_read_mesh_arguments(void)
 {
     bvx_mesh m = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(NULL, "x", 1, STL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, NULL, 1, STL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, STL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", UINT64_MAX, STL, &m));
     for (int32_t format = -1; format < 14; format++)
-        if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY && format != BVX_FORMAT_OFF)
+        if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY &&
+            format != BVX_FORMAT_OFF)
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, format, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m)); /* its own arrays: used again */
+    /* its own arrays: used again */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
     check_two(&m);
     bvx_mesh_free(ctx, &m);
     for (int i = 0; i < 7; i++) { /* one array is enough */
@@ -353,10 +384,14 @@ static void test_format_of_name(void)
     static const struct {
         const char *name;
         int32_t format;
-    } names[] = {{"a.stl", BVX_FORMAT_STL}, {"A.STL", BVX_FORMAT_STL}, {"dir.obj/a.Ply", BVX_FORMAT_PLY}, {".obj", BVX_FORMAT_OBJ},
-                 {"a.obj.gz", BVX_FORMAT_OBJ}, {"a.OBJ.GZ", BVX_FORMAT_OBJ}, {"a.npy", BVX_FORMAT_NPY}, {"a.png", BVX_FORMAT_PNG},
-                 {"", BVX_FORMAT_UNKNOWN}, {"stl", BVX_FORMAT_UNKNOWN}, {"a.gz", BVX_FORMAT_UNKNOWN}, {".gz", BVX_FORMAT_UNKNOWN},
-                 {"a.stl.txt", BVX_FORMAT_UNKNOWN}, {"a.stl.gz.gz", BVX_FORMAT_UNKNOWN}, {"a.stl/", BVX_FORMAT_UNKNOWN}};
+    } names[] = {{"a.stl", BVX_FORMAT_STL},         {"A.STL", BVX_FORMAT_STL},
+                 {"dir.obj/a.Ply", BVX_FORMAT_PLY}, {".obj", BVX_FORMAT_OBJ},
+                 {"a.obj.gz", BVX_FORMAT_OBJ},      {"a.OBJ.GZ", BVX_FORMAT_OBJ},
+                 {"a.npy", BVX_FORMAT_NPY},         {"a.png", BVX_FORMAT_PNG},
+                 {"", BVX_FORMAT_UNKNOWN},          {"stl", BVX_FORMAT_UNKNOWN},
+                 {"a.gz", BVX_FORMAT_UNKNOWN},      {".gz", BVX_FORMAT_UNKNOWN},
+                 {"a.stl.txt", BVX_FORMAT_UNKNOWN}, {"a.stl.gz.gz", BVX_FORMAT_UNKNOWN},
+                 {"a.stl/", BVX_FORMAT_UNKNOWN}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         TEST_ASSERT_EQUAL_INT32_MESSAGE(names[i].format, bvx_format_of_name(names[i].name), names[i].name);
     TEST_ASSERT_EQUAL_INT32(BVX_FORMAT_UNKNOWN, bvx_format_of_name(NULL));

@@ -34,10 +34,12 @@ static void base_of(int32_t nx, int32_t ny, int32_t nz, double spacing, bvx_latt
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, s, dims, base));
 }
 
-static bvx_octree *refined(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *base, int32_t levels, int32_t start)
+static bvx_octree *refined(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *base, int32_t levels,
+                           int32_t start)
 {
     bvx_refine_options o;
     bvx_octree *tree = NULL;
+
     bvx_refine_options_init(&o, sizeof o);
     o.levels = levels;
     o.start_level = start;
@@ -51,8 +53,10 @@ static bvx_octree *refined(bvx_context *c, const bvx_mesh_view *view, const bvx_
 static void assert_last_level(bvx_context *c, const bvx_octree *tree, const uniform *u)
 {
     bvx_grid grid[3] = {{0}, {0}, {0}};
+
     for (int s = 0; s < 3; s++)
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(c, tree, bvx_octree_levels(tree), 1 << s, NULL, &grid[s]));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                bvx_octree_expand(c, tree, bvx_octree_levels(tree), 1 << s, NULL, &grid[s]));
     for (int32_t z = 0; z < u->lattice.dims[2]; z++)
         for (int32_t y = 0; y < u->lattice.dims[1]; y++)
             for (int32_t x = 0; x < u->lattice.dims[0]; x++) {
@@ -60,21 +64,25 @@ static void assert_last_level(bvx_context *c, const bvx_octree *tree, const unif
                 for (int s = 0; s < 3; s++) state |= bvx_grid_get(&grid[s], x, y, z) << s;
                 if (state != u->state[uniform_at(u, x, y, z)]) {
                     char text[100];
-                    snprintf(text, sizeof text, "voxel %d %d %d is %d, not %d", x, y, z, state, u->state[uniform_at(u, x, y, z)]);
+                    snprintf(text, sizeof text, "voxel %d %d %d is %d, not %d", x, y, z, state,
+                             u->state[uniform_at(u, x, y, z)]);
                     TEST_FAIL_MESSAGE(text);
                 }
             }
     for (int s = 0; s < 3; s++) bvx_grid_free(c, &grid[s]);
 }
 
-/* A leaf of a coarse level is of one state all over; a voxel that is split there has a surface voxel in it. Counts agree. */
+/* A leaf of a coarse level is of one state all over; a voxel that is split
+ * there has a surface voxel in it. Counts agree. */
 static void assert_coarse_level(bvx_context *c, const bvx_octree *tree, const uniform *u, int32_t level)
 {
     int32_t const side = 1 << (bvx_octree_levels(tree) - level);
     bvx_octree_level counts[26];
     uint64_t surface = 0;
     bvx_grid grid[3] = {{0}, {0}, {0}};
-    for (int s = 0; s < 3; s++) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(c, tree, level, 1 << s, NULL, &grid[s]));
+
+    for (int s = 0; s < 3; s++)
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(c, tree, level, 1 << s, NULL, &grid[s]));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_count(c, tree, counts, 26));
     for (int32_t z = 0; z < grid[0].size[2]; z++)
         for (int32_t y = 0; y < grid[0].size[1]; y++)
@@ -82,7 +90,8 @@ static void assert_coarse_level(bvx_context *c, const bvx_octree *tree, const un
                 int seen = 0, state = 0;
                 for (int32_t k = 0; k < side; k++)
                     for (int32_t j = 0; j < side; j++)
-                        for (int32_t i = 0; i < side; i++) seen |= u->state[uniform_at(u, x * side + i, y * side + j, z * side + k)];
+                        for (int32_t i = 0; i < side; i++)
+                            seen |= u->state[uniform_at(u, x * side + i, y * side + j, z * side + k)];
                 for (int s = 0; s < 3; s++) state |= bvx_grid_get(&grid[s], x, y, z) << s;
                 TEST_ASSERT_EQUAL_INT((seen & BVX_STATE_SURFACE) != 0 ? BVX_STATE_SURFACE : seen, state);
                 surface += state == BVX_STATE_SURFACE;
@@ -96,6 +105,7 @@ static void assert_leaves(bvx_context *c, const bvx_octree *tree, const uniform 
 {
     bvx_octree_level counts[26];
     uint64_t count = 0, again = 0, covered = 0, by_counts = 0;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_leaves(c, tree, 7, NULL, 0, &count));
     bvx_octree_leaf *const leaves = maker_grow(NULL, (size_t)count * sizeof *leaves);
     int32_t *const low = maker_grow(NULL, (size_t)count * 12);
@@ -109,14 +119,17 @@ static void assert_leaves(bvx_context *c, const bvx_octree *tree, const uniform 
         for (int32_t k = 0; k < side; k++)
             for (int32_t j = 0; j < side; j++)
                 for (int32_t i = 0; i < side; i++)
-                    TEST_ASSERT_EQUAL_UINT8(leaves[n].state, u->state[uniform_at(u, low[3 * n] + i, low[3 * n + 1] + j, low[3 * n + 2] + k)]);
+                    TEST_ASSERT_EQUAL_UINT8(
+                        leaves[n].state,
+                        u->state[uniform_at(u, low[3 * n] + i, low[3 * n + 1] + j, low[3 * n + 2] + k)]);
         covered += (uint64_t)side * (uint64_t)side * (uint64_t)side;
     }
     TEST_ASSERT_EQUAL_UINT64(u->count, covered);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(c, tree, low, count, found));
     TEST_ASSERT_EQUAL_MEMORY(leaves, found, (size_t)count * sizeof *found);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_count(c, tree, counts, 26));
-    for (int32_t l = 0; l <= bvx_octree_levels(tree); l++) by_counts += counts[l].surface + counts[l].inside + counts[l].outside;
+    for (int32_t l = 0; l <= bvx_octree_levels(tree); l++)
+        by_counts += counts[l].surface + counts[l].inside + counts[l].outside;
     TEST_ASSERT_EQUAL_UINT64(count, by_counts);
     free(leaves);
     free(low);
@@ -127,6 +140,7 @@ static void assert_window(bvx_context *c, const bvx_octree *tree, const uniform 
 {
     bvx_window w;
     bvx_grid grid = {0};
+
     for (int a = 0; a < 3; a++) {
         w.low[a] = maker_below(seed, u->lattice.dims[a]);
         w.size[a] = 1 + maker_below(seed, u->lattice.dims[a] - w.low[a]);
@@ -135,7 +149,8 @@ static void assert_window(bvx_context *c, const bvx_octree *tree, const uniform 
     for (int32_t z = 0; z < w.size[2]; z++)
         for (int32_t y = 0; y < w.size[1]; y++)
             for (int32_t x = 0; x < w.size[0]; x++)
-                TEST_ASSERT_EQUAL_INT(u->state[uniform_at(u, w.low[0] + x, w.low[1] + y, w.low[2] + z)] != BVX_STATE_OUTSIDE,
+                TEST_ASSERT_EQUAL_INT(u->state[uniform_at(u, w.low[0] + x, w.low[1] + y, w.low[2] + z)] !=
+                                          BVX_STATE_OUTSIDE,
                                       bvx_grid_get(&grid, x, y, z));
     bvx_grid_free(c, &grid);
 }
@@ -158,13 +173,15 @@ static void assert_same_tree(bvx_context *c, const bvx_octree *a, const bvx_octr
 }
 
 /* All of it; and the same tree for every start level. */
-static void check_refined(bvx_context *c, const maker_mesh *m, const bvx_lattice *base, int32_t levels, size_t inside[1])
+static void check_refined(bvx_context *c, const maker_mesh *m, const bvx_lattice *base, int32_t levels,
+                          size_t inside[1])
 {
     bvx_mesh_view const view = maker_view(m);
     uint64_t seed = 5;
     uniform u;
     bvx_lattice lattice;
     bvx_octree *const tree = refined(c, &view, base, levels, -1);
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(c, tree, levels, &lattice));
     uniform_make(c, &view, &lattice, &u);
     assert_last_level(c, tree, &u);
@@ -185,7 +202,8 @@ static void check_refined(bvx_context *c, const maker_mesh *m, const bvx_lattice
 
 static void star_mesh(maker_mesh *m, uint64_t *seed, double side, double jitter)
 {
-    const double centre[3] = {side / 2, side / 2, side / 2}, radius[3] = {side * 0.45, side * 0.4, side * 0.35};
+    const double centre[3] = {side / 2, side / 2, side / 2};
+    const double radius[3] = {side * 0.45, side * 0.4, side * 0.35};
     maker_star(m, seed, centre, radius, jitter, 9, 12, 1024);
 }
 
@@ -200,6 +218,7 @@ static void soup_mesh(maker_mesh *m, uint64_t *seed, double side, int32_t count)
 static void test_random_meshes_at_every_base_and_depth(void)
 {
     uint64_t seed = 11;
+
     for (int32_t base_side = 2; base_side <= 16; base_side += base_side < 5 ? 1 : 4)
         for (int32_t levels = 0; levels <= 5; levels++) {
             maker_mesh m = {0};
@@ -220,6 +239,7 @@ static void test_any_shape_of_base(void)
 {
     static const int32_t dims[][3] = {{1, 1, 1}, {1, 9, 3}, {70, 2, 3}, {3, 1, 65}, {2, 33, 1}, {128, 1, 1}};
     uint64_t seed = 3;
+
     for (size_t i = 0; i < sizeof dims / sizeof *dims; i++)
         for (int32_t levels = 0; levels <= 3; levels++) {
             maker_mesh m = {0};
@@ -244,6 +264,7 @@ static void test_threads_change_nothing(void)
     maker_mesh m = {0};
     bvx_lattice base;
     size_t inside;
+
     base_of(5, 5, 5, 1, &base);
     star_mesh(&m, &seed, 5, 0.1);
     soup_mesh(&m, &seed, 5, 6);
@@ -268,6 +289,7 @@ static void test_nested_shells_and_components(void)
     maker_mesh m = {0};
     bvx_lattice base;
     size_t inside;
+
     base_of(4, 4, 4, 1, &base);
     box_shell(&m, 0.3, 3.7);
     box_shell(&m, 0.9, 3.1);
@@ -288,16 +310,19 @@ static void box_with_hole(maker_mesh *m, double low, double high, double w)
 {
     double const c = (low + high) / 2, a = c - w / 2, b = c + w / 2;
     uint32_t outer[4], inner[4];
+
     box_shell(m, low, high);
     m->triangles -= 2; /* the side at z = high */
     for (uint32_t i = 0; i < 4; i++) {
         outer[i] = maker_vertex(m, i == 1 || i == 2 ? high : low, i > 1 ? high : low, high);
         inner[i] = maker_vertex(m, i == 1 || i == 2 ? b : a, i > 1 ? b : a, high);
     }
-    for (uint32_t i = 0; i < 4; i++) maker_quad(m, outer[i], outer[(i + 1) % 4], inner[(i + 1) % 4], inner[i], 0);
+    for (uint32_t i = 0; i < 4; i++)
+        maker_quad(m, outer[i], outer[(i + 1) % 4], inner[(i + 1) % 4], inner[i], 0);
 }
 
-/* A hole of a quarter of a base voxel lets a flood through from the level where it holds a whole voxel of air. */
+/* A hole of a quarter of a base voxel lets a flood through from the level
+ * where it holds a whole voxel of air. */
 static void test_a_passage_that_opens_at_level_three(void)
 {
     for (int32_t levels = 0; levels <= 5; levels++) {
@@ -320,6 +345,7 @@ static void test_many_sheets_in_one_voxel(void)
     maker_mesh m = {0};
     bvx_lattice base;
     size_t inside;
+
     base_of(2, 2, 2, 1, &base);
     for (int32_t i = 0; i < 7; i++) {
         double const z = 0.11 + 0.26 * i, gap = i % 2 ? 0.2 : 0;
@@ -338,6 +364,7 @@ static void test_a_mesh_on_voxel_planes_and_one_off_the_lattice(void)
     maker_mesh m = {0};
     bvx_lattice base;
     size_t inside;
+
     base_of(4, 4, 4, 1, &base);
     box_shell(&m, 1, 3);
     check_refined(ctx, &m, &base, 3, &inside);
@@ -360,6 +387,7 @@ static void test_points_find_their_leaf(void)
     bvx_lattice base;
     bvx_octree_leaf leaf[4];
     const double points[12] = {2, 2, 2, 0.1, 0.1, 0.1, -0.01, 2, 2, 1.0, 2, 2};
+
     base_of(4, 4, 4, 1, &base);
     box_shell(&m, 1.01, 2.99);
     bvx_mesh_view const view = maker_view(&m);
@@ -393,6 +421,7 @@ static void test_refusals(void)
     int32_t const beyond[3] = {0, 16, 0};
     double const nowhere[3] = {0, 0.0 / (double)(empty.vertex_count + 0), 0};
     uint64_t count;
+
     base_of(4, 4, 4, 1, &base);
     box_shell(&m, 1, 3);
     bvx_mesh_view const view = maker_view(&m);
@@ -442,6 +471,7 @@ static void test_a_limit_names_the_levels_that_fit(void)
     maker_mesh m = {0};
     bvx_lattice base;
     bvx_context *free_context;
+
     base_of(4, 4, 4, 1, &base);
     star_mesh(&m, &seed, 4, 0.1);
     bvx_mesh_view const view = maker_view(&m);
@@ -467,7 +497,8 @@ static void test_a_limit_names_the_levels_that_fit(void)
             if (fits != NULL) {
                 o.levels = fits[9] - '0';
                 TEST_ASSERT_LESS_THAN(7, o.levels);
-                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine(c, &view, &base, &o, &tree), bvx_last_message(c));
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine(c, &view, &base, &o, &tree),
+                                                bvx_last_message(c));
             }
         }
         bvx_octree_free(c, tree);

@@ -51,13 +51,15 @@ static int above(exact_number a, exact_number b)
 static int axis_separates(const axis3 *n, int64_t p[3][3], const int64_t low[3], int64_t side)
 {
     exact_number t[2] = {{{0}}, {{0}}}, b[2] = {{{0}}, {{0}}};
+
     for (int i = 0; i < 3; i++) {
         exact_number const v = along(n, p[i]);
         if (i == 0 || above(t[0], v)) t[0] = v;
         if (i == 0 || above(v, t[1])) t[1] = v;
     }
     for (int c = 0; c < 8; c++) {
-        int64_t const corner[3] = {low[0] + (c & 1) * side, low[1] + (c >> 1 & 1) * side, low[2] + (c >> 2) * side};
+        int64_t const corner[3] = {low[0] + (c & 1) * side, low[1] + (c >> 1 & 1) * side,
+                                   low[2] + (c >> 2) * side};
         exact_number const v = along(n, corner);
         if (c == 0 || above(b[0], v)) b[0] = v;
         if (c == 0 || above(v, b[1])) b[1] = v;
@@ -69,6 +71,7 @@ static int box_touched(int64_t p[3][3], const int64_t low[3], int64_t side)
 {
     int64_t edge[3][3];
     axis3 n;
+
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) edge[i][a] = p[(i + 1) % 3][a] - p[i][a];
     for (int a = 0; a < 3; a++) {
@@ -111,9 +114,11 @@ static void check_batch(void)
         for (uint32_t i = 0; i < batched; i++)
             if (in_batch[i] != batch.touched[i]) {
                 char text[240];
-                snprintf(text, sizeof text, "in a batch octants %02x, not %02x: half %ld, (%d %d %d) (%d %d %d) (%d %d %d)", batch.touched[i],
-                         in_batch[i], (long)batch_half, batch.p[0][0][i], batch.p[0][1][i], batch.p[0][2][i], batch.p[1][0][i],
-                         batch.p[1][1][i], batch.p[1][2][i], batch.p[2][0][i], batch.p[2][1][i], batch.p[2][2][i]);
+                snprintf(text, sizeof text,
+                         "in a batch octants %02x, not %02x: half %ld, (%d %d %d) (%d %d %d) (%d %d %d)",
+                         batch.touched[i], in_batch[i], (long)batch_half, batch.p[0][0][i], batch.p[0][1][i],
+                         batch.p[0][2][i], batch.p[1][0][i], batch.p[1][1][i], batch.p[1][2][i],
+                         batch.p[2][0][i], batch.p[2][1][i], batch.p[2][2][i]);
                 TEST_FAIL_MESSAGE(text);
             }
     }
@@ -125,6 +130,7 @@ static void check_children(int64_t p[3][3], int64_t half)
     int64_t const cube[3] = {-half, -half, -half};
     int32_t q[3][3];
     uint32_t want = 0;
+
     for (int c = 0; c < 3; c++)
         for (int a = 0; a < 3; a++) q[c][a] = (int32_t)p[c][a];
     if (!box_touched(p, cube, 2 * half)) return;
@@ -142,8 +148,9 @@ static void check_children(int64_t p[3][3], int64_t half)
     multiple += (want & (want - 1)) != 0;
     if (got != want) {
         char text[240];
-        snprintf(text, sizeof text, "octants %02x, not %02x: half %ld, (%d %d %d) (%d %d %d) (%d %d %d)", got, want, (long)half, q[0][0],
-                 q[0][1], q[0][2], q[1][0], q[1][1], q[1][2], q[2][0], q[2][1], q[2][2]);
+        snprintf(text, sizeof text, "octants %02x, not %02x: half %ld, (%d %d %d) (%d %d %d) (%d %d %d)", got,
+                 want, (long)half, q[0][0], q[0][1], q[0][2], q[1][0], q[1][1], q[1][2], q[2][0], q[2][1],
+                 q[2][2]);
         TEST_FAIL_MESSAGE(text);
     }
 }
@@ -176,7 +183,8 @@ static void test_small_numbers_hit_every_tie(void)
     uint64_t seed = 1;
     checked = multiple = 0;
     for (int64_t half = 1; half <= 16; half *= 2)
-        for (int64_t reach = 1; reach <= 4 * half + 4; reach += 1 + reach / 2) try_triangles(&seed, 120, half, reach, 1);
+        for (int64_t reach = 1; reach <= 4 * half + 4; reach += 1 + reach / 2)
+            try_triangles(&seed, 120, half, reach, 1);
     check_batch();
     TEST_ASSERT_GREATER_THAN(1000, checked);
     TEST_ASSERT_GREATER_THAN(500, multiple);
@@ -185,6 +193,7 @@ static void test_small_numbers_hit_every_tie(void)
 static void test_sizes_from_far_smaller_to_far_larger(void)
 {
     uint64_t seed = 2;
+
     checked = multiple = 0;
     for (int shift = 4; shift <= 28; shift += 4)
         for (int64_t reach = 4; reach <= (int64_t)1 << 30; reach *= 8) {
@@ -200,11 +209,14 @@ static void test_sizes_from_far_smaller_to_far_larger(void)
 /* The largest numbers that the bit budget allows. */
 static void test_extremes(void)
 {
-    int64_t const most = 1610612735, half = (int64_t)1 << 28; /* differences stay below 2^31 for a pair of such corners: */
+    /* differences stay below 2^31 for a pair of such corners: */
+    int64_t const most = 1610612735, half = (int64_t)1 << 28;
+
     checked = 0;
     for (int n = 0; n < 729; n++) {
         int64_t p[3][3], fits = 1;
-        for (int i = 0, k = n * 27 + n / 27; i < 9; i++, k /= 3) p[i / 3][i % 3] = (k % 3 - 1) * (i % 2 ? most / 2 : most * 2 / 3);
+        for (int i = 0, k = n * 27 + n / 27; i < 9; i++, k /= 3)
+            p[i / 3][i % 3] = (k % 3 - 1) * (i % 2 ? most / 2 : most * 2 / 3);
         for (int a = 0; a < 3; a++)
             for (int c = 0; c < 3; c++) {
                 int64_t const d = p[c][a] - p[(c + 1) % 3][a];

@@ -30,9 +30,11 @@ static bvx_mesh_view star_of(int rings, int sectors)
     return maker_view(&mesh);
 }
 
-static int32_t levels_for(const bvx_mesh_view *view, int32_t resolution, bvx_refine_options *o, bvx_lattice *base)
+static int32_t levels_for(const bvx_mesh_view *view, int32_t resolution, bvx_refine_options *o,
+                          bvx_lattice *base)
 {
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine_choose(ctx, view, resolution, o, base), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine_choose(ctx, view, resolution, o, base),
+                                    bvx_last_message(ctx));
     return o->levels;
 }
 
@@ -41,7 +43,9 @@ static int32_t levels_for(const bvx_mesh_view *view, int32_t resolution, bvx_ref
 static void test_the_last_level_has_the_resolution(void)
 {
     bvx_mesh_view const view = star_of(12, 16);
-    static const int32_t resolutions[] = {1, 2, 3, 5, 7, 16, 17, 64, 100, 101, 511, 512, 1000, 4096, 5000, 65536, 1000003, 33554431, 33554432};
+    static const int32_t resolutions[] = {1,   2,   3,    5,    7,    16,    17,      64,       100,     101,
+                                          511, 512, 1000, 4096, 5000, 65536, 1000003, 33554431, 33554432};
+
     for (size_t i = 0; i < sizeof resolutions / sizeof resolutions[0]; i++)
         for (int kind = 0; kind < 3; kind++) {
             bvx_refine_options o;
@@ -53,7 +57,8 @@ static void test_the_last_level_has_the_resolution(void)
             int32_t const n = base.dims[0];
             TEST_ASSERT_TRUE(levels >= 0 && levels <= 25);
             TEST_ASSERT_TRUE(((int64_t)n << levels) >= resolutions[i]);
-            TEST_ASSERT_TRUE(((int64_t)(n - 1) << levels) < resolutions[i]); /* no base voxel more than that takes */
+            /* no base voxel more than that takes */
+            TEST_ASSERT_TRUE(((int64_t)(n - 1) << levels) < resolutions[i]);
             TEST_ASSERT_TRUE(((int64_t)n << levels) <= 33554432);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, n, &same));
             TEST_ASSERT_EQUAL_MEMORY(&same, &base, sizeof base);
@@ -64,6 +69,7 @@ static void test_the_last_level_has_the_resolution(void)
 static void test_a_chosen_pair_refines(void)
 {
     bvx_mesh_view const view = star_of(12, 16);
+
     for (int32_t resolution = 1; resolution <= 100; resolution += 9) {
         bvx_refine_options o;
         bvx_lattice base, last;
@@ -94,6 +100,7 @@ static void test_a_chosen_pair_refines(void)
 static void test_touched_voxels_are_estimated(void)
 {
     static const int32_t resolutions[] = {16, 50, 128, 200};
+
     for (int rings = 6; rings <= 40; rings += 17) {
         bvx_mesh_view const view = star_of(rings, 2 * rings);
         for (size_t i = 0; i < sizeof resolutions / sizeof resolutions[0]; i++) {
@@ -111,11 +118,13 @@ static void test_touched_voxels_are_estimated(void)
     }
 }
 
-/* Deep lattices do not get bases of their own size, shallow ones need no levels above the last two, windows want little base. */
+/* Deep lattices do not get bases of their own size, shallow ones need no
+ * levels above the last two, windows want little base. */
 static void test_bases_grow_slower_than_resolutions(void)
 {
     bvx_mesh_view const view = star_of(30, 60);
     int64_t before = 0;
+
     for (int32_t resolution = 16; resolution <= 65536; resolution *= 2) {
         bvx_refine_options o;
         bvx_lattice base, part;
@@ -133,6 +142,7 @@ static void test_bases_grow_slower_than_resolutions(void)
 static void test_threads_do_not_show(void)
 {
     bvx_mesh_view const view = star_of(100, 100);
+
     for (int32_t resolution = 8; resolution <= 8192; resolution *= 4) {
         bvx_refine_options one, many;
         bvx_lattice first, second;
@@ -153,7 +163,8 @@ static void test_threads_do_not_show(void)
 
 /* ---- refusals ---- */
 
-static void refuse(const bvx_mesh_view *view, int32_t resolution, bvx_refine_options *o, bvx_lattice *base, bvx_status status, const char *words)
+static void refuse(const bvx_mesh_view *view, int32_t resolution, bvx_refine_options *o, bvx_lattice *base,
+                   bvx_status status, const char *words)
 {
     TEST_ASSERT_EQUAL_INT32(status, bvx_refine_choose(ctx, view, resolution, o, base));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), words), bvx_last_message(ctx));
@@ -165,6 +176,7 @@ static void test_refusals(void)
     bvx_mesh_view none = view;
     bvx_refine_options o;
     bvx_lattice base, before;
+
     memset(&base, 7, sizeof base);
     before = base;
     bvx_refine_options_init(&o, sizeof o);

@@ -44,13 +44,15 @@ static bvx_octree_leaf *leaves_of(const bvx_octree *tree, uint64_t *count)
 static void uniform_by_rows(const bvx_mesh_view *view, const bvx_lattice *lattice, uniform *u)
 {
     bvx_grid solid = {0};
+
     uniform_make(ctx, view, lattice, u);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, view, lattice, NULL, &solid));
     for (int32_t z = 0; z < lattice->dims[2]; z++)
         for (int32_t y = 0; y < lattice->dims[1]; y++)
             for (int32_t x = 0; x < lattice->dims[0]; x++) {
                 uint8_t *const s = &u->state[uniform_at(u, x, y, z)];
-                if (*s != BVX_STATE_SURFACE) *s = bvx_grid_get(&solid, x, y, z) ? BVX_STATE_INSIDE : BVX_STATE_OUTSIDE;
+                if (*s != BVX_STATE_SURFACE)
+                    *s = bvx_grid_get(&solid, x, y, z) ? BVX_STATE_INSIDE : BVX_STATE_OUTSIDE;
             }
     bvx_grid_free(ctx, &solid);
 }
@@ -63,7 +65,8 @@ static int seen_in_leaf(const uniform *u, const bvx_octree_leaf *leaf, int32_t l
     for (int32_t k = 0; k < side; k++)
         for (int32_t j = 0; j < side; j++)
             for (int32_t i = 0; i < side; i++)
-                seen |= u->state[uniform_at(u, leaf->ijk[0] * side + i, leaf->ijk[1] * side + j, leaf->ijk[2] * side + k)];
+                seen |= u->state[uniform_at(u, leaf->ijk[0] * side + i, leaf->ijk[1] * side + j,
+                                            leaf->ijk[2] * side + k)];
     return seen;
 }
 
@@ -78,12 +81,14 @@ static int in_window(const bvx_octree_leaf *leaf, int32_t levels, const bvx_wind
     return 1;
 }
 
-static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels, uint64_t *seed, uint64_t *inside)
+static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels, uint64_t *seed,
+                         uint64_t *inside)
 {
     bvx_mesh_view const view = maker_view(m);
     bvx_refine_options o;
     bvx_lattice base, lattice;
     uniform u = {{{0}, {0}, {0}, 0}, NULL, 0};
+
     base_of(base_side, &base);
     bvx_refine_options_init(&o, sizeof o);
     o.levels = levels;
@@ -138,11 +143,14 @@ static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels,
 static void test_a_window_is_as_the_whole_there(void)
 {
     uint64_t seed = 41, inside = 0;
+
     for (int32_t levels = 1; levels <= 4; levels++)
         for (int32_t side = 2; side <= 5; side++) {
             maker_mesh m = {0};
             double const c = side / 2.0;
-            const double centre[3] = {c, c, c}, radius[3] = {c * 0.9, c * 0.8, c * 0.85}, small[3] = {c * 0.3, c * 0.3, c * 0.3};
+            const double centre[3] = {c, c, c};
+            const double radius[3] = {c * 0.9, c * 0.8, c * 0.85};
+            const double small[3] = {c * 0.3, c * 0.3, c * 0.3};
             maker_star(&m, &seed, centre, radius, 0.08, 7, 10, 1024);
             maker_star(&m, &seed, centre, small, 0.05, 4, 5, 1024); /* a cavity: rows leave it empty */
             if (side << levels <= 48) check_window(&m, side, levels, &seed, &inside);
@@ -152,11 +160,13 @@ static void test_a_window_is_as_the_whole_there(void)
 }
 
 /* Voxels of the last level in the window, in some states, are those of another grid. */
-static void assert_window_holds(const bvx_octree *tree, int32_t states, const bvx_window *window, const bvx_grid *want)
+static void assert_window_holds(const bvx_octree *tree, int32_t states, const bvx_window *window,
+                                const bvx_grid *want)
 {
     bvx_grid expanded = {0};
     uint64_t first, second;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), states, window, &expanded));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), states, window, &expanded));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, want, &first));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &expanded, &second));
     TEST_ASSERT_EQUAL_HEX64(first, second);
@@ -174,6 +184,7 @@ static void test_a_window_of_a_deep_lattice(void)
     bvx_grid surface = {0}, solid = {0};
     uint64_t set = 0, all = 0, seed = 9;
     const double centre[3] = {4, 4, 4}, radius[3] = {3.5, 3.5, 3.5};
+
     base_of(8, &base);
     maker_star(&m, &seed, centre, radius, 0.05, 20, 20, 1024);
     bvx_mesh_view const view = maker_view(&m);
@@ -199,7 +210,8 @@ static void test_a_window_of_a_deep_lattice(void)
             TEST_ASSERT_GREATER_THAN(5000, all);
         }
         assert_window_holds(tree, BVX_STATE_SURFACE, &o.window, &surface);
-        for (int32_t z = 0; z < 100 && o.outer_levels == 0; z++) /* from here on: the solid without its surface */
+        /* from here on: the solid without its surface */
+        for (int32_t z = 0; z < 100 && o.outer_levels == 0; z++)
             for (int32_t y = 0; y < 100; y++)
                 for (int32_t i = 0; i < solid.words_per_row; i++) {
                     size_t const at = ((size_t)z * 100 + (size_t)y) * (size_t)solid.words_per_row + (size_t)i;
@@ -216,25 +228,31 @@ static void test_a_window_of_a_deep_lattice(void)
 /* ---- a tolerance ---- */
 
 /* All corners of the triangles that touch a leaf's voxels lie about the plane of the largest one. */
-static void assert_leaf_is_flat(const maker_mesh *m, const bvx_grid *surface, const bvx_attached *attached, const uint32_t *rank,
-                                const bvx_octree_leaf *leaf, int32_t levels, double tolerance)
+static void assert_leaf_is_flat(const maker_mesh *m, const bvx_grid *surface, const bvx_attached *attached,
+                                const uint32_t *rank, const bvx_octree_leaf *leaf, int32_t levels,
+                                double tolerance)
 {
     int32_t const side = 1 << (levels - leaf->level), nx = surface->size[0], ny = surface->size[1];
     const double *best[3] = {NULL, NULL, NULL};
     double best_area = -1, n[3] = {0, 0, 0};
+
     for (int pass = 0; pass < 2; pass++)
         for (int32_t v = 0; v < side * side * side; v++) {
-            int32_t const x = leaf->ijk[0] * side + v % side, y = leaf->ijk[1] * side + v / side % side, z = leaf->ijk[2] * side + v / side / side;
+            int32_t const x = leaf->ijk[0] * side + v % side;
+            int32_t const y = leaf->ijk[1] * side + v / side % side;
+            int32_t const z = leaf->ijk[2] * side + v / side / side;
             if (!bvx_grid_get(surface, x, y, z)) continue;
             uint32_t const r = rank[((size_t)z * (size_t)ny + (size_t)y) * (size_t)nx + (size_t)x];
             for (uint64_t i = attached->offsets[r]; i < attached->offsets[r + 1]; i++) {
                 const uint32_t *const t = m->t + 3 * (size_t)attached->triangles[i];
-                const double *const p[3] = {m->p + 3 * (size_t)t[0], m->p + 3 * (size_t)t[1], m->p + 3 * (size_t)t[2]};
+                const double *const p[3] = {m->p + 3 * (size_t)t[0], m->p + 3 * (size_t)t[1],
+                                            m->p + 3 * (size_t)t[2]};
                 if (pass == 0) {
                     double c[3];
                     for (int a = 0; a < 3; a++) {
                         int const b = (a + 1) % 3, d = (a + 2) % 3;
-                        c[a] = (p[1][b] - p[0][b]) * (p[2][d] - p[0][d]) - (p[1][d] - p[0][d]) * (p[2][b] - p[0][b]);
+                        c[a] = (p[1][b] - p[0][b]) * (p[2][d] - p[0][d]) -
+                               (p[1][d] - p[0][d]) * (p[2][b] - p[0][b]);
                     }
                     double const area = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
                     if (area <= best_area) continue;
@@ -245,7 +263,8 @@ static void assert_leaf_is_flat(const maker_mesh *m, const bvx_grid *surface, co
                     for (int c = 0; c < 3; c++) {
                         double d = 0;
                         for (int a = 0; a < 3; a++) d += (p[c][a] - best[0][a]) * n[a];
-                        TEST_ASSERT_TRUE(d * d <= tolerance * tolerance * best_area * 1.01 + 1e-9 * best_area);
+                        TEST_ASSERT_TRUE(d * d <=
+                                         tolerance * tolerance * best_area * 1.01 + 1e-9 * best_area);
                     }
                 }
             }
@@ -264,6 +283,7 @@ static uint64_t check_tolerance(const maker_mesh *m, int32_t side, int32_t level
     uint64_t count, covered = 0, flat = 0;
     uint32_t r = 0;
     uniform u;
+
     base_of(side, &base);
     bvx_refine_options_init(&o, sizeof o);
     o.levels = levels;
@@ -288,7 +308,8 @@ static uint64_t check_tolerance(const maker_mesh *m, int32_t side, int32_t level
             flat++;
             assert_leaf_is_flat(m, &surface, &attached, rank, &leaf[n], levels, tolerance);
         } else if (leaf[n].state == BVX_STATE_OUTSIDE) {
-            TEST_ASSERT_EQUAL_INT(BVX_STATE_OUTSIDE, seen); /* walls are thicker, so the flood reaches no further */
+            /* walls are thicker, so the flood reaches no further */
+            TEST_ASSERT_EQUAL_INT(BVX_STATE_OUTSIDE, seen);
         }
     }
     TEST_ASSERT_EQUAL_UINT64(u.count, covered);
@@ -305,10 +326,15 @@ static void test_flat_voxels_stay_whole(void)
 {
     uint64_t seed = 77;
     maker_mesh m = {0};
-    const double low[3] = {0.3, 0.4, 0.6}, high[3] = {3.3, 3.6, 3.2}, centre[3] = {2, 2, 2}, radius[3] = {1.8, 1.7, 1.6};
+    const double low[3] = {0.3, 0.4, 0.6};
+    const double high[3] = {3.3, 3.6, 3.2};
+    const double centre[3] = {2, 2, 2};
+    const double radius[3] = {1.8, 1.7, 1.6};
+
     maker_box(&m, low, high);
     TEST_ASSERT_GREATER_THAN(50, check_tolerance(&m, 4, 4, 1e-6)); /* faces, away from edges */
-    TEST_ASSERT_EQUAL_UINT64(56, check_tolerance(&m, 4, 3, 100));   /* every touched base voxel is flat then */
+    /* every touched base voxel is flat then */
+    TEST_ASSERT_EQUAL_UINT64(56, check_tolerance(&m, 4, 3, 100));
     maker_clear(&m);
     maker_star(&m, &seed, centre, radius, 0.0, 20, 30, 1024);
     uint64_t const few = check_tolerance(&m, 4, 4, 0.004), more = check_tolerance(&m, 4, 4, 0.05);
@@ -325,18 +351,22 @@ static void check_extracted(const bvx_octree *tree, int32_t states, int32_t keys
     bvx_mesh whole = {0}, blocks = {0};
     bvx_grid grid = {0};
     uint64_t first, second;
+
     bvx_extract_options_init(&o, sizeof o);
     o.position_type = BVX_F64;
     o.keys = keys;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), states, NULL, &grid));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_octree_expand(ctx, tree, bvx_octree_levels(tree), states, NULL, &grid));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &grid, &o, &whole));
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_octree(ctx, tree, states, &o, &blocks), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_octree(ctx, tree, states, &o, &blocks),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(whole.triangle_count, blocks.triangle_count);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &whole, &first));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &blocks, &second));
     TEST_ASSERT_EQUAL_HEX64(first, second);
     TEST_ASSERT_EQUAL_INT(keys, blocks.vertex_keys != NULL);
-    if (keys) TEST_ASSERT_EQUAL_MEMORY(whole.triangle_keys, blocks.triangle_keys, (size_t)whole.triangle_count * 8);
+    if (keys)
+        TEST_ASSERT_EQUAL_MEMORY(whole.triangle_keys, blocks.triangle_keys, (size_t)whole.triangle_count * 8);
     bvx_mesh_free(ctx, &whole);
     bvx_mesh_free(ctx, &blocks);
     bvx_grid_free(ctx, &grid);
@@ -346,6 +376,7 @@ static void test_blocks_make_the_whole_surface(void)
 {
     static const int32_t sides[4][3] = {{3, 3, 3}, {33, 5, 2}, {2, 5, 40}, {1, 1, 1}};
     uint64_t seed = 55;
+
     for (int i = 0; i < 4; i++)
         for (int32_t levels = 0; levels <= 5 - (i == 1 || i == 2); levels++) {
             maker_mesh m = {0};
@@ -366,7 +397,8 @@ static void test_blocks_make_the_whole_surface(void)
             check_extracted(tree, 0, 1);
             check_extracted(tree, BVX_STATE_OUTSIDE, 0);
             bvx_octree_free(ctx, tree);
-            o.window.size[0] = o.window.size[1] = o.window.size[2] = 1; /* states by rows: inside reaches the lattice's sides */
+            /* states by rows: inside reaches the lattice's sides */
+            o.window.size[0] = o.window.size[1] = o.window.size[2] = 1;
             bvx_octree *const rows = tree_of(&view, &base, &o);
             check_extracted(rows, BVX_STATE_INSIDE, 0);
             bvx_octree_free(ctx, rows);
@@ -382,12 +414,14 @@ static void test_an_empty_surface(void)
     bvx_lattice base;
     bvx_mesh mesh = {0};
     bvx_extract_options e;
+
     base_of(4, &base);
     maker_box(&m, low, high);
     bvx_mesh_view const view = maker_view(&m);
     bvx_refine_options_init(&o, sizeof o);
     bvx_octree *const tree = tree_of(&view, &base, &o);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_octree(ctx, tree, 0, NULL, &mesh), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_octree(ctx, tree, 0, NULL, &mesh),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(0, mesh.triangle_count);
     bvx_mesh_free(ctx, &mesh);
     bvx_extract_options_init(&e, sizeof e);
@@ -407,6 +441,7 @@ static void test_refusals(void)
     bvx_refine_options o;
     bvx_lattice base;
     bvx_octree *tree = NULL;
+
     base_of(4, &base);
     maker_box(&m, low, high);
     bvx_mesh_view const view = maker_view(&m);

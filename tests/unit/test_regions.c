@@ -1,5 +1,5 @@
-/* test_regions.c - the rule regions against floods and votes voxel by voxel; what a hole joins, what a hole narrower than a voxel
- * does not; and what may not matter. */
+/* test_regions.c - the rule regions against floods and votes voxel by voxel; what a hole joins, what a hole
+ * narrower than a voxel does not; and what may not matter. */
 #include "fill_support.h"
 #include "voxelize/fills.h"
 
@@ -14,11 +14,13 @@ static void assert_regions_are_oracle(const bvx_lattice *l, region_counts *seen)
     int32_t const *const n = s.n;
     int32_t *const label = maker_grow(NULL, s.count * sizeof *label);
     int32_t const regions = fill_label(s.open, n, 6, label);
-    uint8_t *const sides = maker_grow(NULL, (size_t)regions + 1);   /* 1 inside, 2 outside */
-    uint8_t *const set = maker_grow(NULL, (size_t)regions + 1);     /* 1 some are set, 2 some are not, 4 one changed sides */
+    uint8_t *const sides = maker_grow(NULL, (size_t)regions + 1); /* 1 inside, 2 outside */
+    /* 1 some are set, 2 some are not, 4 one changed sides */
+    uint8_t *const set = maker_grow(NULL, (size_t)regions + 1);
     uint64_t mixed_regions = 0, mixed_voxels = 0;
     bvx_solid_report r;
     bvx_grid g;
+
     memset(sides, 0, (size_t)regions + 1);
     memset(set, 0, (size_t)regions + 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, fill_lattice(l, BVX_FILL_REGIONS, 0, &g, &r));
@@ -43,9 +45,11 @@ static void assert_regions_are_oracle(const bvx_lattice *l, region_counts *seen)
         mixed_regions += sides[k] % 3 == 0;
         seen->mixed += sides[k] == 3;
         seen->unknown += s.one_way && sides[k] == 0;
-        if (sides[k] == 3 || (s.one_way && sides[k] == 0)) TEST_ASSERT_EQUAL_INT(0, set[k] & 4); /* own votes */
-        else if (s.one_way) TEST_ASSERT_EQUAL_INT(sides[k], set[k] & 3);                         /* one side as a whole */
-        else if (set[k] & 4) TEST_ASSERT_TRUE((set[k] & 3) != 3 && (sides[k] == 0 || sides[k] == (set[k] & 3)));
+        /* own votes */
+        if (sides[k] == 3 || (s.one_way && sides[k] == 0)) TEST_ASSERT_EQUAL_INT(0, set[k] & 4);
+        else if (s.one_way) TEST_ASSERT_EQUAL_INT(sides[k], set[k] & 3); /* one side as a whole */
+        else if (set[k] & 4)
+            TEST_ASSERT_TRUE((set[k] & 3) != 3 && (sides[k] == 0 || sides[k] == (set[k] & 3)));
     }
     if (s.one_way) {
         TEST_ASSERT_EQUAL_UINT64(mixed_regions, r.mixed_regions);
@@ -62,8 +66,10 @@ static void assert_regions_are_oracle(const bvx_lattice *l, region_counts *seen)
 static void test_sure_centres_are_known_one_by_one(void)
 {
     uint64_t by_angle = 0, unsure = 0;
+
     for (int32_t trial = 0; trial < (quick ? 6 : 24); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
+        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
+                                         shapes[trial % SHAPES][2]);
         double const centre[3] = {0.5 * l.dims[0], 0.5 * l.dims[1], 0.5 * l.dims[2]};
         double const radius[3] = {0.4 * l.dims[0], 0.4 * l.dims[1], 0.4 * l.dims[2]};
         bvx_mesh_view view;
@@ -73,7 +79,8 @@ static void test_sure_centres_are_known_one_by_one(void)
         fill_scene s;
         maker_clear(&mesh);
         maker_star(&mesh, &seed, centre, radius, 0.2, 5, 7, 65536);
-        for (int32_t i = 0; i < 4 + trial; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+        for (int32_t i = 0; i < 4 + trial; i++)
+            maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         view = maker_view(&mesh);
         s = open_scene(&l);
         TEST_ASSERT_TRUE(s.one_way);
@@ -89,7 +96,8 @@ static void test_sure_centres_are_known_one_by_one(void)
                 for (int32_t y = 0; y < s.n[1]; y++)
                     for (int32_t x = 0; x < s.n[0]; x++) {
                         size_t const i = fill_place(s.n, x, y, z);
-                        int64_t const c[3] = {oracle_centre(x, l.fraction_bits), oracle_centre(y, l.fraction_bits),
+                        int64_t const c[3] = {oracle_centre(x, l.fraction_bits),
+                                              oracle_centre(y, l.fraction_bits),
                                               oracle_centre(z, l.fraction_bits)};
                         int const by_rows = s.open[i] ? is_sure_centre(&l, q, c, 0) : 0;
                         if (!s.open[i]) continue;
@@ -109,8 +117,10 @@ static void test_sure_centres_are_known_one_by_one(void)
 static void test_bodies_and_soups(void)
 {
     region_counts seen = {0, 0, 0};
+
     for (int32_t trial = 0; trial < (quick ? 12 : 60); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
+        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
+                                         shapes[trial % SHAPES][2]);
         if (trial % 6 == 5) make_random(trial % KINDS, 30, l.dims, 16);
         else make_bodies(trial, &l);
         assert_regions_are_oracle(&l, &seen);
@@ -123,6 +133,7 @@ static void pierce(size_t triangle, double size)
 {
     uint32_t v[3], w[3];
     double m[3] = {0, 0, 0}, far = 0, part;
+
     for (int k = 0; k < 3; k++) v[k] = mesh.t[3 * triangle + (size_t)k];
     for (int i = 0; i < 9; i++) m[i % 3] += mesh.p[3 * (size_t)v[i / 3] + (size_t)(i % 3)] / 3;
     for (int i = 0; i < 9; i++) {
@@ -132,21 +143,26 @@ static void pierce(size_t triangle, double size)
     part = size < 0.5 * far ? size / far : 0.5;
     for (int k = 0; k < 3; k++) {
         const double *const p = &mesh.p[3 * (size_t)v[k]];
-        w[k] = maker_vertex(&mesh, m[0] + part * (p[0] - m[0]), m[1] + part * (p[1] - m[1]), m[2] + part * (p[2] - m[2]));
+        w[k] = maker_vertex(&mesh, m[0] + part * (p[0] - m[0]), m[1] + part * (p[1] - m[1]),
+                            m[2] + part * (p[2] - m[2]));
     }
     for (int k = 0; k < 3; k++) maker_quad(&mesh, v[k], v[(k + 1) % 3], w[(k + 1) % 3], w[k], 0);
     maker_remove(&mesh, triangle);
 }
 
-/* Rows through holes of half a voxel are wrong on one side of them; regions are those of the closed mesh off the surface. (On it a
- * centre in a hole may lie on either side of what is gone.) */
+/* Rows through holes of half a voxel are wrong on one side of them; regions are those of the closed mesh off
+ * the surface. (On it a centre in a hole may lie on either side of what is gone.) */
 static void test_holes_narrower_than_a_voxel(void)
 {
     region_counts seen = {0, 0, 0};
     uint64_t unbalanced = 0;
+
     for (int32_t trial = 0; trial < (quick ? 6 : 24); trial++) {
         bvx_lattice const l = lattice_of(44, 40, 41);
-        double const centre[3] = {22, 20, 20.5}, radius[3] = {16, 14, 15}, low[3] = {1.5, 2.25, 3}, high[3] = {42.25, 37, 38.5};
+        double const centre[3] = {22, 20, 20.5};
+        double const radius[3] = {16, 14, 15};
+        double const low[3] = {1.5, 2.25, 3};
+        double const high[3] = {42.25, 37, 38.5};
         bvx_grid closed, regions, surface;
         bvx_solid_report r;
         maker_clear(&mesh);
@@ -160,7 +176,8 @@ static void test_holes_narrower_than_a_voxel(void)
             for (int32_t y = 0; y < 40; y++)
                 for (int32_t x = 0; x < 44; x++)
                     if (!bvx_grid_get(&surface, x, y, z))
-                        TEST_ASSERT_EQUAL_INT(bvx_grid_get(&closed, x, y, z), bvx_grid_get(&regions, x, y, z));
+                        TEST_ASSERT_EQUAL_INT(bvx_grid_get(&closed, x, y, z),
+                                              bvx_grid_get(&regions, x, y, z));
         TEST_ASSERT_EQUAL_UINT64(trial % 2 ? 3 : 2, r.regions);
         TEST_ASSERT_EQUAL_UINT64(0, r.mixed_regions);
         unbalanced += r.unbalanced_rows;
@@ -172,12 +189,13 @@ static void test_holes_narrower_than_a_voxel(void)
     TEST_ASSERT_TRUE(unbalanced > 10);
 }
 
-/* A box without one of its sides, square to each axis in turn, at both ends: no row along that axis balances, still the box comes
- * out whole, and the one region that is left is reported. */
+/* A box without one of its sides, square to each axis in turn, at both ends: no row along that axis balances,
+ * still the box comes out whole, and the one region that is left is reported. */
 static void test_side_missing_square_to_an_axis(void)
 {
     bvx_lattice const l = lattice_of(24, 22, 23);
     double const low[3] = {4, 3, 4}, high[3] = {20, 19, 20};
+
     for (int side = 0; side < 6; side++) {
         bvx_solid_report r;
         bvx_grid g, closed;
@@ -187,7 +205,8 @@ static void test_side_missing_square_to_an_axis(void)
         closed = solid_of(&l, BVX_FILL_PARITY);
         for (size_t i = mesh.triangles; i-- > 0;) {
             double m = 0;
-            for (int k = 0; k < 3; k++) m += mesh.p[3 * (size_t)mesh.t[3 * i + (size_t)k] + (size_t)(side / 2)] / 3;
+            for (int k = 0; k < 3; k++)
+                m += mesh.p[3 * (size_t)mesh.t[3 * i + (size_t)k] + (size_t)(side / 2)] / 3;
             if (fabs(m - (side % 2 ? high : low)[side / 2]) < 1e-9) maker_remove(&mesh, i);
         }
         TEST_ASSERT_EQUAL_UINT64(10, mesh.triangles);
@@ -203,13 +222,15 @@ static void test_side_missing_square_to_an_axis(void)
     }
 }
 
-/* Half of a cube's sides twice, so that they cancel: no row balances, and its middle sees half of all directions. */
+/* Half of a cube's sides twice, so that they cancel: no row balances, and
+ * its middle sees half of all directions. */
 static void test_region_without_a_sure_centre(void)
 {
     bvx_lattice const l = lattice_of(5, 5, 5);
     double const low[3] = {1.25, 1.25, 1.25}, high[3] = {3.75, 3.75, 3.75};
     bvx_solid_report r;
     bvx_grid g, vote;
+
     maker_box(&mesh, low, high);
     for (size_t i = 0, n = mesh.triangles; i < n; i++)
         for (int a = 0; a < 3; a++) {
@@ -251,7 +272,8 @@ static void test_nested_shells_keep_their_cavities(void)
         TEST_ASSERT_EQUAL_UINT64((uint64_t)shells + 1, r.regions);
         TEST_ASSERT_EQUAL_UINT64(0, r.mixed_regions);
         for (int32_t k = 0; k < shells; k++) /* half way between two shells along x */
-            TEST_ASSERT_EQUAL_INT(k % 2 == 0, bvx_grid_get(&regions, 33 + 27 - 7 * k - (k == 3 ? 2 : 0), 20, 20));
+            TEST_ASSERT_EQUAL_INT(k % 2 == 0,
+                                  bvx_grid_get(&regions, 33 + 27 - 7 * k - (k == 3 ? 2 : 0), 20, 20));
         bvx_grid_free(ctx, &regions);
         bvx_grid_free(ctx, &parity);
     }
@@ -261,7 +283,8 @@ static void test_nested_shells_keep_their_cavities(void)
 static void test_bodies_across_the_lattice_end(void)
 {
     for (int32_t trial = 0; trial < (quick ? 6 : 48); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1], shapes[trial % SHAPES][2]);
+        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
+                                         shapes[trial % SHAPES][2]);
         bvx_grid parity, vote, regions;
         bvx_solid_report r;
         maker_clear(&mesh);
@@ -294,6 +317,7 @@ static void test_bad_inputs(void)
     bvx_mesh_view view;
     bvx_grid g = {0};
     uint32_t kept;
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     bvx_voxelize_options_init(&o, sizeof o);
@@ -323,6 +347,7 @@ static void test_bad_inputs(void)
 static void test_threads_and_code_paths_change_nothing(void)
 {
     static const int32_t threads[] = {1, 2, 8};
+
     for (int32_t trial = 0; trial < (quick ? 3 : 6); trial++) {
         bvx_lattice const l = lattice_of(140, 33, 30);
         bvx_grid first;

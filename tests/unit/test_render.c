@@ -1,5 +1,6 @@
-/* test_render.c - pictures: where something is seen and where nothing is, what hides what, the same bytes from any
- * threads and any kind of view, and every refusal. No stored pictures: what must be seen is worked out here. */
+/* test_render.c - pictures: where something is seen and where nothing is,
+ * what hides what, the same bytes from any threads and any kind of view, and
+ * every refusal. No stored pictures: what must be seen is worked out here. */
 #include "render_support.h"
 
 /* ---- where something is seen ---- */
@@ -22,12 +23,13 @@ static void test_render_mesh_shows_a_box_where_it_is(void)
         }
 }
 
-/* Seen along (3,0,4)/5 with y upwards, the right of the picture is (4,0,-3)/5: the box is 7/5 wide and 1 high. In 140 x 140
- * pixels it fills 131.6 x 94: from 4.2 to 135.8 and from 23 to 117. */
+/* Seen along (3,0,4)/5 with y upwards, the right of the picture is (4,0,-3)/5: the box is 7/5 wide and 1
+ * high. In 140 x 140 pixels it fills 131.6 x 94: from 4.2 to 135.8 and from 23 to 117. */
 static void test_render_mesh_turns_by_whole_numbers(void)
 {
     bvx_render_options o = options_of(140, 140, 3, 0, 4);
     bvx_image image;
+
     o.up[1] = 1;
     o.up[2] = 0;
     no_mesh();
@@ -35,11 +37,16 @@ static void test_render_mesh_turns_by_whole_numbers(void)
     image = picture_of(&o);
     for (int32_t y = 0; y < 140; y++)
         for (int32_t x = 0; x < 140; x++)
-            if (x != 4 && x != 135) TEST_ASSERT_EQUAL_INT(x < 4 || x > 135 || y < 23 || y >= 117, is_background(&image, x, y));
-    /* the edge between the sides z high (4/5 wide, brighter: it faces the eye more) and x high stands at 4.2 + 75.2 */
+            if (x != 4 && x != 135)
+                TEST_ASSERT_EQUAL_INT(x < 4 || x > 135 || y < 23 || y >= 117, is_background(&image, x, y));
+
+    /* the edge between the sides z high (4/5 wide, brighter: it faces the
+     * eye more) and x high stands at 4.2 + 75.2 */
     TEST_ASSERT_TRUE(pixel(&image, 70, 70)[0] > pixel(&image, 100, 70)[0]);
-    for (int32_t x = 10; x < 77; x++) TEST_ASSERT_UINT8_WITHIN(1, pixel(&image, 40, 70)[0], pixel(&image, x, 70)[0]);
-    for (int32_t x = 82; x < 130; x++) TEST_ASSERT_UINT8_WITHIN(1, pixel(&image, 100, 70)[0], pixel(&image, x, 70)[0]);
+    for (int32_t x = 10; x < 77; x++)
+        TEST_ASSERT_UINT8_WITHIN(1, pixel(&image, 40, 70)[0], pixel(&image, x, 70)[0]);
+    for (int32_t x = 82; x < 130; x++)
+        TEST_ASSERT_UINT8_WITHIN(1, pixel(&image, 100, 70)[0], pixel(&image, x, 70)[0]);
     bvx_image_free(ctx, &image);
 }
 
@@ -49,8 +56,8 @@ static double side_of(const double a[2], const double b[2], double x, double y)
     return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
 }
 
-/* Random triangles seen along z against a test of every sample's centre by itself; samples within a hair of an edge may
- * fall either way. */
+/* Random triangles seen along z against a test of every sample's centre by
+ * itself; samples within a hair of an edge may fall either way. */
 static void test_render_mesh_covers_what_triangles_cover(void)
 {
     enum { SIDE = 90 };
@@ -88,7 +95,8 @@ static void test_render_mesh_covers_what_triangles_cover(void)
                 for (uint64_t t = 0; t < triangles; t++) {
                     double least = 9e9, most = -9e9;
                     for (int k = 0; k < 3; k++) {
-                        double const s = side_of(place[tri[t][k]], place[tri[t][(k + 1) % 3]], x + 0.5, y + 0.5);
+                        double const s = side_of(place[tri[t][k]], place[tri[t][(k + 1) % 3]], x + 0.5,
+                                                 y + 0.5);
                         least = s < least ? s : least;
                         most = s > most ? s : most;
                     }
@@ -140,14 +148,19 @@ static void test_render_mesh_leaves_no_gap_between_neighbours(void)
 
 /* ---- what hides what ---- */
 
-static int is_reddish(const uint8_t *p) { return p[0] > p[2] + 40; }
+static int is_reddish(const uint8_t *p)
+{
+    return p[0] > p[2] + 40;
+}
 
-/* A small square before a large one, which shows its back: the middle is grey and the rim reddish, in either order. */
+/* A small square before a large one, which shows its back: the middle is
+ * grey and the rim reddish, in either order. */
 static void test_render_mesh_shows_the_nearer_and_tints_insides(void)
 {
-    static const double far_corner[3] = {0, 0, 0}, near_corner[3] = {3, 3, 5}, fx[3] = {10, 0, 0}, fy[3] = {0, 10, 0},
-                        nx[3] = {4, 0, 0}, ny[3] = {0, 4, 0};
+    static const double far_corner[3] = {0, 0, 0}, near_corner[3] = {3, 3, 5}, fx[3] = {10, 0, 0},
+                        fy[3] = {0, 10, 0}, nx[3] = {4, 0, 0}, ny[3] = {0, 4, 0};
     bvx_render_options const o = options_of(100, 100, 0, 0, 1);
+
     for (int order = 0; order < 2; order++) {
         bvx_image image;
         no_mesh();
@@ -167,6 +180,7 @@ static void test_render_mesh_shows_the_nearer_and_tints_insides(void)
 static void test_render_mesh_smooth_leaves_a_flat_sheet_alone(void)
 {
     static const double corner[3] = {0, 0, 0}, x[3] = {10, 0, 0}, y[3] = {0, 10, 0};
+
     for (int side = 0; side < 2; side++) {
         bvx_render_options o = options_of(80, 60, 1, 2, side ? 3 : -3);
         bvx_image flat, smooth;
@@ -176,7 +190,8 @@ static void test_render_mesh_smooth_leaves_a_flat_sheet_alone(void)
         o.smooth = 1;
         smooth = picture_of(&o);
         TEST_ASSERT_EQUAL_INT(!side, is_reddish(pixel(&flat, 40, 30)));
-        for (size_t i = 0; i < bytes_of(&flat); i++) TEST_ASSERT_UINT8_WITHIN(1, flat.pixels[i], smooth.pixels[i]);
+        for (size_t i = 0; i < bytes_of(&flat); i++)
+            TEST_ASSERT_UINT8_WITHIN(1, flat.pixels[i], smooth.pixels[i]);
         bvx_image_free(ctx, &smooth);
         bvx_image_free(ctx, &flat);
     }
@@ -189,6 +204,7 @@ static void test_render_mesh_darkens_corners(void)
     bvx_render_options o = options_of(200, 200, 0, -1, 1);
     bvx_image image;
     double back[3] = {0, 10, 0};
+
     no_mesh();
     add_quad(corner, x, y);
     add_quad(back, x, z);
@@ -200,17 +216,19 @@ static void test_render_mesh_darkens_corners(void)
 
 /* ---- grids ---- */
 
-/* Grids of many shapes from all sides against the mesh of their faces: the same samples are covered, and where voxels
- * are large enough to be seen singly the shades are the same too. */
+/* Grids of many shapes from all sides against the mesh of their faces: the same samples are covered, and
+ * where voxels are large enough to be seen singly the shades are the same too. */
 static void test_render_grid_equals_the_mesh_of_its_faces(void)
 {
     static const int32_t size[4][3] = {{5, 4, 3}, {70, 3, 2}, {1, 1, 1}, {65, 9, 4}};
     static const double even[3] = {0.5, 0.5, 0.5}, uneven[3] = {0.5, 1.5, 0.25};
+
     random_state = 5;
     for (int s = 0; s < 4; s++)
         for (int side = 0; side < 12; side++) {
             bvx_grid g = grid_of(size[s][0], size[s][1], size[s][2], side % 2 ? uneven : even);
-            bvx_render_options o = options_of(152, 132, side & 1 ? 3 : -3, side & 2 ? 2 : -2, side & 4 ? 1.1 : -1.1);
+            bvx_render_options o = options_of(152, 132, side & 1 ? 3 : -3, side & 2 ? 2 : -2,
+                                              side & 4 ? 1.1 : -1.1);
             bvx_image of_grid = {0}, of_mesh;
             if (side >= 8) o.direction[(side - 8) % 3] = 0;
             o.samples = 1 + side % 2;
@@ -223,7 +241,8 @@ static void test_render_grid_equals_the_mesh_of_its_faces(void)
                 for (int32_t x = 0; x < o.width; x++)
                     TEST_ASSERT_EQUAL_INT(is_background(&of_mesh, x, y), is_background(&of_grid, x, y));
             if (s == 0)
-                for (size_t i = 0; i < bytes_of(&of_mesh); i++) TEST_ASSERT_UINT8_WITHIN(4, of_mesh.pixels[i], of_grid.pixels[i]);
+                for (size_t i = 0; i < bytes_of(&of_mesh); i++)
+                    TEST_ASSERT_UINT8_WITHIN(4, of_mesh.pixels[i], of_grid.pixels[i]);
             bvx_image_free(ctx, &of_mesh);
             bvx_image_free(ctx, &of_grid);
             bvx_grid_free(ctx, &g);
@@ -241,13 +260,15 @@ static void fill_ball(bvx_grid *g)
             }
 }
 
-/* A ball of voxels, smooth, is brightest where it faces the light and has no steps: neighbouring pixels differ little. */
+/* A ball of voxels, smooth, is brightest where it faces the light and has
+ * no steps: neighbouring pixels differ little. */
 static void test_render_grid_smooth_shows_a_ball(void)
 {
     static const double even[3] = {1, 1, 1};
     bvx_grid g = grid_of(100, 100, 100, even);
     bvx_render_options o = options_of(200, 200, 3, -4, 2);
     bvx_image image = {0};
+
     o.smooth = 1;
     fill_ball(&g);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_grid(ctx, &g, &o, &image));
@@ -255,7 +276,8 @@ static void test_render_grid_smooth_shows_a_ball(void)
         for (int32_t x = 0; x < 199; x++) {
             int32_t const d2 = (2 * x + 1 - 200) * (2 * x + 1 - 200) + (2 * y + 1 - 200) * (2 * y + 1 - 200);
             if (d2 > 200 * 200) TEST_ASSERT_TRUE(is_background(&image, x, y));
-            if (d2 < 130 * 130) TEST_ASSERT_UINT8_WITHIN(16, pixel(&image, x, y)[0], pixel(&image, x + 1, y)[0]);
+            if (d2 < 130 * 130)
+                TEST_ASSERT_UINT8_WITHIN(16, pixel(&image, x, y)[0], pixel(&image, x + 1, y)[0]);
         }
     TEST_ASSERT_TRUE(pixel(&image, 75, 70)[0] > pixel(&image, 150, 150)[0] + 40);
     bvx_image_free(ctx, &image);
@@ -267,6 +289,7 @@ static void test_render_grid_refuses_an_empty_set(void)
     static const double even[3] = {1, 1, 1};
     bvx_grid g = grid_of(65, 2, 2, even);
     bvx_image image = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_grid(ctx, &g, NULL, &image));
     TEST_ASSERT_NULL(image.pixels);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_grid(ctx, NULL, NULL, &image));
@@ -280,6 +303,7 @@ static void test_render_grid_refuses_an_empty_set(void)
 static void make_lumps(void)
 {
     double p[3], q[3];
+
     random_state = 11;
     no_mesh();
     for (int i = 0; i < 300; i++) {
@@ -300,6 +324,7 @@ static void test_threads_do_not_show(void)
 {
     static const double even[3] = {1, 1, 1};
     bvx_grid g = grid_of(66, 40, 30, even);
+
     make_lumps();
     scatter(&g, 30);
     static const int32_t counts[4] = {1, 2, 3, 8};
@@ -313,7 +338,8 @@ static void test_threads_do_not_show(void)
             bvx_mesh_view const v = view_of_mesh();
             o.smooth = kind >> 1 & 1;
             o.samples = 1 + (kind >> 2 & 1);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, kind & 1 ? bvx_render_grid(c, &g, &o, image) : bvx_render_mesh(c, &v, &o, image));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, kind & 1 ? bvx_render_grid(c, &g, &o, image)
+                                                     : bvx_render_mesh(c, &v, &o, image));
             if (threads > 1) same_pictures(&one, &many);
             if (threads > 1) bvx_image_free(c, &many);
             bvx_context_destroy(c);
@@ -323,7 +349,8 @@ static void test_threads_do_not_show(void)
     bvx_grid_free(ctx, &g);
 }
 
-/* The same mesh without indices, in other types and strides, among vertices that nothing uses, and larger by 2^70. */
+/* The same mesh without indices, in other types and strides, among vertices
+ * that nothing uses, and larger by 2^70. */
 static void test_kinds_of_view_do_not_show(void)
 {
     static float packed[MOST_TRIANGLES][3][5];
@@ -373,6 +400,7 @@ static void test_sizes_beyond_reason_are_drawn(void)
 {
     static const double scale[3] = {1e308, 1e-300, 1e-307};
     bvx_render_options const o = options_of(50, 50, 0, 0, 1);
+
     for (int s = 0; s < 3; s++) {
         bvx_image image;
         no_mesh();
@@ -392,6 +420,7 @@ static void test_odd_directions_are_drawn(void)
     static const double corner[3] = {0, 0, 0}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
     bvx_render_options o = options_of(40, 40, 1, 0, 0);
     bvx_image image;
+
     no_mesh();
     add_quad(corner, x, y);
     image = picture_of(&o);
@@ -423,6 +452,7 @@ static void refused(bvx_status expected, const bvx_render_options *o, const char
 static void test_render_mesh_refuses_bad_meshes(void)
 {
     bvx_render_options const o = options_of(50, 50, 1, 1, 1);
+
     no_mesh();
     refused(BVX_ERR_EMPTY, &o, "triangle");
     add_vertex(1, 2, 3);
@@ -446,13 +476,14 @@ static void test_render_mesh_refuses_bad_options(void)
     bvx_mesh_view v;
     bvx_image image = {0};
     uint8_t byte = 0;
+
     no_mesh();
     add_box(0, 0, 0);
-#define REFUSE(change, word)                      \
-    do {                                          \
-        o = good;                                 \
-        change;                                   \
-        refused(BVX_ERR_ARGUMENT, &o, word);      \
+#define REFUSE(change, word)                 \
+    do {                                     \
+        o = good;                            \
+        change;                              \
+        refused(BVX_ERR_ARGUMENT, &o, word); \
     } while (0)
     REFUSE(o.width = 0, "width is 0");
     REFUSE(o.width = 16385, "16385");
@@ -496,6 +527,7 @@ static bvx_status render_both(void *user, bvx_context *c)
     bvx_mesh_view const v = view_of_mesh();
     bvx_image image = {0};
     bvx_status s;
+
     o.smooth = 1;
     o.samples = 1;
     s = bvx_render_mesh(c, &v, &o, &image);
@@ -514,12 +546,14 @@ static int32_t width_of_row(const bvx_image *image, int32_t y)
     return n;
 }
 
-/* A box of 10 x 10 x 10, shown in a frame that is to show 20 either way of its middle: a quarter of the frame's side. */
+/* A box of 10 x 10 x 10, shown in a frame that is to show 20 either way of
+ * its middle: a quarter of the frame's side. */
 static void test_show_makes_room(void)
 {
     static const double even[3] = {1, 1, 1};
     bvx_grid g = grid_of(10, 10, 10, even);
     bvx_image image = {0};
+
     for (int32_t z = 0; z < 10; z++)
         for (int32_t y = 0; y < 10; y++)
             for (int32_t x = 0; x < 10; x++) bvx_grid_set(&g, x, y, z, 1);
@@ -540,6 +574,7 @@ static void test_every_failure_on_the_way_is_clean(void)
     bvx_grid g = grid_of(20, 20, 20, even);
     uint64_t places = 0;
     const char *wrong;
+
     random_state = 3;
     scatter(&g, 40);
     no_mesh();

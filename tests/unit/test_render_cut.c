@@ -1,5 +1,5 @@
-/* test_render_cut.c - pictures of meshes and grids that are cut open: against a look at every sample by itself, against
- * grids that were cut by hand, and where a cut changes nothing or leaves nothing. */
+/* test_render_cut.c - pictures of meshes and grids that are cut open: against a look at every sample by
+ * itself, against grids that were cut by hand, and where a cut changes nothing or leaves nothing. */
 #include "render_support.h"
 
 /* ---- triangles ---- */
@@ -30,7 +30,10 @@ static void cross_of(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static double dot_of(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot_of(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static int in_box(const double p[3], const double low[3], const double high[3], double slack)
 {
@@ -47,11 +50,13 @@ static void stretch(double extent[2][2], const double p[3])
     }
 }
 
-/* The corners of a triangle in a box are its own corners in the box, its edges on the box's faces and the box's edges on
- * the triangle: all of them are tried. */
-static void stretch_by_cut_triangle(double extent[2][2], const double t[3][3], const double low[3], const double high[3])
+/* The corners of a triangle in a box are its own corners in the box, its edges on the box's faces and the
+ * box's edges on the triangle: all of them are tried. */
+static void stretch_by_cut_triangle(double extent[2][2], const double t[3][3], const double low[3],
+                                    const double high[3])
 {
     double u[3], v[3], n[3];
+
     for (int k = 0; k < 3; k++) {
         const double *const p = t[k], *const q = t[(k + 1) % 3];
         if (in_box(p, low, high, 0)) stretch(extent, p);
@@ -92,10 +97,12 @@ static void stretch_by_cut_triangle(double extent[2][2], const double t[3][3], c
         }
 }
 
-/* How a triangle meets the line of sight (along z) at (x, y): 1 covered at *z, 0 not, -1 too close to an edge to say. */
+/* How a triangle meets the line of sight (along z) at (x, y): 1 covered at
+ * *z, 0 not, -1 too close to an edge to say. */
 static int meet_triangle(const double t[3][3], double x, double y, double margin, double *z)
 {
     double share[3], whole = 0, least = 9e9, most = -9e9;
+
     for (int k = 0; k < 3; k++) {
         const double *const a = t[(k + 1) % 3], *const b = t[(k + 2) % 3];
         double const length = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
@@ -110,8 +117,8 @@ static int meet_triangle(const double t[3][3], double x, double y, double margin
     return 1;
 }
 
-/* Random triangles seen along z and cut by random boxes: every sample by itself. Grey or reddish says which side of which
- * triangle is seen. Samples within a hair of an edge or of a plane may fall either way. */
+/* Random triangles seen along z and cut by random boxes: every sample by itself. Grey or reddish says which
+ * side of which triangle is seen. Samples within a hair of an edge or of a plane may fall either way. */
 static void test_mesh_cut_shows_what_the_box_leaves(void)
 {
     enum { SIDE = 80, TRIANGLES = 12 };
@@ -138,7 +145,8 @@ static void test_mesh_cut_shows_what_the_box_leaves(void)
             o.cut_low[a] = low[a];
             o.cut_high[a] = high[a];
         }
-        for (uint64_t i = 0; i < triangles; i++) stretch_by_cut_triangle(extent, (const double(*)[3])xyz[3 * i], low, high);
+        for (uint64_t i = 0; i < triangles; i++)
+            stretch_by_cut_triangle(extent, (const double(*)[3])xyz[3 * i], low, high);
         if (!(extent[0][0] < extent[1][0])) { /* nothing is left */
             bvx_mesh_view const v = view_of_mesh();
             bvx_image none = {0};
@@ -159,7 +167,7 @@ static void test_mesh_cut_shows_what_the_box_leaves(void)
                 double best = -9, second = -9;
                 int open = 0, inside = 0;
                 for (uint64_t i = 0; i < triangles; i++) {
-                    const double (*const t)[3] = (const double(*)[3])xyz[3 * i];
+                    const double(*const t)[3] = (const double(*)[3])xyz[3 * i];
                     double p[3] = {px, py, 0};
                     int const met = meet_triangle(t, px, py, margin, &p[2]);
                     if (met == 0) continue;
@@ -183,7 +191,8 @@ static void test_mesh_cut_shows_what_the_box_leaves(void)
             }
         bvx_image_free(ctx, &image);
     }
-    TEST_ASSERT_TRUE(pictures > 30 && sure > pictures * SIDE * SIDE * 8 / 10); /* something is said about most samples */
+    /* something is said about most samples */
+    TEST_ASSERT_TRUE(pictures > 30 && sure > pictures * SIDE * SIDE * 8 / 10);
     TEST_ASSERT_TRUE(seen > 20000 && insides > 5000);
 }
 
@@ -217,7 +226,9 @@ static void test_mesh_cut_leaves_no_gap_between_neighbours(void)
         for (int32_t x = 0; x < SIDE; x++) {
             int const in = x >= 9 && x < SIDE - 9 && y >= 9 && y < SIDE - 9;
             if (in) TEST_ASSERT_INT_WITHIN(20, pixel(&image, x, y)[0], pixel(&image, x, y)[2]);
-            else TEST_ASSERT_EQUAL_INT(0, pixel(&image, x, y)[2]); /* the planes stand at 9 and 291 to the pixel */
+            else
+                TEST_ASSERT_EQUAL_INT(
+                    0, pixel(&image, x, y)[2]); /* the planes stand at 9 and 291 to the pixel */
         }
     bvx_image_free(ctx, &image);
 }
@@ -228,6 +239,7 @@ static void test_mesh_cut_around_everything_does_not_show(void)
     bvx_render_options o = options_of(90, 70, 3, -4, 2);
     bvx_image whole, cut;
     double p[3];
+
     random_state = 12;
     no_mesh();
     for (int i = 0; i < 30; i++) {
@@ -296,6 +308,7 @@ static void test_mesh_cut_in_all_ways_is_the_same_for_all_threads(void)
     static const int32_t counts[3] = {1, 2, 8};
     bvx_image first = {0}, image = {0};
     double p[3];
+
     random_state = 21;
     no_mesh();
     for (int i = 0; i < 400; i++) {
@@ -318,7 +331,8 @@ static void test_mesh_cut_in_all_ways_is_the_same_for_all_threads(void)
                 o.cut_low[a] = (1.1 + a * 0.1) * scale;
                 o.cut_high[a] = (4.9 - a * 0.3) * scale;
             }
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_mesh(c, &v, &o, first.pixels == NULL ? &first : &image));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_render_mesh(c, &v, &o, first.pixels == NULL ? &first : &image));
             if (image.pixels != NULL) same_pictures(&first, &image);
             bvx_image_free(c, &image);
             bvx_context_destroy(c);
@@ -333,6 +347,7 @@ static void test_mesh_cut_of_a_small_part_is_sharp(void)
     static const double from[3] = {-1e6, -1e6, -1e6}, x[3] = {1e6, 1e6, 0}, y[3] = {0, 1e6, 1e6};
     bvx_render_options o = options_of(150, 120, 3, -4, 2);
     bvx_image alone, cut;
+
     no_mesh();
     add_box(0.5, 0.25, 0.125);
     add_box(1.25, 0.5, 0.5);
@@ -354,6 +369,7 @@ static const double even[3] = {1, 1, 1}, uneven[3] = {0.5, 1.5, 0.25};
 static bvx_grid cleared_copy(const bvx_grid *g, const double low[3], const double high[3])
 {
     bvx_grid c = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &g->lattice, NULL, &c));
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
@@ -366,12 +382,13 @@ static bvx_grid cleared_copy(const bvx_grid *g, const double low[3], const doubl
     return c;
 }
 
-/* Voxels large enough to be seen singly, seen from above the low corner or below: the picture is that of the grid cut by
- * hand, but for faces that the cut laid bare, which are darker by one factor. */
+/* Voxels large enough to be seen singly, seen from above the low corner or below: the picture is that of the
+ * grid cut by hand, but for faces that the cut laid bare, which are darker by one factor. */
 static void test_grid_cut_is_a_grid_without_those_voxels(void)
 {
     static const int32_t size[3][3] = {{9, 8, 7}, {70, 3, 2}, {131, 2, 3}};
     int bare = 0, same = 0, astray = 0;
+
     random_state = 15;
     for (int round = 0; round < 60; round++) {
         const int32_t *const n = size[round % 3];
@@ -387,7 +404,8 @@ static void test_grid_cut_is_a_grid_without_those_voxels(void)
         bvx_grid_set(&g, n[0] / 2, n[1] / 2, n[2] / 2, 1);
         for (int a = 0; a < 3; a++) { /* around the middle; centres lie on the bounds every fourth time */
             double const middle = g.lattice.origin[a] + (n[a] / 2 + 0.5) * spacing[a];
-            int32_t const below = (int32_t)draw_number((uint32_t)n[a]), above = (int32_t)draw_number((uint32_t)n[a]);
+            int32_t const below = (int32_t)draw_number((uint32_t)n[a]);
+            int32_t const above = (int32_t)draw_number((uint32_t)n[a]);
             low[a] = round % 4 == 0 ? middle - below * spacing[a] : middle - draw_unit() * n[a] * spacing[a];
             high[a] = round % 4 == 0 ? middle + above * spacing[a] : middle + draw_unit() * n[a] * spacing[a];
         }
@@ -420,8 +438,8 @@ static void test_grid_cut_is_a_grid_without_those_voxels(void)
     TEST_ASSERT_TRUE(astray * 1000 < bare + same);
 }
 
-/* A block of voxels, its lower half wider: seen from above and cut between the two, all of it is the section; cut above
- * the block nothing is. Voxels that end at the plane by themselves are no section either. */
+/* A block of voxels, its lower half wider: seen from above and cut between the two, all of it is the section;
+ * cut above the block nothing is. Voxels that end at the plane by themselves are no section either. */
 static void test_grid_cut_darkens_the_section_alone(void)
 {
     for (int32_t n = 8; n <= 80; n += 72) { /* voxels seen singly, and as a smooth surface */
@@ -462,7 +480,8 @@ static void test_grid_cut_is_flat_up_to_the_rim(void)
                 if (a * a + b * b + c * c < N * N) bvx_grid_set(&g, x, y, z, 1);
             }
     o.smooth = o.samples = 1;
-    o.cut_high[2] = g.lattice.origin[2] + N / 2 + 10; /* radius 30 at the middle, sqrt(30^2 - 10^2) = 28.3 here */
+    /* radius 30 at the middle, sqrt(30^2 - 10^2) = 28.3 here */
+    o.cut_high[2] = g.lattice.origin[2] + N / 2 + 10;
     image = picture_of_grid(&g, &o);
     for (int32_t y = 0; y < 200; y++)
         for (int32_t x = 0; x < 200; x++) {
@@ -480,10 +499,12 @@ static void test_grid_cut_far_along_an_axis(void)
     bvx_grid g = grid_of(n, 1, 1, even);
     bvx_render_options o = options_of(100, 50, 0, 0, 1);
     bvx_image image;
+
     o.samples = 1;
     o.wireframe = 0;
     for (int32_t x = 0; x < n; x++) bvx_grid_set(&g, x, 0, 0, x != n - 4);
-    o.cut_low[0] = g.lattice.origin[0] + n - 5;   /* 4 1/2 voxels before the last centre: n - 5 is the first */
+    /* 4 1/2 voxels before the last centre: n - 5 is the first */
+    o.cut_low[0] = g.lattice.origin[0] + n - 5;
     o.cut_high[0] = g.lattice.origin[0] + n - 1;
     image = picture_of_grid(&g, &o);
     for (int32_t y = 0; y < 50; y++)
@@ -491,7 +512,8 @@ static void test_grid_cut_far_along_an_axis(void)
             double const along = (x + 0.5 - 3) / 23.5; /* voxels from n - 5 on, 23.5 pixels each */
             int const out = along < 0 || along > 4 || (along > 1 && along < 2) || y < 13 || y >= 37;
             double const edge = along - floor(along);
-            if (edge > 0.03 && edge < 0.97 && y != 13 && y != 36) TEST_ASSERT_EQUAL_INT(out, is_background(&image, x, y));
+            if (edge > 0.03 && edge < 0.97 && y != 13 && y != 36)
+                TEST_ASSERT_EQUAL_INT(out, is_background(&image, x, y));
         }
     bvx_image_free(ctx, &image);
     bvx_grid_free(ctx, &g);
@@ -502,6 +524,7 @@ static void test_grid_cut_leaves_nothing(void)
     bvx_grid g = grid_of(66, 3, 3, even);
     bvx_render_options o = options_of(50, 50, 1, 1, 1);
     bvx_image image = {0};
+
     bvx_grid_set(&g, 5, 1, 1, 1);
     o.cut_low[0] = g.lattice.origin[0] + 5.51; /* just beyond the centre */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_grid(ctx, &g, &o, &image));

@@ -1,5 +1,5 @@
-/* test_render_paint.c - what is painted on a picture: colours of vertices, lines along edges, and the colours of a
- * difference of two grids. */
+/* test_render_paint.c - what is painted on a picture: colours of vertices,
+ * lines along edges, and the colours of a difference of two grids. */
 #include "render_support.h"
 
 static void paint_vertex(uint64_t vertex, uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha)
@@ -18,6 +18,7 @@ static void test_one_colour_everywhere_is_the_options_colour(void)
     bvx_render_options o = options_of(160, 120, 3, -4, 2);
     bvx_image wanted, got, other;
     double p[3];
+
     random_state = 8;
     no_mesh();
     for (int i = 0; i < 60; i++) {
@@ -46,8 +47,8 @@ static void test_one_colour_everywhere_is_the_options_colour(void)
     bvx_image_free(ctx, &wanted);
 }
 
-/* A square seen straight: the light is the same all over its middle, so a pixel's share of a white one's is its colour.
- * Colours are linear in x and y, and triangles blend linearly. */
+/* A square seen straight: the light is the same all over its middle, so a pixel's share of a white one's is
+ * its colour. Colours are linear in x and y, and triangles blend linearly. */
 static void test_colours_are_blended_linearly(void)
 {
     for (int32_t samples = 1; samples <= 2; samples++)
@@ -88,10 +89,12 @@ static double ink_of(const bvx_image *lines, const bvx_image *plain, int32_t x, 
     return 1.0 - pixel(lines, x, y)[1] / (double)pixel(plain, x, y)[1];
 }
 
-/* Two squares side by side: the line between them and the diagonals are one pixel wide, nothing else is darker. */
+/* Two squares side by side: the line between them and the diagonals are one
+ * pixel wide, nothing else is darker. */
 static void test_wireframe_draws_lines_of_a_pixel(void)
 {
     static const double next[3] = {10, 0, 0};
+
     for (int32_t samples = 1; samples <= 4; samples++) {
         bvx_render_options o = options_of(400, 240, 0, 0, 1);
         bvx_image plain, lines;
@@ -113,7 +116,8 @@ static void test_wireframe_draws_lines_of_a_pixel(void)
             TEST_ASSERT_TRUE(sum > 0.78 * 0.9 && sum < 0.78 * 1.1);
             TEST_ASSERT_TRUE(ink_of(&lines, &plain, 199, y) > 0.2 || ink_of(&lines, &plain, 200, y) > 0.2);
             for (int32_t x = 16; x < 190; x++)
-                if (x < at - 3 || x > at + 3) TEST_ASSERT_EQUAL_UINT8(pixel(&plain, x, y)[1], pixel(&lines, x, y)[1]);
+                if (x < at - 3 || x > at + 3)
+                    TEST_ASSERT_EQUAL_UINT8(pixel(&plain, x, y)[1], pixel(&lines, x, y)[1]);
         }
         bvx_image_free(ctx, &lines);
         bvx_image_free(ctx, &plain);
@@ -127,6 +131,7 @@ static void test_wireframe_hides_lines(void)
     bvx_render_options o = options_of(300, 300, 0, 0, 1);
     bvx_image plain, lines;
     int dark = 0;
+
     no_mesh();
     for (int i = 0; i < 10; i++)
         for (int j = 0; j < 10; j++) {
@@ -139,7 +144,8 @@ static void test_wireframe_hides_lines(void)
     lines = picture_of(&o);
     for (int32_t y = 72; y < 228; y++) /* 28.2 pixels a unit: the square from 65.4 to 234.6 */
         for (int32_t x = 72; x < 228; x++)
-            if (x + y < 295 || x + y > 305) TEST_ASSERT_EQUAL_UINT8(pixel(&plain, x, y)[0], pixel(&lines, x, y)[0]);
+            if (x + y < 295 || x + y > 305)
+                TEST_ASSERT_EQUAL_UINT8(pixel(&plain, x, y)[0], pixel(&lines, x, y)[0]);
     for (int32_t x = 12; x < 288; x++) dark += ink_of(&lines, &plain, x, 20) > 0.3;
     TEST_ASSERT_TRUE(dark >= 14 && dark <= 40); /* ten lines and ten diagonals */
     TEST_ASSERT_TRUE(ink_of(&lines, &plain, 149, 150) > 0.2 || ink_of(&lines, &plain, 150, 150) > 0.2);
@@ -152,6 +158,7 @@ static void test_wireframe_fades_where_the_mesh_is_dense(void)
 {
     double last = 1;
     static const int count[3] = {23, 38, 94};
+
     for (int k = 0; k < 3; k++) {
         bvx_render_options o = options_of(200, 200, 0, 0, 1);
         bvx_image plain, lines;
@@ -239,15 +246,19 @@ static bvx_image difference_of(const bvx_grid *before, const bvx_grid *after, co
 static void test_difference_equals_a_coloured_mesh(void)
 {
     static const double even[3] = {1, 1, 1}, uneven[3] = {0.5, 1.5, 0.25};
+
     /* of voxels set in none, before, after, both */
     static const uint8_t colours[4][3] = {{0, 0, 0}, {200, 60, 50}, {70, 160, 70}, {200, 196, 188}};
+
     random_state = 31;
     for (int side = 0; side < 8; side++) {
         int32_t const n = side % 2 ? 67 : 6;
         const double *const spacing = side & 2 ? uneven : even;
-        bvx_grid before = grid_of(n, 4, 3, spacing), after = grid_of(n, 4, 3, spacing), either = grid_of(n, 4, 3, spacing);
-        bvx_render_options o = options_of(n == 67 ? 1400 : 152, n == 67 ? 400 : 132, side & 1 ? 0.4 : -3, side & 2 ? 2 : -2,
-                                          side & 4 ? 1.1 : -1.1);
+        bvx_grid before = grid_of(n, 4, 3, spacing);
+        bvx_grid after = grid_of(n, 4, 3, spacing);
+        bvx_grid either = grid_of(n, 4, 3, spacing);
+        bvx_render_options o = options_of(n == 67 ? 1400 : 152, n == 67 ? 400 : 132, side & 1 ? 0.4 : -3,
+                                          side & 2 ? 2 : -2, side & 4 ? 1.1 : -1.1);
         bvx_image got, want;
         uint64_t face = 0;
         scatter(&before, 45);
@@ -255,13 +266,15 @@ static void test_difference_equals_a_coloured_mesh(void)
         for (int32_t z = 0; z < 3; z++)
             for (int32_t y = 0; y < 4; y++)
                 for (int32_t x = 0; x < n; x++)
-                    bvx_grid_set(&either, x, y, z, bvx_grid_get(&before, x, y, z) | bvx_grid_get(&after, x, y, z));
+                    bvx_grid_set(&either, x, y, z,
+                                 bvx_grid_get(&before, x, y, z) | bvx_grid_get(&after, x, y, z));
         mesh_of_faces(&either);
         painted = 1;
         for (int32_t z = 0; z < 3; z++) /* in the order of mesh_of_faces: four vertices a face */
             for (int32_t y = 0; y < 4; y++)
                 for (int32_t x = 0; x < n; x++) {
-                    const uint8_t *const c = colours[bvx_grid_get(&before, x, y, z) + 2 * bvx_grid_get(&after, x, y, z)];
+                    const uint8_t *const c =
+                        colours[bvx_grid_get(&before, x, y, z) + 2 * bvx_grid_get(&after, x, y, z)];
                     if (!bvx_grid_get(&either, x, y, z)) continue;
                     for (int k = 0; k < 6; k++) {
                         int32_t at[3] = {x, y, z};
@@ -277,9 +290,9 @@ static void test_difference_equals_a_coloured_mesh(void)
         got = difference_of(&before, &after, &o);
         want = picture_of(&o);
         if (n == 6)
-            for (size_t i = 0; i < bytes_of(&got); i++) TEST_ASSERT_UINT8_WITHIN(4, want.pixels[i], got.pixels[i]);
-        else { /* a few samples fall to the other side of an edge */
-            size_t astray = 0;
+            for (size_t i = 0; i < bytes_of(&got); i++)
+                TEST_ASSERT_UINT8_WITHIN(4, want.pixels[i], got.pixels[i]);
+        else { /* a few samples fall to the other side of an edge */ size_t astray = 0;
             for (size_t i = 0; i < bytes_of(&got); i++)
                 astray += got.pixels[i] > want.pixels[i] + 4 || want.pixels[i] > got.pixels[i] + 4;
             TEST_ASSERT_TRUE(astray * 500 < bytes_of(&got));
@@ -292,12 +305,14 @@ static void test_difference_equals_a_coloured_mesh(void)
     }
 }
 
-/* A grid and itself: the grid's own picture; a grid and nothing: that picture in one colour. No more memory than one. */
+/* A grid and itself: the grid's own picture; a grid and nothing: that
+ * picture in one colour. No more memory than one. */
 static void test_difference_with_itself_and_with_nothing(void)
 {
     static const double even[3] = {1, 1, 1};
     static const uint8_t red[3] = {200, 60, 50}, green[3] = {70, 160, 70};
     bvx_grid g = grid_of(70, 40, 30, even), empty = grid_of(70, 40, 30, even);
+
     random_state = 4;
     scatter(&g, 35);
     for (int kind = 0; kind < 8; kind++) {
@@ -338,6 +353,7 @@ static void test_difference_is_the_same_for_all_threads(void)
     static const int32_t counts[3] = {1, 2, 8};
     bvx_grid a = grid_of(130, 40, 30, even), b = grid_of(130, 40, 30, even);
     bvx_image first = {0}, image = {0};
+
     scatter(&a, 20);
     scatter(&b, 20);
     for (int turn = 0; turn < 3; turn++) {
@@ -362,6 +378,7 @@ static void test_difference_refuses_what_cannot_be_compared(void)
     bvx_grid a = grid_of(5, 4, 3, even), b = grid_of(5, 4, 3, uneven), part = {0};
     bvx_window const w = {{1, 0, 0}, {4, 4, 3}};
     bvx_image image = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &a.lattice, &w, &part));
     bvx_grid_set(&a, 1, 1, 1, 1);
     bvx_grid_set(&b, 1, 1, 1, 1);

@@ -1,5 +1,5 @@
-/* test_render_slices.c - sheets of slices: small ones to the byte, large grids against areas added up voxel by voxel,
- * which way is up, which slices are shown, and every refusal. */
+/* test_render_slices.c - sheets of slices: small ones to the byte, large grids against areas added up voxel
+ * by voxel, which way is up, which slices are shown, and every refusal. */
 #include "render_support.h"
 
 static const double even[3] = {1, 1, 1};
@@ -7,6 +7,7 @@ static const double even[3] = {1, 1, 1};
 static bvx_render_options sheet_options(int32_t width, int32_t height)
 {
     bvx_render_options o = options_of(width, height, 0, 0, 1);
+
     o.colour[0] = 10;
     o.colour[1] = 20;
     o.colour[2] = 30;
@@ -33,9 +34,10 @@ static void looks_like(const bvx_image *image, const char *const *rows)
         char seen[200];
         for (int32_t x = 0; x < image->width; x++) {
             const uint8_t *const p = pixel(image, x, y);
-            seen[x] = p[0] == 10 && p[1] == 20 && p[2] == 30 ? '#'
+            seen[x] = p[0] == 10 && p[1] == 20 && p[2] == 30      ? '#'
                       : p[0] == 250 && p[1] == 240 && p[2] == 230 ? '.'
-                      : p[0] == 65 && p[1] == 65 && p[2] == 65 ? '|' : '?';
+                      : p[0] == 65 && p[1] == 65 && p[2] == 65    ? '|'
+                                                                  : '?';
         }
         seen[image->width] = 0;
         TEST_ASSERT_EQUAL_STRING(rows[y], seen);
@@ -45,11 +47,12 @@ static void looks_like(const bvx_image *image, const char *const *rows)
 /* One slice of 4 x 3 voxels, two pixels each; up is y. */
 static void test_one_slice_to_the_byte(void)
 {
-    static const char *const rows[8] = {"..........", ".......##.", ".......##.", ".##.......", ".##.......",
-                                        ".########.", ".########.", ".........."};
+    static const char *const rows[8] = {"..........", ".......##.", ".......##.", ".##.......",
+                                        ".##.......", ".########.", ".########.", ".........."};
     bvx_grid g = grid_of(4, 3, 1, even);
     bvx_render_options const o = sheet_options(10, 8);
     bvx_image image;
+
     for (int32_t x = 0; x < 4; x++) bvx_grid_set(&g, x, 0, 0, 1);
     bvx_grid_set(&g, 0, 1, 0, 1);
     bvx_grid_set(&g, 3, 2, 0, 1);
@@ -63,13 +66,15 @@ static void test_one_slice_to_the_byte(void)
 static void test_a_sheet_to_the_byte(void)
 {
     static const char *const rows[14] = {
-        "######.|###...", "######.|###...", "######.|###...", "...###.|......", "...###.|......", "...###.|......",
-        ".......|......", "||||||||||||||", "######.|......", "######.|......", "######.|......", "######.|......",
-        "######.|......", "######.|......"};
+        "######.|###...", "######.|###...", "######.|###...", "...###.|......", "...###.|......",
+        "...###.|......", ".......|......", "||||||||||||||", "######.|......", "######.|......",
+        "######.|......", "######.|......", "######.|......", "######.|......"};
     bvx_grid g = grid_of(2, 2, 3, even);
     bvx_render_options const o = sheet_options(14, 14);
     bvx_image image;
-    static const uint8_t set[3][2][2] = {{{0, 1}, {1, 1}}, {{0, 0}, {1, 0}}, {{1, 1}, {1, 1}}}; /* [z][y][x] */
+    /* [z][y][x] */
+    static const uint8_t set[3][2][2] = {{{0, 1}, {1, 1}}, {{0, 0}, {1, 0}}, {{1, 1}, {1, 1}}};
+
     for (int32_t z = 0; z < 3; z++)
         for (int32_t y = 0; y < 2; y++)
             for (int32_t x = 0; x < 2; x++) bvx_grid_set(&g, x, y, z, set[z][y][x]);
@@ -91,6 +96,7 @@ static rectangle slice_place(const bvx_grid *like, int32_t axis, const bvx_rende
     bvx_grid full = {0};
     bvx_image image;
     rectangle r = {0, 0, 0, 0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &like->lattice, NULL, &full));
     for (int32_t z = 0; z < full.size[2]; z++)
         for (int32_t y = 0; y < full.size[1]; y++)
@@ -107,7 +113,8 @@ static rectangle slice_place(const bvx_grid *like, int32_t axis, const bvx_rende
             r.height = y - r.top + 1;
         }
     for (int32_t y = 0; y < r.height; y++)
-        for (int32_t x = 0; x < r.width; x++) TEST_ASSERT_EQUAL_UINT8(10, pixel(&image, r.left + x, r.top + y)[0]);
+        for (int32_t x = 0; x < r.width; x++)
+            TEST_ASSERT_EQUAL_UINT8(10, pixel(&image, r.left + x, r.top + y)[0]);
     bvx_image_free(ctx, &image);
     bvx_grid_free(ctx, &full);
     return r;
@@ -120,18 +127,22 @@ static int64_t common(int64_t a, int64_t b, int64_t c, int64_t d)
     return high > low ? high - low : 0;
 }
 
-/* How much of pixel i of n shows voxel v of count, in parts of count; whole voxels where they are no smaller than pixels. */
+/* How much of pixel i of n shows voxel v of count, in parts of count; whole
+ * voxels where they are no smaller than pixels. */
 static int64_t share_of_voxel(int32_t i, int32_t n, int32_t v, int32_t count)
 {
-    if (n < count) return common((int64_t)i * count, (int64_t)(i + 1) * count, (int64_t)v * n, (int64_t)(v + 1) * n);
+    if (n < count)
+        return common((int64_t)i * count, (int64_t)(i + 1) * count, (int64_t)v * n, (int64_t)(v + 1) * n);
     return i >= (int64_t)v * n / count && i < (int64_t)(v + 1) * n / count ? count : 0;
 }
 
 static void test_slices_equal_areas_added_up(void)
 {
-    static const int32_t size[6][3] = {{5, 4, 3}, {70, 9, 6}, {130, 64, 3}, {65, 129, 40}, {3, 200, 90}, {63, 2, 127}};
+    static const int32_t size[6][3] = {{5, 4, 3},     {70, 9, 6},   {130, 64, 3},
+                                       {65, 129, 40}, {3, 200, 90}, {63, 2, 127}};
     static const double uneven[3] = {0.5, 1.5, 0.25};
     int mixed = 0, whole = 0;
+
     random_state = 6;
     for (int s = 0; s < 6; s++)
         for (int32_t axis = 0; axis < 3; axis++)
@@ -144,7 +155,9 @@ static void test_slices_equal_areas_added_up(void)
                 double const shape = nu * g.lattice.spacing[u_axis] / (nv * g.lattice.spacing[v_axis]);
                 bvx_image image;
                 TEST_ASSERT_TRUE(r.width >= 1 && r.height >= 1);
-                if (r.width > 1) TEST_ASSERT_TRUE(r.width <= shape * (r.height + 1) + 1 && r.width + 1 >= shape * (r.height - 1));
+                if (r.width > 1)
+                    TEST_ASSERT_TRUE(r.width <= shape * (r.height + 1) + 1 &&
+                                     r.width + 1 >= shape * (r.height - 1));
                 scatter(&g, (uint32_t)(turn * 20 + 3));
                 for (int a = 0; a < 3; a++) { /* the box of the set is the whole grid */
                     int32_t at[3] = {0, 0, 0};
@@ -164,7 +177,8 @@ static void test_slices_equal_areas_added_up(void)
                                 at[axis] = slice;
                                 at[u_axis] = u;
                                 at[v_axis] = v;
-                                if (bvx_grid_get(&g, at[0], at[1], at[2])) sum += up * share_of_voxel(x, r.width, u, nu);
+                                if (bvx_grid_get(&g, at[0], at[1], at[2]))
+                                    sum += up * share_of_voxel(x, r.width, u, nu);
                             }
                         }
                         if (sum > 0 && sum < all / 4) sum = all / 4;
@@ -173,7 +187,8 @@ static void test_slices_equal_areas_added_up(void)
                         for (int a = 0; a < 3; a++) {
                             double const change = (double)(o.colour[a] - o.background[a]);
                             double const exact = o.background[a] + change * (double)sum / (double)all;
-                            TEST_ASSERT_EQUAL_UINT8((uint8_t)(exact + 0.5), pixel(&image, r.left + x, r.top + y)[a]);
+                            TEST_ASSERT_EQUAL_UINT8((uint8_t)(exact + 0.5),
+                                                    pixel(&image, r.left + x, r.top + y)[a]);
                         }
                     }
                 bvx_image_free(ctx, &image);
@@ -188,6 +203,7 @@ static void test_slices_equal_areas_added_up(void)
 static int32_t columns_in_cell(const bvx_image *image, int32_t cell, int32_t *cells)
 {
     int32_t across[40], down[40], n = 1, m = 1, columns = 0;
+
     across[0] = down[0] = -1;
     for (int32_t x = 0; x < image->width; x++)
         if (pixel(image, x, 0)[0] == 65) across[n++] = x;
@@ -204,9 +220,9 @@ static int32_t columns_in_cell(const bvx_image *image, int32_t cell, int32_t *ce
     return columns;
 }
 
-/* Each slice is a bar as long as its number, so its number can be read off. A sheet of n slices shows
- * low + (2 i + 1) length / (2 n), left to right and down; slices without voxels at the ends and outside the cut do not
- * count. */
+/* Each slice is a bar as long as its number, so its number can be read off. A
+ * sheet of n slices shows low + (2 i + 1) length / (2 n), left to right and
+ * down; slices without voxels at the ends and outside the cut do not count. */
 static void test_slices_are_evenly_spread(void)
 {
     enum { FIRST = 3, LAST = 40 };
@@ -241,11 +257,13 @@ static void test_slices_are_evenly_spread(void)
                     int32_t const slice = low + (2 * i + 1) * (high - low + 1) / (2 * count);
                     int32_t const width = columns_in_cell(&full, i, &more);
                     TEST_ASSERT_TRUE(width >= bars);
-                    TEST_ASSERT_EQUAL_INT32((slice - FIRST + 1) * width / bars, columns_in_cell(&image, i, &cells));
+                    TEST_ASSERT_EQUAL_INT32((slice - FIRST + 1) * width / bars,
+                                            columns_in_cell(&image, i, &cells));
                     TEST_ASSERT_EQUAL_INT32(cells, more);
                 }
                 TEST_ASSERT_TRUE(cells >= count);
-                for (int32_t i = count; i < cells; i++) TEST_ASSERT_EQUAL_INT32(0, columns_in_cell(&image, i, &more));
+                for (int32_t i = count; i < cells; i++)
+                    TEST_ASSERT_EQUAL_INT32(0, columns_in_cell(&image, i, &more));
                 bvx_image_free(ctx, &image);
                 bvx_image_free(ctx, &full);
                 bvx_grid_free(ctx, &g);
@@ -253,7 +271,8 @@ static void test_slices_are_evenly_spread(void)
             }
 }
 
-/* One voxel in a corner: right and up on the sheet are x y, x z, y z. The other voxel at the far end keeps the box. */
+/* One voxel in a corner: right and up on the sheet are x y, x z, y z. The
+ * other voxel at the far end keeps the box. */
 static void test_slices_are_the_right_way_up(void)
 {
     for (int32_t axis = 0; axis < 3; axis++) {
@@ -281,11 +300,13 @@ static void test_slices_are_the_right_way_up(void)
     }
 }
 
-/* Sheets of all sizes down to one pixel, more slices than voxels and than pixels: drawn, without a write outside. */
+/* Sheets of all sizes down to one pixel, more slices than voxels and than
+ * pixels: drawn, without a write outside. */
 static void test_sheets_of_odd_sizes_are_drawn(void)
 {
     static const int32_t sides[5] = {1, 2, 5, 33, 400}, counts[5] = {1, 2, 7, 40, 1024};
     bvx_grid g = grid_of(70, 6, 30, even);
+
     random_state = 2;
     scatter(&g, 50);
     for (int w = 0; w < 5; w++)
@@ -294,7 +315,8 @@ static void test_sheets_of_odd_sizes_are_drawn(void)
                 bvx_render_options const o = sheet_options(sides[w], sides[h]);
                 bvx_image image = sheet_of(&g, (w + h + c) % 3, counts[c], &o);
                 int shown = 0;
-                for (int32_t i = 0; i < o.width * o.height; i++) shown += pixel(&image, i % o.width, i / o.width)[0] < 250;
+                for (int32_t i = 0; i < o.width * o.height; i++)
+                    shown += pixel(&image, i % o.width, i / o.width)[0] < 250;
                 TEST_ASSERT_TRUE(shown > 0);
                 bvx_image_free(ctx, &image);
             }
@@ -305,6 +327,7 @@ static void test_slices_are_the_same_for_all_threads(void)
 {
     static const int32_t counts[3] = {1, 2, 8};
     bvx_grid g = grid_of(131, 90, 70, even);
+
     random_state = 3;
     scatter(&g, 10);
     for (int32_t axis = 0; axis < 3; axis++) {
@@ -324,8 +347,8 @@ static void test_slices_are_the_same_for_all_threads(void)
 
 /* ---- refusals ---- */
 
-static void refused_sheet(bvx_status expected, const bvx_grid *g, int32_t axis, int32_t count, const bvx_render_options *o,
-                          const char *word)
+static void refused_sheet(bvx_status expected, const bvx_grid *g, int32_t axis, int32_t count,
+                          const bvx_render_options *o, const char *word)
 {
     bvx_image image = {0};
     TEST_ASSERT_EQUAL_INT32(expected, bvx_render_slices(ctx, g, axis, count, o, &image));
@@ -340,6 +363,7 @@ static void test_slices_refuse_bad_arguments(void)
     bvx_render_options o = good;
     bvx_image image = {0};
     uint8_t byte = 0;
+
     bvx_grid_set(&g, 65, 1, 1, 1);
     refused_sheet(BVX_ERR_ARGUMENT, &g, -1, 1, &o, "axis is -1");
     refused_sheet(BVX_ERR_ARGUMENT, &g, 3, 1, &o, "axis is 3");

@@ -1,4 +1,5 @@
-/* test_repair.c - whatever goes in, a closed, manifold, oriented mesh comes out, and where the shape is known its volume is near. */
+/* test_repair.c - whatever goes in, a closed, manifold, oriented mesh comes
+ * out, and where the shape is known its volume is near. */
 #include "solid_support.h"
 
 #include <math.h>
@@ -10,6 +11,7 @@ static bvx_mesh repaired_by(bvx_context *c, const bvx_mesh_view *view, const bvx
     bvx_repair_options o = *with;
     bvx_mesh out;
     bvx_status status;
+
     memset(&out, 0, sizeof out);
     memset(&report, 0, sizeof report);
     o.report = &report;
@@ -30,9 +32,11 @@ static void assert_certified(const bvx_mesh *m)
 {
     bvx_certificate c;
     bvx_mesh_view v;
+
     bvx_mesh_view_of(m, &v);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &v, 0, &c));
-    TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented, "the result is not closed, manifold and oriented");
+    TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented,
+                             "the result is not closed, manifold and oriented");
     TEST_ASSERT_EQUAL_UINT64(0, c.degenerate + c.duplicates + c.collapsed);
     TEST_ASSERT_TRUE(c.volume > 0);
     TEST_ASSERT_EQUAL_MEMORY(&c, &report.after, sizeof c);
@@ -44,6 +48,7 @@ static double repair_volume(int32_t resolution, int32_t sign)
     bvx_repair_options o = defaults(resolution);
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_mesh out;
+
     o.sign = sign;
     o.position_type = BVX_F64;
     out = repaired_by(ctx, &view, &o);
@@ -62,6 +67,7 @@ static void make_ball(const double centre[3], double radius)
 static double ball_volume(double radius)
 {
     static double unit;
+
     if (unit == 0) {
         static const double centre[3] = {0, 0, 0}, r[3] = {1, 1, 1};
         maker_mesh ball = {0};
@@ -84,6 +90,7 @@ static void test_closed_mesh_keeps_its_volume(void)
     double const at[3] = {3, -2, 5};
     bvx_certificate c;
     bvx_mesh_view view;
+
     make_ball(at, 2);
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
@@ -96,12 +103,14 @@ static void test_closed_mesh_keeps_its_volume(void)
 static void test_holes_are_closed(void)
 {
     double const at[3] = {0, 0, 0};
+
     for (int trial = 0; trial < (quick ? 4 : 20); trial++) {
         maker_clear(&mesh);
         make_ball(at, 2);
         for (int i = 0; i < 12; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2), repair_volume(40, BVX_SIGN_AUTO));
-        TEST_ASSERT_TRUE(report.holes > 0 && report.hole_length > 0 && report.longest_hole <= report.hole_length);
+        TEST_ASSERT_TRUE(report.holes > 0 && report.hole_length > 0 &&
+                         report.longest_hole <= report.hole_length);
         TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
     }
 }
@@ -112,6 +121,7 @@ static void test_a_flipped_triangle_leaves_overlaps_whole(void)
 {
     double const at[3] = {0, 0, 0}, beside[3] = {2, 0, 0};
     double right;
+
     make_ball(at, 2);
     make_ball(beside, 2);
     right = repair_volume(64, BVX_SIGN_AUTO);
@@ -129,6 +139,7 @@ static void test_wide_hole_gets_a_lid(void)
 {
     double const at[3] = {0, 0, 0};
     size_t i = 0;
+
     make_ball(at, 2);
     while (i < mesh.triangles) {
         double z = 0;
@@ -136,8 +147,10 @@ static void test_wide_hole_gets_a_lid(void)
         if (z > 1.0) maker_remove(&mesh, i);
         else i++;
     }
+
     /* less the cap above z = 1, of a round ball 5 / 32 */
-    TEST_ASSERT_DOUBLE_WITHIN(0.04 * ball_volume(2), ball_volume(2) * 27 / 32, repair_volume(48, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.04 * ball_volume(2), ball_volume(2) * 27 / 32,
+                              repair_volume(48, BVX_SIGN_AUTO));
     TEST_ASSERT_TRUE(report.sheet_edges > 100);
     TEST_ASSERT_EQUAL_UINT64(1, report.holes);
 }
@@ -177,7 +190,8 @@ static void test_overlapping_parts_are_one(void)
     double const a[3] = {0, 0, 0}, b[3] = {2, 0, 0};
     make_ball(a, 2);
     make_ball(b, 2);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2), repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2),
+                              repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
@@ -189,12 +203,14 @@ static void test_cavities_and_parts(void)
     bvx_mesh_view view;
     bvx_mesh out;
     size_t first;
+
     make_ball(a, 2);
     first = mesh.triangles;
     make_ball(a, 0.8);
     maker_flip(&mesh, first, mesh.triangles);
     make_ball(far, 0.5);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2) - ball_volume(0.8) + ball_volume(0.5), repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2) - ball_volume(0.8) + ball_volume(0.5),
+                              repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(2, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
     view = maker_view(&mesh);
@@ -213,8 +229,8 @@ static void test_cavities_and_parts(void)
 
 static void make_plate(double wide)
 {
-    uint32_t const a = maker_vertex(&mesh, 0, 0, 0), b = maker_vertex(&mesh, wide, 0, 0.1), c = maker_vertex(&mesh, wide, wide, 0),
-                   d = maker_vertex(&mesh, 0, wide, 0.1);
+    uint32_t const a = maker_vertex(&mesh, 0, 0, 0), b = maker_vertex(&mesh, wide, 0, 0.1),
+                   c = maker_vertex(&mesh, wide, wide, 0), d = maker_vertex(&mesh, 0, wide, 0.1);
     maker_triangle(&mesh, a, b, c);
     maker_triangle(&mesh, a, c, d);
 }
@@ -224,7 +240,8 @@ static void test_sheet_becomes_a_shell(void)
     double const spacing = 4.0 / 40;
     make_plate(4);
     /* a plate of 4 x 4, two voxels thick, with half a pipe along its rim */
-    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 3.6, 16 * 2 * spacing + 16 * 3.14159 * spacing * spacing / 2, repair_volume(40, BVX_SIGN_AUTO));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 3.6, 16 * 2 * spacing + 16 * 3.14159 * spacing * spacing / 2,
+                              repair_volume(40, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_INT32(1, report.shelled);
     TEST_ASSERT_EQUAL_UINT64(2, report.shelled_triangles);
 }
@@ -234,6 +251,7 @@ static void test_sheet_without_shells_is_an_error(void)
     bvx_repair_options o = defaults(40);
     bvx_mesh_view view;
     bvx_mesh out;
+
     memset(&out, 0, sizeof out);
     make_plate(4);
     view = maker_view(&mesh);
@@ -252,6 +270,7 @@ static void test_bodies_and_sheets_together(void)
 {
     double const at[3] = {-4, 0, 0};
     size_t ball;
+
     make_ball(at, 2);
     ball = mesh.triangles;
     make_plate(4);
@@ -265,22 +284,31 @@ static void test_bodies_and_sheets_together(void)
 
 static void make_anything(int kind)
 {
-    static const double low[3] = {0, 0, 0}, high[3] = {10, 9, 8}, centre[3] = {5, 5, 5}, radius[3] = {4, 4, 3};
+    static const double low[3] = {0, 0, 0};
+    static const double high[3] = {10, 9, 8};
+    static const double centre[3] = {5, 5, 5};
+    static const double radius[3] = {4, 4, 3};
+
     if (kind % 4 == 0) maker_soup(&mesh, &seed, 1 + maker_below(&seed, 30), low, high, 1000);
     if (kind % 4 == 1) maker_needles(&mesh, &seed, 1 + maker_below(&seed, 30), low, high, 1000);
-    if (kind % 4 >= 2) maker_star(&mesh, &seed, centre, radius, 0.6, 3 + maker_below(&seed, 6), 3 + maker_below(&seed, 8), 1000);
+    if (kind % 4 >= 2)
+        maker_star(&mesh, &seed, centre, radius, 0.6, 3 + maker_below(&seed, 6), 3 + maker_below(&seed, 8),
+                   1000);
     if (kind % 4 == 3) {
         maker_star(&mesh, &seed, centre, radius, 0.9, 3, 5, 1000);
         maker_degenerate(&mesh, &seed, 5, low, high, 1000);
     }
-    for (int i = maker_below(&seed, 6); i > 0 && mesh.triangles > 2; i--) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
-    for (int i = maker_below(&seed, 4); i > 0; i--) maker_duplicate(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+    for (int i = maker_below(&seed, 6); i > 0 && mesh.triangles > 2; i--)
+        maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
+    for (int i = maker_below(&seed, 4); i > 0; i--)
+        maker_duplicate(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
     if (maker_below(&seed, 2)) maker_flip(&mesh, 0, mesh.triangles / 2);
 }
 
 static void test_anything_is_closed(void)
 {
     static const int32_t signs[] = {BVX_SIGN_AUTO, BVX_SIGN_EXACT, BVX_SIGN_WINDING, BVX_SIGN_VOTE};
+
     for (int trial = 0; trial < (quick ? 40 : 1500); trial++) {
         bvx_repair_options o = defaults(4 + maker_below(&seed, 24));
         bvx_mesh_view view;
@@ -301,6 +329,7 @@ static void test_anything_is_closed(void)
 static void test_threads_and_code_paths_do_not_show(void)
 {
     static const int32_t threads[] = {1, 2, 8}, cpu[] = {BVX_CPU_BEST, BVX_CPU_PORTABLE};
+
     for (int trial = 0; trial < (quick ? 4 : 24); trial++) {
         bvx_repair_options o = defaults(20);
         bvx_mesh_view view;
@@ -328,6 +357,7 @@ static void test_target_triangles(void)
 {
     static const uint64_t target[] = {200, 1000, 5000};
     double const at[3] = {0, 0, 0};
+
     make_ball(at, 2);
     for (int i = 0; i < 3; i++) {
         bvx_repair_options o = defaults(128);
@@ -348,6 +378,7 @@ static void test_measured_distances(void)
     bvx_repair_options o = defaults(48);
     bvx_mesh_view view;
     bvx_mesh out;
+
     make_ball(at, 2);
     view = maker_view(&mesh);
     o.measure = 1;
@@ -356,7 +387,8 @@ static void test_measured_distances(void)
         o.position_type = o.local_frame ? BVX_F32 : BVX_F64;
         out = repaired_by(ctx, &view, &o);
         assert_certified(&out);
-        TEST_ASSERT_TRUE(report.distance.mean_b_to_a < 0.05 * 4 / 48 && report.distance.max_b_to_a < 4.0 / 48);
+        TEST_ASSERT_TRUE(report.distance.mean_b_to_a < 0.05 * 4 / 48 &&
+                         report.distance.max_b_to_a < 4.0 / 48);
         TEST_ASSERT_TRUE(report.mean_off_caps > 0 && report.mean_off_caps < 0.05 * 4 / 48);
         TEST_ASSERT_EQUAL_UINT64(0, report.overlaps);
         bvx_mesh_free(ctx, &out);
@@ -378,6 +410,7 @@ static void test_bad_options(void)
     double const at[3] = {0, 0, 0};
     bvx_lattice const l = lattice_of(8, 8, 8);
     bvx_repair_options o = defaults(16);
+
     make_ball(at, 2);
     o.sign = 99, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
     o.sign = BVX_SIGN_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
@@ -391,7 +424,8 @@ static void test_bad_options(void)
     o.reserved[0] = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
-    o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"), o = defaults(16);
+    o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),
+    o = defaults(16);
     o.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
     o.target_triangles = 2, assert_refused(&o, BVX_ERR_RANGE, "at most 2");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, NULL, NULL, NULL));
@@ -401,6 +435,7 @@ static void test_meshes_without_area(void)
 {
     bvx_repair_options const o = defaults(16);
     uint32_t a, b;
+
     assert_refused(&o, BVX_ERR_EMPTY, "no triangles");
     a = maker_vertex(&mesh, 0, 0, 0);
     b = maker_vertex(&mesh, 1, 1, 1);
@@ -419,6 +454,7 @@ static void test_arrays_of_the_mesh_are_not_taken(void)
     bvx_repair_options const o = defaults(16);
     bvx_mesh into = {0};
     bvx_mesh_view view;
+
     maker_box(&mesh, low, high);
     memcpy(positions + 9, mesh.p, mesh.vertices * 24);
     view = maker_view(&mesh);
@@ -429,7 +465,8 @@ static void test_arrays_of_the_mesh_are_not_taken(void)
     into.vertex_capacity = 20000;
     into.triangle_capacity = 40000;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, &view, &o, &into));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "the result's positions lie in the mesh's own arrays"));
+    TEST_ASSERT_NOT_NULL(
+        strstr(bvx_last_message(ctx), "the result's positions lie in the mesh's own arrays"));
     TEST_ASSERT_EQUAL_MEMORY(mesh.p, positions + 9, mesh.vertices * 24);
     into.vertex_capacity = 6; /* they end before the mesh's begin */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_repair(ctx, &view, &o, &into));

@@ -1,5 +1,5 @@
-/* test_repair_defects.c - good shapes with every defect of defect_maker.h: what comes out is certified, and its volume lies between
- * the stated bounds. */
+/* test_repair_defects.c - good shapes with every defect of defect_maker.h: what comes out is certified, and
+ * its volume lies between the stated bounds. */
 #include "tools/crossing_oracle.h"
 #include "tools/defect_maker.h"
 
@@ -12,8 +12,9 @@ static char where[200];
 static void describe(const defect_kind *kind, int32_t which, int32_t resolution)
 {
     double const h = report.lattice.spacing[0];
-    snprintf(where, sizeof where, "%s with %s at %d: volume %.4f, allowed %.4f to %.4f", kind->any_shape ? defect_shape_names[which] : "",
-             kind->name, (int)resolution, report.after.volume, defect_low(&shape, h), defect_high(&shape, h));
+    snprintf(where, sizeof where, "%s with %s at %d: volume %.4f, allowed %.4f to %.4f",
+             kind->any_shape ? defect_shape_names[which] : "", kind->name, (int)resolution,
+             report.after.volume, defect_low(&shape, h), defect_high(&shape, h));
 }
 
 static bvx_mesh repaired_shape(int32_t resolution)
@@ -21,6 +22,7 @@ static bvx_mesh repaired_shape(int32_t resolution)
     bvx_mesh_view const view = maker_view(&shape.mesh);
     bvx_repair_options o;
     bvx_mesh out;
+
     memset(&out, 0, sizeof out);
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
@@ -52,6 +54,7 @@ static void one_defect(const defect_kind *kind, int32_t which, int32_t resolutio
 {
     double h;
     bvx_mesh out;
+
     defect_begin(&shape, which, &seed, resolution);
     kind->make(&shape, &seed);
     out = repaired_shape(resolution);

@@ -1,5 +1,6 @@
-/* test_repair_many.c - many meshes of a dozen kinds with known volumes, sound and spoilt: what the repair gives has the volume and
- * the parts, and the solid that auto fills has the volume and the voxels of the mesh before it was spoilt. BITVOX_LARGE=1: 300 meshes on 128 voxels. */
+/* test_repair_many.c - many meshes of a dozen kinds with known volumes, sound and spoilt: what the repair
+ * gives has the volume and the parts, and the solid that auto fills has the volume and the voxels of the mesh
+ * before it was spoilt. BITVOX_LARGE=1: 300 meshes on 128 voxels. */
 #include "solid_support.h"
 
 #include <math.h>
@@ -40,7 +41,8 @@ static void add_star(double jitter, double size)
     double const centre[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
     double const radius[3] = {size, size * between(0.5, 1), size};
 
-    maker_star(&mesh, &seed, centre, radius, jitter, 12 + maker_below(&seed, 12), 12 + maker_below(&seed, 24), 65536);
+    maker_star(&mesh, &seed, centre, radius, jitter, 12 + maker_below(&seed, 12), 12 + maker_below(&seed, 24),
+               65536);
 }
 
 /* Outline of three or more corners, counter-clockwise, from z = 0 to high. */
@@ -89,7 +91,8 @@ static double add_stool(void)
     return 25 * t + 4 * 4 * t * t;
 }
 
-/* A ball with a cavity, which faces inwards or, as files often have it, outwards: hollow by auto, whole once repaired. */
+/* A ball with a cavity, which faces inwards or, as files often have it,
+ * outwards: hollow by auto, whole once repaired. */
 static void add_shell(body *b, double wall, int outwards)
 {
     static const double centre[3] = {0, 0, 0};
@@ -116,13 +119,28 @@ static body make_body(int kind)
     case 0: add_star(0, between(1, 3)); break;
     case 1: add_star(0.2, between(1, 3)); break;
     case 2: add_box(0, 0, 0, between(1, 8), between(2, 8), between(1, 8)); break;
-    case 3: add_wedge(); b.thin = 1; break;
-    case 4: add_box(0, 0, 0, between(4, 8), between(4, 8), between(0.01, 0.2)); b.thin = 1; break;
-    case 5: b.volume = add_crossed_boxes(); b.fill = BVX_FILL_NONZERO; break;
-    case 6: b.volume = add_stool(); b.fill = BVX_FILL_NONZERO; break;
+    case 3:
+        add_wedge();
+        b.thin = 1;
+        break;
+    case 4:
+        add_box(0, 0, 0, between(4, 8), between(4, 8), between(0.01, 0.2));
+        b.thin = 1;
+        break;
+    case 5:
+        b.volume = add_crossed_boxes();
+        b.fill = BVX_FILL_NONZERO;
+        break;
+    case 6:
+        b.volume = add_stool();
+        b.fill = BVX_FILL_NONZERO;
+        break;
     case 7: add_shell(&b, between(0.25, 2), 0); break;
     case 8: add_shell(&b, between(0.75, 2), 1); break;
-    case 9: add_shell(&b, between(0.02, 0.15), 0); b.thin = 1; break;
+    case 9:
+        add_shell(&b, between(0.02, 0.15), 0);
+        b.thin = 1;
+        break;
     default: add_star(0.1, 2); break; /* 10 and 11 are spoilt */
     }
     if (b.volume == 0) b.volume = volume_of_mesh();
@@ -147,7 +165,8 @@ static void assert_volume(const char *what, int kind, int trial, double expected
 {
     char text[160];
 
-    snprintf(text, sizeof text, "%s, kind %d, trial %d: volume %g, wanted %g", what, kind, trial, volume, expected);
+    snprintf(text, sizeof text, "%s, kind %d, trial %d: volume %g, wanted %g", what, kind, trial, volume,
+             expected);
     TEST_ASSERT_TRUE_MESSAGE(fabs(volume - expected) <= share * expected, text);
 }
 
@@ -164,7 +183,8 @@ static void assert_repaired(const body *b, int kind, int trial, int32_t resoluti
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
     bvx_mesh_free(ctx, &out);
 
-    TEST_ASSERT_TRUE(report.after.closed && report.after.edge_manifold && report.after.vertex_manifold && report.after.oriented);
+    TEST_ASSERT_TRUE(report.after.closed && report.after.edge_manifold && report.after.vertex_manifold &&
+                     report.after.oriented);
     TEST_ASSERT_TRUE(report.thin_voxels == 0 || report.thin_kept);
     TEST_ASSERT_EQUAL_UINT64(b->parts, report.after.components);
     assert_volume("repair", kind, trial, b->repaired, report.after.volume, b->thin ? 0.02 : 0.01);
@@ -180,8 +200,8 @@ static bvx_grid solid_by_fill(int32_t resolution, int32_t fill, bvx_lattice *l)
     return g;
 }
 
-/* Auto sets the voxels that the right rule sets for the mesh before it was spoilt. Thin slats are a few voxels thick, whose centres
- * may all lie to one side. */
+/* Auto sets the voxels that the right rule sets for the mesh before it was spoilt. Thin slats are a few
+ * voxels thick, whose centres may all lie to one side. */
 static void assert_filled(const body *b, bvx_grid *good, int kind, int trial, int32_t resolution)
 {
     bvx_lattice l;
@@ -190,7 +210,8 @@ static void assert_filled(const body *b, bvx_grid *good, int kind, int trial, in
 
     snprintf(text, sizeof text, "auto, kind %d, trial %d", kind, trial);
     assert_same_bits(good, &g, text);
-    assert_volume("solid", kind, trial, b->volume, (double)set_voxels(&g) * l.spacing[0] * l.spacing[1] * l.spacing[2],
+    assert_volume("solid", kind, trial, b->volume,
+                  (double)set_voxels(&g) * l.spacing[0] * l.spacing[1] * l.spacing[2],
                   kind == 6 ? 0.03 : 0.01);
     bvx_grid_free(ctx, &g);
 }

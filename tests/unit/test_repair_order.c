@@ -1,5 +1,5 @@
-/* test_repair_order.c - a repaired surface does not depend on how triangles, vertices and corners are numbered, nor on which way
- * the mesh is turned: equally near triangles are told apart by geometry alone. */
+/* test_repair_order.c - a repaired surface does not depend on how triangles, vertices and corners are
+ * numbered, nor on which way the mesh is turned: equally near triangles are told apart by geometry alone. */
 #include "solid_support.h"
 
 #include <math.h>
@@ -13,6 +13,7 @@ static bvx_mesh surface_of(int32_t resolution, int32_t sharp, int32_t type)
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_repair_options o;
     bvx_mesh out = {0};
+
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.sharp = sharp;
@@ -57,7 +58,8 @@ static void assert_order_is_within(order_shape *make, double off)
             TEST_ASSERT_EQUAL_UINT64(first.triangle_count, again.triangle_count);
             if (off == 0) TEST_ASSERT_EQUAL_MEMORY(first.positions, again.positions, first.vertex_count * 24);
             for (size_t i = 0; i < 3 * first.vertex_count; i++)
-                TEST_ASSERT_DOUBLE_WITHIN(off, ((double *)first.positions)[i], ((double *)again.positions)[i]);
+                TEST_ASSERT_DOUBLE_WITHIN(off, ((double *)first.positions)[i],
+                                          ((double *)again.positions)[i]);
             TEST_ASSERT_EQUAL_MEMORY(first.triangles, again.triangles, first.triangle_count * 12);
             bvx_mesh_free(ctx, &again);
         }
@@ -103,6 +105,7 @@ static void make_spiky_star(void)
 static void make_turned_wedge(void)
 {
     static const double outline[3][2] = {{0, 0}, {8, 0}, {8, 1.40625}};
+
     maker_clear(&mesh);
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < 3; i++) maker_vertex(&mesh, outline[i][0], outline[i][1], 4.0 * k);
@@ -122,24 +125,46 @@ static void make_holey_star(void)
 /* Two boxes that overlap: centres lie behind walls of both. */
 static void make_crossed_boxes(void)
 {
-    double const low[3] = {0, 0, 0}, high[3] = {3, 2, 2}, other_low[3] = {1, -1, 0.5}, other_high[3] = {2, 3, 1.5};
+    double const low[3] = {0, 0, 0};
+    double const high[3] = {3, 2, 2};
+    double const other_low[3] = {1, -1, 0.5};
+    double const other_high[3] = {2, 3, 1.5};
+
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
     maker_box(&mesh, other_low, other_high);
     maker_turn(&mesh);
 }
 
-static void test_order_of_a_turned_box(void) { assert_order_does_not_show(make_turned_box); }
-static void test_order_of_an_even_box(void) { assert_order_does_not_show(make_even_box); }
-static void test_order_of_a_spiky_star(void) { assert_order_does_not_show(make_spiky_star); }
-static void test_order_of_a_wedge(void) { assert_order_does_not_show(make_turned_wedge); }
-static void test_order_of_a_holey_star(void) { assert_order_is_within(make_holey_star, 1e-12); }
-static void test_order_of_crossed_boxes(void) { assert_order_does_not_show(make_crossed_boxes); }
+static void test_order_of_a_turned_box(void)
+{
+    assert_order_does_not_show(make_turned_box);
+}
+static void test_order_of_an_even_box(void)
+{
+    assert_order_does_not_show(make_even_box);
+}
+static void test_order_of_a_spiky_star(void)
+{
+    assert_order_does_not_show(make_spiky_star);
+}
+static void test_order_of_a_wedge(void)
+{
+    assert_order_does_not_show(make_turned_wedge);
+}
+static void test_order_of_a_holey_star(void)
+{
+    assert_order_is_within(make_holey_star, 1e-12);
+}
+static void test_order_of_crossed_boxes(void)
+{
+    assert_order_does_not_show(make_crossed_boxes);
+}
 
 /* ---- Turned and mirrored ---- */
 
-/* Axes exchanged and mirrored: the lattice goes along, so each vertex has its image but for rounding. Marching cubes' triangles do
- * not, nor which of two equally good planes is taken. */
+/* Axes exchanged and mirrored: the lattice goes along, so each vertex has its image but for rounding.
+ * Marching cubes' triangles do not, nor which of two equally good planes is taken. */
 static void test_images_are_the_same_shape(void)
 {
     static const int axis[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
@@ -158,7 +183,8 @@ static void test_images_are_the_same_shape(void)
                 double const p[3] = {mesh.p[3 * v], mesh.p[3 * v + 1], mesh.p[3 * v + 2]};
                 for (int i = 0; i < 3; i++) mesh.p[3 * v + (size_t)i] = p[axis[k][i]];
             }
-            if (mirror) maker_flip(&mesh, 0, mesh.triangles); /* or the axes' exchange alone turns it inside out */
+            /* or the axes' exchange alone turns it inside out */
+            if (mirror) maker_flip(&mesh, 0, mesh.triangles);
             image = surface_of(30, 1, BVX_F64);
             for (size_t v = 0; v < image.vertex_count; v++) {
                 double *const p = (double *)image.positions + 3 * v, q[3] = {p[0], p[1], p[2]};
@@ -166,7 +192,8 @@ static void test_images_are_the_same_shape(void)
             }
             bvx_mesh_view_of(&image, &b);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &a, &b, 20000, 1, &d));
-            TEST_ASSERT_TRUE(d.mean_a_to_b < 1e-3 && d.mean_b_to_a < 1e-3 && d.max_a_to_b < 0.1); /* a voxel is 0.13 */
+            /* a voxel is 0.13 */
+            TEST_ASSERT_TRUE(d.mean_a_to_b < 1e-3 && d.mean_b_to_a < 1e-3 && d.max_a_to_b < 0.1);
             bvx_mesh_free(ctx, &image);
         }
     bvx_mesh_free(ctx, &first);

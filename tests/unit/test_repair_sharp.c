@@ -21,9 +21,11 @@ static bvx_mesh repaired(const bvx_repair_options *o)
     bvx_mesh out = {0};
     uint64_t crossings;
     bvx_mesh_view made;
+
     memset(&report, 0, sizeof report);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, o, &out), bvx_last_message(ctx));
-    TEST_ASSERT_TRUE(report.after.closed && report.after.edge_manifold && report.after.vertex_manifold && report.after.oriented);
+    TEST_ASSERT_TRUE(report.after.closed && report.after.edge_manifold && report.after.vertex_manifold &&
+                     report.after.oriented);
     bvx_mesh_view_of(&out, &made);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &made, &crossings, NULL, 0));
     TEST_ASSERT_EQUAL_UINT64(0, crossings);
@@ -77,6 +79,7 @@ static double distance_with(int32_t resolution, int32_t sharp)
 static void test_default_keeps_a_boxs_edges(void)
 {
     double plain, by_default;
+
     make_turned_box();
     plain = distance_with(40, 0);
     TEST_ASSERT_EQUAL_INT32(0, report.sharp);
@@ -90,6 +93,7 @@ static void test_default_leaves_a_ball_smooth(void)
 {
     bvx_repair_options o = sharp_options(24, -1);
     bvx_mesh by_default, plain;
+
     make_smooth_star();
     by_default = repaired(&o);
     TEST_ASSERT_EQUAL_INT32(0, report.sharp);
@@ -105,12 +109,14 @@ static void test_default_leaves_a_ball_smooth(void)
 static void test_loose_triangles_have_edges_too(void)
 {
     maker_mesh soup = {0};
+
     make_turned_box();
     for (size_t i = 0; i < 3 * mesh.triangles; i++) {
         const double *const p = mesh.p + 3 * (size_t)mesh.t[i];
         maker_vertex(&soup, p[0], p[1], p[2]);
     }
-    for (uint32_t t = 0; t < (uint32_t)mesh.triangles; t++) maker_triangle(&soup, 3 * t, 3 * t + 1, 3 * t + 2);
+    for (uint32_t t = 0; t < (uint32_t)mesh.triangles; t++)
+        maker_triangle(&soup, 3 * t, 3 * t + 1, 3 * t + 2);
     maker_free(&mesh);
     mesh = soup;
     distance_with(24, -1);
@@ -119,10 +125,12 @@ static void test_loose_triangles_have_edges_too(void)
 
 static void test_boolean_is_sharp_where_one_body_is(void)
 {
-    static const double low[3] = {-1.5, -1.5, -1.5}, high[3] = {1.5, 1.5, 1.5}; /* its corners stick out of the ball */
+    /* its corners stick out of the ball */
+    static const double low[3] = {-1.5, -1.5, -1.5}, high[3] = {1.5, 1.5, 1.5};
     bvx_boolean_report r;
     bvx_boolean_options o;
     maker_mesh box = {0};
+
     for (int smooth = 0; smooth < 2; smooth++) {
         bvx_mesh_view view[2];
         bvx_mesh out = {0};
@@ -151,8 +159,10 @@ static void add_prism(const double (*outline)[2], uint32_t n, double low, double
     uint32_t const first = (uint32_t)mesh.vertices;
     double middle[2] = {0, 0};
     uint32_t bottom, top;
+
     for (uint32_t k = 0; k < 2; k++)
-        for (uint32_t i = 0; i < n; i++) maker_vertex(&mesh, outline[i][0], outline[i][1], k == 0 ? low : high);
+        for (uint32_t i = 0; i < n; i++)
+            maker_vertex(&mesh, outline[i][0], outline[i][1], k == 0 ? low : high);
     for (uint32_t i = 0; i < n; i++)
         for (int a = 0; a < 2; a++) middle[a] += outline[i][a] / n;
     bottom = maker_vertex(&mesh, middle[0], middle[1], low);
@@ -166,7 +176,8 @@ static void add_prism(const double (*outline)[2], uint32_t n, double low, double
 }
 
 /* Half the tangent of the edge: 10, 15, 20, 30, 40, 50, 60 degrees. */
-static const double half_tangent[7] = {0.0874887, 0.1316525, 0.1763270, 0.2679492, 0.3639702, 0.4663077, 0.5773503};
+static const double half_tangent[7] = {0.0874887, 0.1316525, 0.1763270, 0.2679492,
+                                       0.3639702, 0.4663077, 0.5773503};
 
 static void make_wedge(int k)
 {
@@ -179,9 +190,11 @@ static void make_wedge(int k)
 /* A star of n points in a plane, as thick as wide: acute edges up and down. */
 static void make_star_prism(uint32_t n)
 {
-    static const double circle[12][2] = {{1, 0}, {0.8660254, 0.5}, {0.5, 0.8660254}, {0, 1}, {-0.5, 0.8660254}, {-0.8660254, 0.5},
-                                         {-1, 0}, {-0.8660254, -0.5}, {-0.5, -0.8660254}, {0, -1}, {0.5, -0.8660254}, {0.8660254, -0.5}};
+    static const double circle[12][2] = {
+        {1, 0},  {0.8660254, 0.5},   {0.5, 0.8660254},   {0, 1},  {-0.5, 0.8660254}, {-0.8660254, 0.5},
+        {-1, 0}, {-0.8660254, -0.5}, {-0.5, -0.8660254}, {0, -1}, {0.5, -0.8660254}, {0.8660254, -0.5}};
     double outline[12][2];
+
     maker_clear(&mesh);
     for (uint32_t i = 0; i < 2 * n; i++)
         for (int a = 0; a < 2; a++) outline[i][a] = circle[i * (12 / (2 * n))][a] * (i % 2 == 0 ? 5 : 1.5);
@@ -207,7 +220,9 @@ static void make_pyramid(double height)
 static void make_frame(void)
 {
     static const double round[4][2] = {{-4, -4}, {4, -4}, {4, 4}, {-4, 4}};
-    static const double section[4][2] = {{1, 0}, {0, 0.22}, {-1, 0}, {0, -0.22}}; /* outward, up: 25 degrees */
+    /* outward, up: 25 degrees */
+    static const double section[4][2] = {{1, 0}, {0, 0.22}, {-1, 0}, {0, -0.22}};
+
     maker_clear(&mesh);
     for (int k = 0; k < 4; k++)
         for (int s = 0; s < 4; s++) {
@@ -222,8 +237,8 @@ static void make_frame(void)
     maker_turn(&mesh);
 }
 
-/* Parts in are parts out, cavities too; and the default is at least three times as near as the surface without sharp edges and
- * without its thin walls. */
+/* Parts in are parts out, cavities too; and the default is at least three times as near as the surface
+ * without sharp edges and without its thin walls. */
 static void assert_parts_stay(void)
 {
     static const int32_t resolutions[3] = {24, 61, 96};
@@ -275,11 +290,13 @@ static void test_crumbs_are_counted_and_kept_when_asked(void)
     bvx_repair_options o = sharp_options(61, -1);
     uint64_t crumbs;
     bvx_mesh out;
+
     make_wedge(1);
     o.thin = BVX_THIN_SHELL;
     out = repaired(&o);
     crumbs = report.crumbs;
-    TEST_ASSERT_TRUE(crumbs > 3 && report.parts_kept == 1 && report.parts_dropped + report.cavities_dropped == crumbs);
+    TEST_ASSERT_TRUE(crumbs > 3 && report.parts_kept == 1 &&
+                     report.parts_dropped + report.cavities_dropped == crumbs);
     bvx_mesh_free(ctx, &out);
     o.keep_crumbs = 1;
     out = repaired(&o);
@@ -295,10 +312,12 @@ static void test_small_parts_of_the_mesh_stay(void)
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
     bvx_mesh out;
     size_t hole;
+
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
     for (int i = 0; i < 5; i++) { /* of 1.4 voxels, a voxel and a half and more beside the box */
-        double const a[3] = {4.16 + 0.04 * i, 0.5 * i, 0.7 * i}, b[3] = {a[0] + 0.14, a[1] + 0.14, a[2] + 0.14};
+        double const a[3] = {4.16 + 0.04 * i, 0.5 * i, 0.7 * i};
+        double const b[3] = {a[0] + 0.14, a[1] + 0.14, a[2] + 0.14};
         maker_box(&mesh, a, b);
     }
     hole = mesh.triangles;
@@ -333,9 +352,11 @@ static void test_boolean_drops_crumbs(void)
         o.resolution = 70;
         o.report = &r;
 
-        /* A wedge's edge comes apart into crumbs where its walls are lost, and hangs together where they are kept. */
+        /* A wedge's edge comes apart into crumbs where its walls are lost,
+         * and hangs together where they are kept. */
         for (o.thin = BVX_THIN_DROP;; o.thin = BVX_THIN_KEEP) {
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_INTERSECTION, &o, &out));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                    bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_INTERSECTION, &o, &out));
             bvx_mesh_view_of(&out, &made);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &made, 0, &c));
             TEST_ASSERT_EQUAL_UINT64(1, c.components);
@@ -345,7 +366,8 @@ static void test_boolean_drops_crumbs(void)
         }
 
         o.least_part = 1000000;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_INTERSECTION, &o, &out));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                                bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_INTERSECTION, &o, &out));
         TEST_ASSERT_TRUE(out.triangle_count == 0 && r.voxels == 0 && r.parts_dropped == 1);
         bvx_mesh_free(ctx, &out);
     }
@@ -393,6 +415,7 @@ static void test_parts_within_parts(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4}, in[3] = {1, 1, 1}, to[3] = {3, 3, 3};
     size_t first;
+
     maker_clear(&mesh);
     maker_box(&mesh, low, high);
     first = mesh.triangles;
@@ -406,7 +429,8 @@ static void test_parts_within_parts(void)
 
 static void test_crossings_are_a_need(void)
 {
-    static const double outline[6][2] = {{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, -1}, {0, 4}}; /* a side goes through another */
+    /* a side goes through another */
+    static const double outline[6][2] = {{0, 0}, {4, 0}, {4, 4}, {3, 4}, {3, -1}, {0, 4}};
     maker_clear(&mesh);
     add_prism(outline, 6, 0, 2);
     TEST_ASSERT_EQUAL_INT32(BVX_NEEDS_UNCROSSING, needs_of_mesh());
@@ -442,6 +466,7 @@ static void test_if_needed_without_a_report(void)
     bvx_repair_options o = sharp_options(20, -1);
     bvx_mesh_view view;
     bvx_mesh out = {0};
+
     o.if_needed = 1;
     o.report = NULL;
     make_turned_box();

@@ -1,4 +1,5 @@
-/* test_repair_thin.c - walls thinner than voxels: they stay whole, about as thick as they are, and are told of. */
+/* test_repair_thin.c - walls thinner than voxels: they stay whole, about as
+ * thick as they are, and are told of. */
 #include "solid_support.h"
 
 #include <math.h>
@@ -132,7 +133,8 @@ static void test_thin_box_with_a_cavity(void)
 /* A seat, four legs and a back of slats of two thirds of a voxel, all in each other. */
 static void test_slats_of_a_chair_hold(void)
 {
-    static const double part[][2][3] = {{{-0.5, -0.5, 0}, {0.5, 0.5, 0.03}}, {{-0.5, 0.455, 0.97}, {0.5, 0.475, 1.03}}};
+    static const double part[][2][3] = {{{-0.5, -0.5, 0}, {0.5, 0.5, 0.03}},
+                                        {{-0.5, 0.455, 0.97}, {0.5, 0.475, 1.03}}};
 
     maker_clear(&mesh);
     for (size_t p = 0; p < 2; p++) make_turned_box(part[p][0], part[p][1], 1, 0);
@@ -151,12 +153,15 @@ static void test_slats_of_a_chair_hold(void)
 /* A wedge of ten degrees: no crumbs before its edge. */
 static void test_acute_edges_hold(void)
 {
-    static const double p[6][3] = {{0, -1, 0}, {0, 1, 0}, {2, -1, 0.175}, {2, 1, 0.175}, {2, -1, -0.175}, {2, 1, -0.175}};
-    static const uint32_t t[8][3] = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}, {0, 4, 2}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}};
+    static const double p[6][3] = {{0, -1, 0},    {0, 1, 0},       {2, -1, 0.175},
+                                   {2, 1, 0.175}, {2, -1, -0.175}, {2, 1, -0.175}};
+    static const uint32_t t[8][3] = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4},
+                                     {0, 4, 2}, {1, 3, 5}, {2, 4, 3}, {3, 4, 5}};
 
     maker_clear(&mesh);
     for (int v = 0; v < 6; v++)
-        maker_vertex(&mesh, 0.96 * p[v][0] - 0.28 * p[v][1], 0.96 * p[v][1] + 0.28 * p[v][0], p[v][2] + 0.1 * p[v][0]);
+        maker_vertex(&mesh, 0.96 * p[v][0] - 0.28 * p[v][1], 0.96 * p[v][1] + 0.28 * p[v][0],
+                     p[v][2] + 0.1 * p[v][0]);
     for (int f = 0; f < 8; f++) maker_triangle(&mesh, t[f][0], t[f][1], t[f][2]);
     repair_thin(64, BVX_THIN_KEEP);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);

@@ -1,5 +1,6 @@
-/* test_reuse.c - results passed again: every function that makes one gives into a used result, small after large and large after
- * small, what it gives into an empty one; when memory fails meanwhile, nothing leaks and the result can be used on. */
+/* test_reuse.c - results passed again: every function that makes one gives into a
+ * used result, small after large and large after small, what it gives into an empty
+ * one; when memory fails meanwhile, nothing leaks and the result can be used on. */
 #include "unity.h"
 
 #include "bitvox.h"
@@ -43,10 +44,10 @@ static model models[2];
 
 /* ---- the functions ---- */
 
-#define ROW(name, call)                                                              \
-    static bvx_status name(bvx_context *c, const model *m, results *r)              \
-    {                                                                                \
-        return call;                                                                 \
+#define ROW(name, call)                                                \
+    static bvx_status name(bvx_context *c, const model *m, results *r) \
+    {                                                                  \
+        return call;                                                   \
     }
 ROW(create, bvx_grid_create(c, &m->lattice, NULL, &r->grid))
 ROW(solid, bvx_voxelize_solid(c, &m->view, &m->lattice, NULL, &r->grid))
@@ -277,23 +278,72 @@ static const struct row {
     const char *name;
     bvx_status (*run)(bvx_context *c, const model *m, results *r);
 } rows[] = {
-    {"bvx_grid_create", create}, {"bvx_voxelize_solid", solid}, {"bvx_voxelize_surface", touch}, {"bvx_voxelize_points", points},
-    {"bvx_grid_union", combine}, {"bvx_grid_complement", complement}, {"bvx_grid_resample", resample}, {"bvx_grid_downsample", downsample},
-    {"bvx_grid_intersection", intersect}, {"bvx_grid_subtract", subtract}, {"bvx_grid_xor", differ}, {"bvx_grid_pad", pad},
-    {"bvx_grid_erode", erode}, {"bvx_grid_open", open_grid}, {"bvx_grid_close", close_grid}, {"bvx_read_mesh_finite", read_finite},
-    {"bvx_mesh_drop_nonfinite", drop_nonfinite}, {"bvx_mesh_carry", carry}, {"bvx_read_lattice", read_lattice},
-    {"bvx_write_mesh_with", write_mesh_with}, {"bvx_render_difference", render_difference},
-    {"bvx_grid_crop", crop}, {"bvx_grid_permute", permute}, {"bvx_grid_fill", fill}, {"bvx_grid_hollow", hollow},
-    {"bvx_grid_dilate", dilate}, {"bvx_grid_keep", keep}, {"bvx_grid_fill_cavities", cavities}, {"bvx_threshold", threshold},
-    {"bvx_octree_expand", expand}, {"bvx_read_grid, .npy", read_npy}, {"bvx_read_grid, .bvx", read_bvx}, {"bvx_compare_fills", compare_fills},
-    {"bvx_extract_surface", surface}, {"bvx_extract_faces", faces}, {"bvx_extract_scalar", scalar}, {"bvx_extract_octree", octree_surface},
-    {"bvx_extract_field_surface", field_surface}, {"bvx_mesh_merge", merge}, {"bvx_mesh_simplify", simplify}, {"bvx_build_levels", levels},
-    {"bvx_build_lods", lods}, {"bvx_repair", repair}, {"bvx_boolean", boolean}, {"bvx_read_mesh", read_ply}, {"bvx_read_points", read_cloud},
-    {"bvx_build_sections", join_sections}, {"bvx_measure_field", measure}, {"bvx_refine", refine}, {"bvx_read_octree", read_octree},
-    {"bvx_slice_mesh", slice}, {"bvx_read_sections", read_csv}, {"bvx_write_mesh", write_mesh}, {"bvx_write_levels", write_levels},
-    {"bvx_write_grid", write_binvox}, {"bvx_write_octree", write_octree}, {"bvx_write_field", write_field}, {"bvx_write_lattice", write_lattice},
-    {"bvx_write_head", write_head}, {"bvx_write_slices", write_slices}, {"bvx_write_sections", write_csv}, {"bvx_write_png", write_png},
-    {"bvx_render_mesh", render_mesh}, {"bvx_render_grid", render_grid}, {"bvx_render_slices", render_slices}, {"bvx_read_volume", read_volume},
+    {"bvx_grid_create", create},
+    {"bvx_voxelize_solid", solid},
+    {"bvx_voxelize_surface", touch},
+    {"bvx_voxelize_points", points},
+    {"bvx_grid_union", combine},
+    {"bvx_grid_complement", complement},
+    {"bvx_grid_resample", resample},
+    {"bvx_grid_downsample", downsample},
+    {"bvx_grid_intersection", intersect},
+    {"bvx_grid_subtract", subtract},
+    {"bvx_grid_xor", differ},
+    {"bvx_grid_pad", pad},
+    {"bvx_grid_erode", erode},
+    {"bvx_grid_open", open_grid},
+    {"bvx_grid_close", close_grid},
+    {"bvx_read_mesh_finite", read_finite},
+    {"bvx_mesh_drop_nonfinite", drop_nonfinite},
+    {"bvx_mesh_carry", carry},
+    {"bvx_read_lattice", read_lattice},
+    {"bvx_write_mesh_with", write_mesh_with},
+    {"bvx_render_difference", render_difference},
+    {"bvx_grid_crop", crop},
+    {"bvx_grid_permute", permute},
+    {"bvx_grid_fill", fill},
+    {"bvx_grid_hollow", hollow},
+    {"bvx_grid_dilate", dilate},
+    {"bvx_grid_keep", keep},
+    {"bvx_grid_fill_cavities", cavities},
+    {"bvx_threshold", threshold},
+    {"bvx_octree_expand", expand},
+    {"bvx_read_grid, .npy", read_npy},
+    {"bvx_read_grid, .bvx", read_bvx},
+    {"bvx_compare_fills", compare_fills},
+    {"bvx_extract_surface", surface},
+    {"bvx_extract_faces", faces},
+    {"bvx_extract_scalar", scalar},
+    {"bvx_extract_octree", octree_surface},
+    {"bvx_extract_field_surface", field_surface},
+    {"bvx_mesh_merge", merge},
+    {"bvx_mesh_simplify", simplify},
+    {"bvx_build_levels", levels},
+    {"bvx_build_lods", lods},
+    {"bvx_repair", repair},
+    {"bvx_boolean", boolean},
+    {"bvx_read_mesh", read_ply},
+    {"bvx_read_points", read_cloud},
+    {"bvx_build_sections", join_sections},
+    {"bvx_measure_field", measure},
+    {"bvx_refine", refine},
+    {"bvx_read_octree", read_octree},
+    {"bvx_slice_mesh", slice},
+    {"bvx_read_sections", read_csv},
+    {"bvx_write_mesh", write_mesh},
+    {"bvx_write_levels", write_levels},
+    {"bvx_write_grid", write_binvox},
+    {"bvx_write_octree", write_octree},
+    {"bvx_write_field", write_field},
+    {"bvx_write_lattice", write_lattice},
+    {"bvx_write_head", write_head},
+    {"bvx_write_slices", write_slices},
+    {"bvx_write_sections", write_csv},
+    {"bvx_write_png", write_png},
+    {"bvx_render_mesh", render_mesh},
+    {"bvx_render_grid", render_grid},
+    {"bvx_render_slices", render_slices},
+    {"bvx_read_volume", read_volume},
 };
 
 enum { ROWS = sizeof rows / sizeof rows[0] };
@@ -304,13 +354,16 @@ static uint64_t signature(bvx_context *c, const results *r)
 {
     uint64_t h = 1, part = 0;
 
-    if (r->grid.words != NULL && bvx_grid_hash(c, &r->grid, &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
+    if (r->grid.words != NULL && bvx_grid_hash(c, &r->grid, &part) == BVX_OK)
+        h = bvx_hash(&part, sizeof part, h);
     for (int i = 0; i < 2; i++)
-        if (r->mesh[i].positions != NULL && bvx_mesh_hash(c, &r->mesh[i], &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
+        if (r->mesh[i].positions != NULL && bvx_mesh_hash(c, &r->mesh[i], &part) == BVX_OK)
+            h = bvx_hash(&part, sizeof part, h);
     if (r->mesh[0].colours != NULL) h = bvx_hash(r->mesh[0].colours, (size_t)r->mesh[0].vertex_count * 4, h);
     h = bvx_hash(r->attached.triangles, (size_t)r->attached.triangle_count * 4, h);
     h = bvx_hash(r->field.distances, (size_t)r->field.value_count * 4, h);
-    if (r->tree != NULL && bvx_octree_leaves(c, r->tree, BVX_STATE_SURFACE, NULL, 0, &part) == BVX_OK) h = bvx_hash(&part, sizeof part, h);
+    if (r->tree != NULL && bvx_octree_leaves(c, r->tree, BVX_STATE_SURFACE, NULL, 0, &part) == BVX_OK)
+        h = bvx_hash(&part, sizeof part, h);
     h = bvx_hash(r->sections.points, (size_t)r->sections.point_count * 24, h);
     h = bvx_hash(r->file.bytes, (size_t)r->file.size, h);
     h = bvx_hash(r->image.pixels, (size_t)r->image.width * (size_t)r->image.height * 3, h);
@@ -348,7 +401,8 @@ static void test_results_are_passed_again(void)
     static const int turns[] = {0, 1, 0, 1, 1};
 
     for (int i = 0; i < ROWS; i++) {
-        uint64_t const expected[2] = {fresh_signature(&rows[i], &models[0]), fresh_signature(&rows[i], &models[1])};
+        uint64_t const expected[2] = {fresh_signature(&rows[i], &models[0]),
+                                      fresh_signature(&rows[i], &models[1])};
         uint64_t const before = bvx_memory_used(ctx);
         results r = {0};
 
@@ -418,7 +472,8 @@ static void test_failures_leave_results_that_can_be_used(void)
             TEST_ASSERT_EQUAL_HEX64_MESSAGE(expected, signature(c, &r), rows[i].name);
             f.left = n;
             status = rows[i].run(c, &models[1], &r);
-            if (status != BVX_OK) TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_MEMORY, status, bvx_last_message(c));
+            if (status != BVX_OK)
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_MEMORY, status, bvx_last_message(c));
         }
         f.left = INT64_MAX;
         free_results(c, &r);

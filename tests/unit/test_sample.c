@@ -22,11 +22,13 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
-static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3], const int32_t size[3])
+static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3],
+                      const int32_t size[3])
 {
     int32_t const dims[3] = {low[0] + size[0] + 2, low[1] + size[1] + 1, low[2] + size[2]};
     bvx_window w;
     bvx_lattice l;
+
     memcpy(w.low, low, sizeof w.low);
     memcpy(w.size, size, sizeof w.size);
     bvx_grid_free(ctx, &grid);
@@ -50,6 +52,7 @@ static double eight_corners(const double p[3], double gradient[3])
 {
     double x[3], value = 0.0;
     int32_t first[3];
+
     for (int a = 0; a < 3; a++) {
         x[a] = (p[a] - grid.lattice.origin[a]) / grid.lattice.spacing[a] - 0.5;
         first[a] = (int32_t)floor(x[a]);
@@ -74,6 +77,7 @@ static void random_grid(void)
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129};
     double origin[3], spacing[3];
     int32_t low[3], size[3];
+
     for (int a = 0; a < 3; a++) {
         origin[a] = maker_between(&seed, -50, 50, 1000);
         spacing[a] = maker_between(&seed, 0.1, 3, 1000);
@@ -86,6 +90,7 @@ static void random_grid(void)
 static void test_sample_equals_eight_corners(void)
 {
     int inside = 0;
+
     for (int round = 0; round < 60; round++) {
         random_grid();
         for (int i = 0; i < 200; i++) {
@@ -107,14 +112,17 @@ static void test_sample_equals_eight_corners(void)
     TEST_ASSERT_TRUE(inside > 3000);
 }
 
-/* Half a voxel from the centres along one axis the value is the mean of two, and the gradient the difference of both. */
+/* Half a voxel from the centres along one axis the value is the mean of
+ * two, and the gradient the difference of both. */
 static void test_sample_by_hand(void)
 {
     static const double origin[3] = {10, 20, 30}, spacing[3] = {2, 4, 0.5};
     static const int32_t low[3] = {0, 0, 0}, size[3] = {3, 1, 1};
-    static const double points[15] = {11, 22, 30.25, 12, 22, 30.25, 12.5, 22, 30.25, 10, 22, 30.25, 11, 24, 30.25};
+    static const double points[15] = {11,    22, 30.25, 12,    22, 30.25, 12.5, 22,
+                                      30.25, 10, 22,    30.25, 11, 24,    30.25};
     static const double values[5] = {1, 0.5, 0.25, 0.5, 0.5}, slopes[5] = {-0.5, -0.5, -0.5, 0.5, -0.25};
     double got[5], gradient[15];
+
     make_grid(origin, spacing, low, size);
     bvx_grid_set(&grid, 0, 0, 0, 1);
     bvx_grid_set(&grid, 1, 0, 0, 0);
@@ -124,7 +132,8 @@ static void test_sample_by_hand(void)
         TEST_ASSERT_TRUE(got[i] == values[i]);
         TEST_ASSERT_TRUE(gradient[3 * i] == slopes[i]);
     }
-    TEST_ASSERT_TRUE(gradient[1] == -0.25 && gradient[2] == -2.0);   /* a centre: the slope of the upper side */
+    /* a centre: the slope of the upper side */
+    TEST_ASSERT_TRUE(gradient[1] == -0.25 && gradient[2] == -2.0);
     TEST_ASSERT_TRUE(gradient[13] == -0.25 && gradient[14] == -1.0); /* at the window's upper side */
 }
 
@@ -133,11 +142,13 @@ static void test_sample_is_exact_at_centres(void)
     static const double origin[3] = {-3.5, 8, 0.25}, spacing[3] = {0.5, 2, 0.125};
     static const int32_t low[3] = {70, 3, 5}, size[3] = {130, 6, 5};
     double value;
+
     make_grid(origin, spacing, low, size);
     for (int32_t z = -2; z < size[2] + 2; z++)
         for (int32_t y = -2; y < size[1] + 2; y++)
             for (int32_t x = -2; x < size[0] + 2; x++) {
-                double const p[3] = {origin[0] + (low[0] + x + 0.5) * spacing[0], origin[1] + (low[1] + y + 0.5) * spacing[1],
+                double const p[3] = {origin[0] + (low[0] + x + 0.5) * spacing[0],
+                                     origin[1] + (low[1] + y + 0.5) * spacing[1],
                                      origin[2] + (low[2] + z + 0.5) * spacing[2]};
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &grid, p, 1, &value, NULL));
                 TEST_ASSERT_TRUE(value == (double)bit(low[0] + x, low[1] + y, low[2] + z));
@@ -147,10 +158,12 @@ static void test_sample_is_exact_at_centres(void)
 static void test_sample_is_zero_far_away(void)
 {
     static const double far[4] = {1e18, -1e18, 1.7e308, -1.7e308};
+
     random_grid();
     for (int i = 0; i < 12; i++) {
         double p[3] = {0, 0, 0}, value = 7, gradient[3] = {7, 7, 7};
-        for (int a = 0; a < 3; a++) p[a] = grid.lattice.origin[a] + grid.lattice.spacing[a] * (grid.low[a] + 0.5);
+        for (int a = 0; a < 3; a++)
+            p[a] = grid.lattice.origin[a] + grid.lattice.spacing[a] * (grid.low[a] + 0.5);
         p[i % 3] = far[i / 3];
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &grid, p, 1, &value, gradient));
         TEST_ASSERT_TRUE(value == 0.0 && gradient[0] == 0.0 && gradient[1] == 0.0 && gradient[2] == 0.0);
@@ -181,6 +194,7 @@ static void test_sample_refuses(void)
 {
     double points[6] = {0, 0, 0, 1, 2, 3}, values[2];
     bvx_grid good;
+
     random_grid();
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &grid, NULL, 0, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_sample(NULL, &grid, points, 2, values, NULL));

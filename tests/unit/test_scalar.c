@@ -1,5 +1,5 @@
-/* test_scalar.c - surfaces of levels: vertices held against the plain formula edge by edge, triangles against those of the bits'
- * surface, and everything against the certificate; windows, threads, paths. */
+/* test_scalar.c - surfaces of levels: vertices held against the plain formula edge by edge, triangles against
+ * those of the bits' surface, and everything against the certificate; windows, threads, paths. */
 #include "volume_support.h"
 
 static const int x_first[3] = {0, 1, 2}, z_first[3] = {2, 1, 0};
@@ -31,6 +31,7 @@ static void check_vertices(const test_volume *t, const bvx_scalar_options *o, co
 {
     const bvx_lattice *const l = &t->view.lattice;
     uint64_t n = 0;
+
     for (int32_t z = -1; z < t->view.size[2]; z++)
         for (int32_t y = -1; y < t->view.size[1]; y++)
             for (int axis = 0; axis < 3; axis++)
@@ -48,10 +49,15 @@ static void check_vertices(const test_volume *t, const bvx_scalar_options *o, co
                     if (ratio != ratio) ratio = 0.5;
                     TEST_ASSERT_TRUE(n < m->vertex_count);
                     for (int d = 0; d < 3; d++) {
-                        double const place = l->origin[d] + ((double)(t->view.low[d] + low[d]) + 0.5 + (d == axis ? ratio : 0.0)) * l->spacing[d];
+                        double const place = l->origin[d] + ((double)(t->view.low[d] + low[d]) + 0.5 +
+                                                             (d == axis ? ratio : 0.0)) *
+                                                                l->spacing[d];
                         if (m->position_type == BVX_F64)
-                            TEST_ASSERT_EQUAL_MEMORY(&place, (const double *)m->positions + 3 * n + d, sizeof place);
-                        else TEST_ASSERT_EQUAL_FLOAT((float)place, ((const float *)m->positions)[3 * n + (uint64_t)d]);
+                            TEST_ASSERT_EQUAL_MEMORY(&place, (const double *)m->positions + 3 * n + d,
+                                                     sizeof place);
+                        else
+                            TEST_ASSERT_EQUAL_FLOAT((float)place,
+                                                    ((const float *)m->positions)[3 * n + (uint64_t)d]);
                     }
                     n++;
                 }
@@ -62,8 +68,10 @@ static bvx_certificate certify(const bvx_mesh *m)
 {
     bvx_certificate c;
     bvx_mesh_view view;
+
     bvx_mesh_view_of(m, &view);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c)); /* equal positions are one: there are none */
+    /* equal positions are one: there are none */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
     if (m->triangle_count == 0) return c;
     TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
     TEST_ASSERT_EQUAL_UINT64(m->vertex_count, c.vertices);
@@ -80,17 +88,20 @@ static bvx_certificate check_scalar(const test_volume *t, const bvx_scalar_optio
     bvx_grid g = {0};
     bvx_volume_report r, counted;
     bvx_certificate c;
+
     o.report = &r;
     bvx_extract_options_init(&e, sizeof e);
     e.face_rule = o.face_rule;
     e.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_scalar(ctx, &t->view, &o, &m), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold(ctx, &t->view, o.below ? -INFINITY : o.level, o.below ? o.level : INFINITY, &counted, &g));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold(ctx, &t->view, o.below ? -INFINITY : o.level,
+                                                  o.below ? o.level : INFINITY, &counted, &g));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &g, &e, &bits));
     TEST_ASSERT_EQUAL_MEMORY(&counted, &r, sizeof r);
     TEST_ASSERT_EQUAL_UINT64(bits.vertex_count, m.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(bits.triangle_count, m.triangle_count);
-    if (m.triangle_count != 0) TEST_ASSERT_EQUAL_MEMORY(bits.triangles, m.triangles, (size_t)m.triangle_count * 12);
+    if (m.triangle_count != 0)
+        TEST_ASSERT_EQUAL_MEMORY(bits.triangles, m.triangles, (size_t)m.triangle_count * 12);
     check_vertices(t, &o, &m);
     c = certify(&m);
     o.position_type = BVX_F32;
@@ -107,6 +118,7 @@ static bvx_certificate check_scalar(const test_volume *t, const bvx_scalar_optio
 static void test_scalar_noise_of_every_type(void)
 {
     static const int32_t size[3] = {67, 9, 6};
+
     for (int32_t type = BVX_SAMPLE_U8; type <= BVX_SAMPLE_F64; type++)
         for (int rule = 0; rule < 2; rule++) {
             bvx_scalar_options o = level_options(50);
@@ -122,10 +134,12 @@ static void test_scalar_noise_of_every_type(void)
         }
 }
 
-/* Values at the level itself, signed zeros, and noise of few values, where most cut edges end at the level. */
+/* Values at the level itself, signed zeros, and noise of few values, where most cut edges end at the
+ * level. */
 static void test_scalar_values_at_the_level(void)
 {
     static const int32_t size[3] = {66, 8, 8};
+
     for (int below = 0; below < 2; below++) {
         bvx_scalar_options o = level_options(0);
         test_volume t;
@@ -143,6 +157,7 @@ static void test_scalar_nan_and_infinity_are_outside(void)
 {
     static const int32_t size[3] = {65, 9, 9};
     double const odd[4] = {NAN, INFINITY, -INFINITY, 1e308};
+
     for (int i = 0; i < 4; i++) {
         bvx_scalar_options o = level_options(i == 3 ? -1e308 : 0);
         test_volume t;
@@ -150,7 +165,8 @@ static void test_scalar_nan_and_infinity_are_outside(void)
         make_volume(&t, i < 2 ? BVX_SAMPLE_F32 : BVX_SAMPLE_F64, size, 0, x_first, 0, 0);
         fill_noise(&t, -20, 20);
         for (int n = 0; n < 900; n++)
-            set_value(&t, (int32_t)maker_below(&seed, 65), (int32_t)maker_below(&seed, 9), (int32_t)maker_below(&seed, 9),
+            set_value(&t, (int32_t)maker_below(&seed, 65), (int32_t)maker_below(&seed, 9),
+                      (int32_t)maker_below(&seed, 9),
                       n % 5 == 4 && i >= 2 ? -1.7e308 : odd[i >= 2 ? n % 4 : n % 3]);
         check_scalar(&t, &o);
         free_volume(&t);
@@ -181,6 +197,7 @@ static bvx_certificate check_field(field_fn *field, int32_t n)
     int32_t const size[3] = {n, n, n};
     bvx_certificate c;
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_F64, size, 0, x_first, 0, 0);
     for (int a = 0; a < 3; a++) {
         t.view.lattice.origin[a] = -1.5;
@@ -189,7 +206,9 @@ static bvx_certificate check_field(field_fn *field, int32_t n)
     for (int32_t z = 0; z < n; z++)
         for (int32_t y = 0; y < n; y++)
             for (int32_t x = 0; x < n; x++)
-                set_value(&t, x, y, z, field(-1.5 + (x + 0.5) * 3 / n, -1.5 + (y + 0.5) * 3 / n, -1.5 + (z + 0.5) * 3 / n));
+                set_value(
+                    &t, x, y, z,
+                    field(-1.5 + (x + 0.5) * 3 / n, -1.5 + (y + 0.5) * 3 / n, -1.5 + (z + 0.5) * 3 / n));
     c = check_scalar(&t, &o);
     free_volume(&t);
     return c;
@@ -201,6 +220,7 @@ static void test_scalar_of_known_shapes(void)
     int32_t const n = brief ? 30 : 60;
     double const pi = 3.14159265358979;
     bvx_certificate c = check_field(ball, n);
+
     TEST_ASSERT_EQUAL_INT64(2, c.euler);
     TEST_ASSERT_DOUBLE_WITHIN(brief ? 0.03 : 0.008, 4 * pi / 3, c.volume);
     TEST_ASSERT_DOUBLE_WITHIN(brief ? 0.1 : 0.03, 4 * pi, c.area);
@@ -219,6 +239,7 @@ static void test_scalar_full_volume_is_its_box(void)
     bvx_scalar_options const o = level_options(1);
     bvx_certificate c;
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_U8, size, 0, x_first, 0, 0);
     fill_noise(&t, 1, 9);
     c = check_scalar(&t, &o);
@@ -235,6 +256,7 @@ static bvx_volume_view window_of(const test_volume *t, const int32_t low[3], con
 {
     bvx_volume_view v = t->view;
     int64_t at = 0;
+
     for (int a = 0; a < 3; a++) {
         v.low[a] += low[a];
         v.size[a] = size[a];
@@ -250,6 +272,7 @@ static void check_windows(const test_volume *t, const int32_t step[3], int32_t t
     bvx_scalar_options o = level_options(50);
     bvx_mesh whole = {0}, merged = {0}, part[64];
     uint64_t parts = 0;
+
     o.keys = 1;
     o.position_type = type;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_scalar(ctx, &t->view, &o, &whole));
@@ -275,7 +298,8 @@ static void check_windows(const test_volume *t, const int32_t step[3], int32_t t
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_merge(ctx, part, parts, &merged));
     TEST_ASSERT_EQUAL_UINT64(whole.vertex_count, merged.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(whole.triangle_count, merged.triangle_count);
-    TEST_ASSERT_EQUAL_MEMORY(whole.positions, merged.positions, (size_t)whole.vertex_count * (type == BVX_F32 ? 12 : 24));
+    TEST_ASSERT_EQUAL_MEMORY(whole.positions, merged.positions,
+                             (size_t)whole.vertex_count * (type == BVX_F32 ? 12 : 24));
     TEST_ASSERT_EQUAL_MEMORY(whole.triangles, merged.triangles, (size_t)whole.triangle_count * 12);
     TEST_ASSERT_EQUAL_MEMORY(whole.vertex_keys, merged.vertex_keys, (size_t)whole.vertex_count * 8);
     while (parts > 0) bvx_mesh_free(ctx, &part[--parts]);
@@ -287,10 +311,12 @@ static void test_scalar_windows_merge_to_the_whole(void)
 {
     static const int32_t size[3] = {100, 17, 13}, steps[3][3] = {{64, 16, 12}, {37, 5, 4}, {99, 3, 3}};
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_F32, size, 1, x_first, 0, 0);
     fill_noise(&t, 0, 100);
     for (int n = 0; n < 300; n++)
-        set_value(&t, (int32_t)maker_below(&seed, 100), (int32_t)maker_below(&seed, 17), (int32_t)maker_below(&seed, 13), n % 2 ? NAN : INFINITY);
+        set_value(&t, (int32_t)maker_below(&seed, 100), (int32_t)maker_below(&seed, 17),
+                  (int32_t)maker_below(&seed, 13), n % 2 ? NAN : INFINITY);
     for (int i = 0; i < 3; i++) check_windows(&t, steps[i], i == 1 ? BVX_F32 : BVX_F64);
     free_volume(&t);
 }
@@ -300,6 +326,7 @@ static uint64_t hash_of(const test_volume *t, int32_t threads, int32_t cpu)
     bvx_scalar_options const o = level_options(50);
     bvx_mesh m = {0};
     uint64_t hash;
+
     bvx_context_destroy(ctx);
     open_context(threads, cpu);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_scalar(ctx, &t->view, &o, &m));
@@ -311,10 +338,15 @@ static uint64_t hash_of(const test_volume *t, int32_t threads, int32_t cpu)
 static void test_scalar_is_the_same_on_all_paths_and_threads(void)
 {
     static const int32_t size[3] = {130, 40, 30};
+
     for (int i = 0; i < 3; i++) {
         test_volume t;
         uint64_t hash;
-        make_volume(&t, i == 0 ? BVX_SAMPLE_F32 : i == 1 ? BVX_SAMPLE_U16 : BVX_SAMPLE_F64, size, 0, i == 2 ? z_first : x_first, i, 0);
+        make_volume(&t,
+                    i == 0   ? BVX_SAMPLE_F32
+                    : i == 1 ? BVX_SAMPLE_U16
+                             : BVX_SAMPLE_F64,
+                    size, 0, i == 2 ? z_first : x_first, i, 0);
         fill_noise(&t, 0, 100);
         hash = hash_of(&t, 1, BVX_CPU_PORTABLE);
         TEST_ASSERT_EQUAL_HEX64(hash, hash_of(&t, 1, BVX_CPU_BEST));
@@ -330,6 +362,7 @@ static void test_scalar_local_frame_and_open_sides(void)
     bvx_scalar_options o = level_options(50);
     bvx_mesh world = {0}, local = {0};
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_U8, size, 1, x_first, 0, 0);
     fill_noise(&t, 0, 100);
     o.open_sides = 63;
@@ -339,7 +372,8 @@ static void test_scalar_local_frame_and_open_sides(void)
     TEST_ASSERT_EQUAL_UINT64(world.vertex_count, local.vertex_count);
     TEST_ASSERT_EQUAL_DOUBLE(t.view.lattice.origin[1], local.frame[1]);
     for (uint64_t i = 0; i < 3 * world.vertex_count; i++)
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, ((double *)world.positions)[i], ((double *)local.positions)[i] + local.frame[i % 3]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12, ((double *)world.positions)[i],
+                                  ((double *)local.positions)[i] + local.frame[i % 3]);
     bvx_mesh_free(ctx, &local);
     bvx_mesh_free(ctx, &world);
     free_volume(&t);
@@ -351,6 +385,7 @@ static void test_scalar_refusals(void)
     bvx_scalar_options good, o;
     bvx_mesh m = {0};
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_F32, size, 0, x_first, 0, 0);
     good = level_options(0);
 #define REFUSED(field, value, status)                                          \

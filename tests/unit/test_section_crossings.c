@@ -1,4 +1,5 @@
-/* test_section_crossings.c - do triangles of bodies from sections cross? All pairs of small random stacks, in whole numbers. */
+/* test_section_crossings.c - do triangles of bodies from sections cross?
+ * All pairs of small random stacks, in whole numbers. */
 #include "tools/crossing_oracle.h"
 #include "tools/section_maker.h"
 #include "unity.h"
@@ -21,10 +22,12 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
-/* A random stack with coordinates in [1, 16), on a grid of random size; 0 when its loops cross or the body is large. */
+/* A random stack with coordinates in [1, 16), on a grid of random size; 0
+ * when its loops cross or the body is large. */
 static int random_body(uint64_t *seed, int32_t crossings, int32_t caps, int cells, bvx_mesh *mesh)
 {
     bvx_sections_options o;
+
     stack_random(&stack, seed);
     for (uint64_t i = 0; i < 3 * stack.s.point_count; i++) stack.point[i] += 4.0;
     for (uint64_t i = 0; i < stack.s.section_count; i++) stack.position[i] += 4.0;
@@ -49,16 +52,20 @@ static uint64_t count_crossings(const bvx_mesh *mesh)
     return n;
 }
 
-/* Where all is kept and no cell is counted, no pair of triangles of the whole body crosses; such bodies are nearly all. */
+/* Where all is kept and no cell is counted, no pair of triangles of the
+ * whole body crosses; such bodies are nearly all. */
 static void test_triangles_do_not_cross_where_all_is_kept(void)
 {
     static const int cells[] = {3, 6, 12, 24};
     int const rounds = getenv("BVX_QUICK") != NULL ? 2 : 40;
     uint64_t seed = 21, kept = 0, unkept = 0, crossed[2] = {0, 0}, branching = 0;
+
     for (int i = 0; i < 4; i++)
         for (int n = 0; n < rounds;) {
             bvx_mesh mesh = {0};
-            if (!random_body(&seed, BVX_CROSSINGS_EXACT, i & 1 ? BVX_CAPS_TAPER : BVX_CAPS_FLAT, cells[i], &mesh)) continue;
+            if (!random_body(&seed, BVX_CROSSINGS_EXACT, i & 1 ? BVX_CAPS_TAPER : BVX_CAPS_FLAT, cells[i],
+                             &mesh))
+                continue;
             n++;
             if (report.unkept_edges + report.unkept_loops != 0) {
                 unkept++;
@@ -71,7 +78,8 @@ static void test_triangles_do_not_cross_where_all_is_kept(void)
             }
             bvx_mesh_free(ctx, &mesh);
         }
-    if (rounds == 40) TEST_ASSERT_TRUE(kept > 80 && branching > 40 && unkept > 20 && crossed[0] > 10); /* the cases did occur */
+    /* the cases did occur */
+    if (rounds == 40) TEST_ASSERT_TRUE(kept > 80 && branching > 40 && unkept > 20 && crossed[0] > 10);
     TEST_ASSERT_TRUE(crossed[1] * 30 <= kept);
 }
 
@@ -80,6 +88,7 @@ static void test_triangles_of_the_classic_way_do_not_cross(void)
 {
     int const rounds = getenv("BVX_QUICK") != NULL ? 2 : 40;
     uint64_t seed = 9;
+
     for (int n = 0; n < rounds;) {
         bvx_mesh mesh = {0};
         if (!random_body(&seed, BVX_CROSSINGS_CLASSIC, BVX_CAPS_TAPER, 8, &mesh)) continue;

@@ -1,5 +1,6 @@
-/* test_section_mend.c - loops that touch or cross are mended: what comes out of known ones, areas of random ones against a count of lines,
- * stacks that need nothing are as ever, and what was refused is refused without. */
+/* test_section_mend.c - loops that touch or cross are mended: what comes
+ * out of known ones, areas of random ones against a count of lines, stacks
+ * that need nothing are as ever, and what was refused is refused without. */
 #define SECTION_MEND 1
 #include "section_support.h"
 
@@ -48,7 +49,8 @@ static void assert_mended(const double *xy, double area, uint64_t loops, uint64_
 
 static void test_a_keyhole(void)
 {
-    static const double xy[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2, 1, 3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2, END, END};
+    static const double xy[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2,   1,
+                                3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2, END, END};
 
     assert_mended(xy, 12, 2, 1, 1);
     TEST_ASSERT_TRUE(has_vertex(1, 2, 0) && has_vertex(0, 2, 1)); /* the slit's ends lie on borders */
@@ -105,7 +107,8 @@ static void test_loops_that_overlap(void)
 
 static void test_a_loop_that_is_there_twice(void)
 {
-    static const double xy[] = {0, 0, 4, 0, 4, 4, 0, 4, END, 0, 0, 0, 4, 4, 4, 4, 0, END, 1, 1, 3, 1, 2, 2, END, END};
+    static const double xy[] = {0, 0, 4, 0, 4,   4, 0, 4, END, 0, 0, 0,   4,
+                                4, 4, 4, 0, END, 1, 1, 3, 1,   2, 2, END, END};
 
     assert_mended(xy, 1, 1, 0, 2);
 }
@@ -113,7 +116,8 @@ static void test_a_loop_that_is_there_twice(void)
 static void test_spikes_and_lines(void)
 {
     static const double spike[] = {0, 0, 4, 0, 4, 2, 6, 2, 4, 2, 4, 4, 0, 4, END, END};
-    static const double line[] = {0, 0, 4, 0, 4, 4, 0, 4, END, 7, 7, 8, 8, END, 5, 5, 6, 6, 7, 6, 6, 6, END, END};
+    static const double line[] = {0, 0,   4, 0, 4, 4, 0, 4, END, 7, 7,   8,
+                                  8, END, 5, 5, 6, 6, 7, 6, 6,   6, END, END};
 
     assert_mended(spike, 16, 1, 0, 1);
     assert_mended(line, 16, 1, 0, 2);
@@ -121,7 +125,8 @@ static void test_spikes_and_lines(void)
 
 static void test_four_leaves_at_one_point(void)
 {
-    static const double xy[] = {2, 2, 4, 1, 4, 3, 2, 2, 3, 4, 1, 4, 2, 2, 0, 3, 0, 1, 2, 2, 1, 0, 3, 0, END, END};
+    static const double xy[] = {2, 2, 4, 1, 4, 3, 2, 2, 3, 4, 1, 4,   2,
+                                2, 0, 3, 0, 1, 2, 2, 1, 0, 3, 0, END, END};
 
     assert_mended(xy, 8, 4, 0, 1);
 }
@@ -185,7 +190,8 @@ static void segment_of(uint64_t i, const double **a, const double **b)
     }
 }
 
-/* Between the heights of points and crossings what is inside is trapezoids: their middle lines times their heights. */
+/* Between the heights of points and crossings what is inside is trapezoids:
+ * their middle lines times their heights. */
 static double odd_area(uint64_t points)
 {
     static double height[ORACLE_MOST], at[ORACLE_MOST];
@@ -223,7 +229,8 @@ static double odd_area(uint64_t points)
     return area;
 }
 
-/* Up to three loops through random points, on whole numbers every second time: these meet in points, on sides and along borders. */
+/* Up to three loops through random points, on whole numbers every second
+ * time: these meet in points, on sides and along borders. */
 static uint64_t random_loops(uint64_t *seed, int whole)
 {
     int const loops = 1 + maker_below(seed, 3), points = 3 + maker_below(seed, 12);
@@ -231,13 +238,15 @@ static uint64_t random_loops(uint64_t *seed, int whole)
     uint64_t first = 0;
 
     for (int i = 0; i < loops * points; i++)
-        for (int k = 0; k < 2; k++) xy[i][k] = whole ? maker_below(seed, 7) : maker_between(seed, 0.0, 7.0, 100000);
+        for (int k = 0; k < 2; k++)
+            xy[i][k] = whole ? maker_below(seed, 7) : maker_between(seed, 0.0, 7.0, 100000);
     stack_clear(&stack);
     for (int k = 0; k < 2; k++) {
         uint32_t const s = stack_section(&stack, k);
         for (int l = 0; l < loops; l++) {
             stack_loop(&stack, s);
-            for (int i = 0; i < points; i++) stack_point(&stack, xy[l * points + i][0], xy[l * points + i][1]);
+            for (int i = 0; i < points; i++)
+                stack_point(&stack, xy[l * points + i][0], xy[l * points + i][1]);
         }
         if (k == 0) first = stack.s.point_count;
     }
@@ -259,7 +268,8 @@ static void test_random_loops_keep_what_is_inside(void)
             build_good();
             mended += report.mended_loops != 0;
             cancelled += report.points < stack.s.point_count;
-            /* sections alike: what is between them is a prism, but where the grid's cells are too coarse for the contours */
+            /* sections alike: what is between them is a prism, but where
+             * the grid's cells are too coarse for the contours */
             TEST_ASSERT_TRUE(fabs(report.prismoid_volume - area) < 1e-5 * (1.0 + area));
         }
     }

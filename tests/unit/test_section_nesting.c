@@ -1,6 +1,6 @@
-/* test_section_nesting.c - loops that lie in others are blended level by level: walls that lean, branch and lie in
- * each other keep no windows and all of their volume, and nothing crosses; holes that end and stacks without holes
- * are as ever; levels that would cross are blended as a whole. */
+/* test_section_nesting.c - loops that lie in others are blended level by level: walls that lean, branch and
+ * lie in each other keep no windows and all of their volume, and nothing crosses; holes that end and stacks
+ * without holes are as ever; levels that would cross are blended as a whole. */
 #include "section_support.h"
 
 /* ---- help ---- */
@@ -37,7 +37,8 @@ static void assert_sound(int64_t euler, uint64_t components, uint64_t nested, do
     TEST_ASSERT_EQUAL_UINT64(components, certificate.components);
     TEST_ASSERT_EQUAL_UINT64(nested, report.nested_slabs);
     TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs);
-    TEST_ASSERT_TRUE(certificate.volume > (1.0 - share) * report.prismoid_volume && certificate.volume < (1.0 + share) * report.prismoid_volume);
+    TEST_ASSERT_TRUE(certificate.volume > (1.0 - share) * report.prismoid_volume &&
+                     certificate.volume < (1.0 + share) * report.prismoid_volume);
     TEST_ASSERT_EQUAL_UINT64(0, crossings());
     assert_points_kept();
 }
@@ -49,7 +50,8 @@ static void make_tube(int sections, int rounds, double wall, double shift)
     for (int k = 0; k < sections; k++) {
         uint32_t const s = stack_section(&stack, k);
         for (int i = 0; i < rounds; i++)
-            stack_round(&stack, s, k * shift, 0.3 * k * shift, 4.0 - wall * i, 4.0 - wall * i, 64, 0, 0, (i + k) & 1);
+            stack_round(&stack, s, k * shift, 0.3 * k * shift, 4.0 - wall * i, 4.0 - wall * i, 64, 0, 0,
+                        (i + k) & 1);
     }
 }
 
@@ -71,7 +73,8 @@ static void test_a_tube_that_leans(void)
     for (int i = 0; i < 3; i++) {
         make_tube(6, 2, wall[i], 1.5);
         build_nested(BVX_NESTING_WHOLE);
-        TEST_ASSERT_TRUE(certificate.euler < 0 && certificate.volume < 0.7 * report.prismoid_volume); /* its windows */
+        /* its windows */
+        TEST_ASSERT_TRUE(certificate.euler < 0 && certificate.volume < 0.7 * report.prismoid_volume);
         TEST_ASSERT_EQUAL_UINT64(0, report.nested_slabs + report.joined_slabs);
         assert_sound(0, 1, 5, 0.01);
     }
@@ -156,6 +159,7 @@ static void test_without_holes_nothing_changes(void)
 static void test_a_hole_that_opens(void)
 {
     uint32_t s = stack_section(&stack, 0);
+
     add_box(s, 0, 0, 3);
     add_box(s, 0, 0, 2);
     s = stack_section(&stack, 1);
@@ -251,7 +255,8 @@ static void test_only_slabs_whose_levels_cross_are_blended_whole(void)
 
 /* ---- many of them ---- */
 
-/* Up to three rounds in each other that are not quite round, moved at random; where no cell counts crossings there are none. */
+/* Up to three rounds in each other that are not quite round, moved at
+ * random; where no cell counts crossings there are none. */
 static void random_walls(uint64_t *seed)
 {
     int const sections = 2 + maker_below(seed, 4), rounds = 2 + maker_below(seed, 3);
@@ -289,7 +294,8 @@ static void test_random_walls(void)
         nested += report.nested_slabs;
         joined += report.joined_slabs;
         good++;
-        if (report.unkept_edges + report.unkept_loops + report.crossed_cells == 0) TEST_ASSERT_EQUAL_UINT64(0, crossings());
+        if (report.unkept_edges + report.unkept_loops + report.crossed_cells == 0)
+            TEST_ASSERT_EQUAL_UINT64(0, crossings());
     }
     TEST_ASSERT_TRUE(good * 2 > (uint64_t)all);
     if (all == 300) TEST_ASSERT_TRUE(nested > 300 && joined > 20);

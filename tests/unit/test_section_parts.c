@@ -1,5 +1,6 @@
-/* test_section_parts.c - what bodies from sections stand on: inside tests of grid points and of corners of subdivided cells against a
- * count of exact crossings, distances against all segments, rings, loops that touch, caps. */
+/* test_section_parts.c - what bodies from sections stand on: inside tests of
+ * grid points and of corners of subdivided cells against a count of exact
+ * crossings, distances against all segments, rings, loops that touch, caps. */
 #include "section/slab_fill.h"
 #include "tools/section_maker.h"
 #include "unity.h"
@@ -25,11 +26,13 @@ void tearDown(void)
     TEST_ASSERT_EQUAL_UINT64(0, used);
 }
 
-/* An odd number of segments to the right of a place that is moved by (e_u, e_v), e_u >> e_v > 0. Its numbers are even, those of points odd,
- * so no height of a point is met; a place on a segment lies to the right of it once it is moved. */
+/* An odd number of segments to the right of a place that is moved by (e_u, e_v),
+ * e_u >> e_v > 0. Its numbers are even, those of points odd, so no height of a
+ * point is met; a place on a segment lies to the right of it once it is moved. */
 static int oracle_inside(const bvxi_plane *p, int32_t u, int32_t v)
 {
     int odd = 0;
+
     for (uint32_t i = 0; i < p->point_count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t dx, dy, s;
@@ -47,7 +50,8 @@ static int open_random(uint64_t *seed, int round_to)
     stack_random(&made, seed);
     if (round_to != 0)
         for (uint64_t i = 0; i < made.s.point_count; i++)
-            for (uint64_t k = 0; k < 2; k++) made.point[3 * i + k] = floor(made.point[3 * i + k] * round_to + 0.5) / round_to;
+            for (uint64_t k = 0; k < 2; k++)
+                made.point[3 * i + k] = floor(made.point[3 * i + k] * round_to + 0.5) / round_to;
     o.grid[0] = 2 + maker_below(seed, 40);
     o.grid[1] = 2 + maker_below(seed, 90);
     o.depth = maker_below(seed, 9);
@@ -58,6 +62,7 @@ static int open_random(uint64_t *seed, int round_to)
 static void test_grid_points_against_exact_crossings(void)
 {
     uint64_t seed = 5, tested = 0, inside = 0;
+
     for (int i = 0; i < 300; i++) {
         if (open_random(&seed, i % 3 == 0 ? 16 : 0))
             for (uint32_t k = 0; k < stack.plane_count; k++)
@@ -76,8 +81,10 @@ static void test_grid_points_against_exact_crossings(void)
 /* Lines that go exactly through contour segments' meetings with other lines: fixed point is set by hand. */
 static void test_segments_through_grid_points(void)
 {
-    static const int32_t corner[4][2] = {{3, 1}, {13, 11}, {9, 15}, {1, 7}}; /* slopes of 1 and -1 over even places */
+    /* slopes of 1 and -1 over even places */
+    static const int32_t corner[4][2] = {{3, 1}, {13, 11}, {9, 15}, {1, 7}};
     uint64_t hits = 0;
+
     stack_loop(&made, stack_section(&made, 0.0));
     stack_loop(&made, stack_section(&made, 1.0));
     for (uint32_t k = 0; k < 2; k++) {
@@ -101,8 +108,9 @@ static void test_segments_through_grid_points(void)
         bvxi_arc_scratch const scratch = {loose_arcs, loose_cells, {order[0], order[1]}, start};
         uint64_t bits[9 * 2], cut_count, arc_count;
         memset(bits, 0, sizeof bits);
-        for (int i = 0; i < 4; i++)
-            for (int a = 0; a < 2; a++) p->q[i][a] = (int32_t)((uint32_t)corner[i][a] << (stack.fine - 1)) + 1; /* grid lines are even */
+        for (int i = 0; i < 4; i++) /* grid lines are even */
+            for (int a = 0; a < 2; a++)
+                p->q[i][a] = (int32_t)((uint32_t)corner[i][a] << (stack.fine - 1)) + 1;
         fresh.arc = arcs;
         fresh.ring_arc = ring_arcs;
         fresh.arc_cell = cells;
@@ -121,10 +129,12 @@ static void test_segments_through_grid_points(void)
         for (int32_t y = 0; y <= 8; y++)
             for (int32_t x = 0; x <= 8; x++) {
                 fresh.inside = bits;
-                TEST_ASSERT_EQUAL_INT(oracle_inside(p, x << stack.fine, y << stack.fine), bvxi_grid_bit(&stack, &fresh, x, y));
+                TEST_ASSERT_EQUAL_INT(oracle_inside(p, x << stack.fine, y << stack.fine),
+                                      bvxi_grid_bit(&stack, &fresh, x, y));
                 for (int i = 0; i < 4; i++) {
                     const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-                    int64_t const s = ((int64_t)b[0] - a[0]) * (((int64_t)y << stack.fine) - a[1]) - ((int64_t)b[1] - a[1]) * (((int64_t)x << stack.fine) - a[0]);
+                    int64_t const s = ((int64_t)b[0] - a[0]) * (((int64_t)y << stack.fine) - a[1]) -
+                                      ((int64_t)b[1] - a[1]) * (((int64_t)x << stack.fine) - a[0]);
                     hits += s == 0;
                 }
             }
@@ -136,6 +146,7 @@ static void test_segments_through_grid_points(void)
 static void test_corners_of_cells_against_exact_crossings(void)
 {
     uint64_t seed = 6, tested = 0, deepest = 0;
+
     for (int i = 0; i < 200; i++) {
         bvxi_slab *slabs = NULL;
         uint32_t count = 0;
@@ -147,8 +158,10 @@ static void test_corners_of_cells_against_exact_crossings(void)
                     for (int k = 0; k < 2; k++)
                         for (int c = 0; c < 4; c++, tested++) {
                             const bvxi_leaf *const leaf = &b->leaf[l];
-                            int32_t const u = leaf->low[0] + (c & 1) * leaf->size, v = leaf->low[1] + (c >> 1) * leaf->size;
-                            if ((leaf->inside[k] >> c & 1) != oracle_inside(b->plane[k], u, v)) TEST_FAIL_MESSAGE("a corner is on the other side");
+                            int32_t const u = leaf->low[0] + (c & 1) * leaf->size;
+                            int32_t const v = leaf->low[1] + (c >> 1) * leaf->size;
+                            if ((leaf->inside[k] >> c & 1) != oracle_inside(b->plane[k], u, v))
+                                TEST_FAIL_MESSAGE("a corner is on the other side");
                             deepest += leaf->size == 1 << (stack.fine - 8);
                         }
             }
@@ -162,6 +175,7 @@ static void test_corners_of_cells_against_exact_crossings(void)
 static double oracle_distance(const bvxi_plane *p, double u, double v)
 {
     double best = 1e300;
+
     for (uint32_t i = 0; i < p->point_count; i++) {
         const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
         double const x = b[0] - a[0], y = b[1] - a[1];
@@ -177,6 +191,7 @@ static void test_distances_against_all_segments(void)
 {
     uint64_t seed = 7;
     int n = 0;
+
     while (n < 60) {
         if (open_random(&seed, 0)) {
             uint32_t hint = BVXI_NONE;
@@ -195,10 +210,12 @@ static void test_distances_against_all_segments(void)
     }
 }
 
-/* In the ring, positions of points and cuts run along the loops; cuts of one line on one segment are one vertex. */
+/* In the ring, positions of points and cuts run along the loops; cuts of
+ * one line on one segment are one vertex. */
 static void test_rings_run_along_the_loops(void)
 {
     uint64_t seed = 8, cuts = 0;
+
     for (int i = 0; i < 100; i++) {
         bvxi_slab *slabs = NULL;
         uint32_t count = 0;
@@ -208,14 +225,18 @@ static void test_rings_run_along_the_loops(void)
             for (uint32_t k = 0; k < stack.plane_count; k++) {
                 const bvxi_plane *const p = &stack.plane[k];
                 if (p->contour_count == 0) continue;
-                TEST_ASSERT_TRUE(p->ring_count >= p->point_count + p->grid_cut_count && p->ring_count <= p->point_count + p->cut_count);
+                TEST_ASSERT_TRUE(p->ring_count >= p->point_count + p->grid_cut_count &&
+                                 p->ring_count <= p->point_count + p->cut_count);
                 for (uint32_t c = 0; c < p->cut_count; c++, cuts++) {
                     uint32_t const from = p->ring[p->cut[c].segment];
-                    uint32_t const end = p->cut[c].segment + 1 < p->point_count ? p->ring[p->cut[c].segment + 1] : p->ring_count;
+                    uint32_t const end = p->cut[c].segment + 1 < p->point_count
+                                             ? p->ring[p->cut[c].segment + 1]
+                                             : p->ring_count;
                     TEST_ASSERT_TRUE(p->cut[c].ring > from && p->cut[c].ring < end);
                 }
                 for (uint32_t c = 0; c < p->point_count; c++) { /* places along a segment grow */
-                    const double *const a = made.point + 3 * p->given[c], *const b = made.point + 3 * p->given[p->next[c]];
+                    const double *const a = made.point + 3 * p->given[c];
+                    const double *const b = made.point + 3 * p->given[p->next[c]];
                     uint32_t const end = c + 1 < p->point_count ? p->ring[c + 1] : p->ring_count;
                     double last = 0.0;
                     for (uint32_t r = p->ring[c] + 1; r < end; r++) {
@@ -248,14 +269,25 @@ static int oracle_is_simple(const bvxi_plane *p)
 {
     for (uint32_t i = 0; i < p->point_count; i++)
         for (uint32_t j = 0; j < i; j++) {
-            const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const c = p->q[j], *const d = p->q[p->next[j]];
+            const int32_t *const a = p->q[i];
+            const int32_t *const b = p->q[p->next[i]];
+            const int32_t *const c = p->q[j];
+            const int32_t *const d = p->q[p->next[j]];
             if (p->next[i] == j || p->next[j] == i) {
-                const int32_t *const m = p->next[i] == j ? b : a, *const x = p->next[i] == j ? a : b, *const y = p->next[i] == j ? d : c;
-                if (side_of(m, x, y) == 0 && ((int64_t)x[0] - m[0]) * ((int64_t)y[0] - m[0]) + ((int64_t)x[1] - m[1]) * ((int64_t)y[1] - m[1]) > 0) return 0;
-            } else if (sign_of(side_of(a, b, c)) * sign_of(side_of(a, b, d)) <= 0 && sign_of(side_of(c, d, a)) * sign_of(side_of(c, d, b)) <= 0) {
+                const int32_t *const m = p->next[i] == j ? b : a;
+                const int32_t *const x = p->next[i] == j ? a : b;
+                const int32_t *const y = p->next[i] == j ? d : c;
+                if (side_of(m, x, y) == 0 && ((int64_t)x[0] - m[0]) * ((int64_t)y[0] - m[0]) +
+                                                     ((int64_t)x[1] - m[1]) * ((int64_t)y[1] - m[1]) >
+                                                 0)
+                    return 0;
+            } else if (sign_of(side_of(a, b, c)) * sign_of(side_of(a, b, d)) <= 0 &&
+                       sign_of(side_of(c, d, a)) * sign_of(side_of(c, d, b)) <= 0) {
                 int32_t const left = (a[0] < b[0] ? a[0] : b[0]), right = (a[0] > b[0] ? a[0] : b[0]);
                 int32_t const low = (a[1] < b[1] ? a[1] : b[1]), high = (a[1] > b[1] ? a[1] : b[1]);
-                if ((c[0] < left && d[0] < left) || (c[0] > right && d[0] > right) || (c[1] < low && d[1] < low) || (c[1] > high && d[1] > high)) continue;
+                if ((c[0] < left && d[0] < left) || (c[0] > right && d[0] > right) ||
+                    (c[1] < low && d[1] < low) || (c[1] > high && d[1] > high))
+                    continue;
                 return 0;
             }
         }
@@ -266,6 +298,7 @@ static int oracle_is_simple(const bvxi_plane *p)
 static void test_simple_loops_against_all_pairs(void)
 {
     uint64_t seed = 9, simple = 0, crossed = 0;
+
     for (int i = 0; i < 20000; i++) {
         int const n = 3 + maker_below(&seed, 5);
         bvxi_plane p;
@@ -305,7 +338,8 @@ static void test_simple_loops_against_all_pairs(void)
     TEST_ASSERT_TRUE(simple > 1000 && crossed > 1000);
 }
 
-/* Points that fall on each other, and an order that insertion would be slow at, are left to the full check. */
+/* Points that fall on each other, and an order that insertion would be slow at, are left to the full
+ * check. */
 static void test_quick_check_leaves_what_it_is_not_sure_of(void)
 {
     enum { TEETH = 700 };
@@ -340,18 +374,20 @@ static void test_quick_check_leaves_what_it_is_not_sure_of(void)
     }
 }
 
-/* What is left of a loop when points that follow each other at one place count as one; less than three points are there and back,
- * or nothing at all. */
+/* What is left of a loop when points that follow each other at one place
+ * count as one; less than three points are there and back, or nothing at all. */
 static int oracle_is_simple_at_places(const bvxi_plane *p)
 {
     int32_t q[8][2];
     uint32_t next[8];
     bvxi_plane left = *p;
+
     left.q = q;
     left.next = next;
     left.point_count = 0;
     for (uint32_t i = 0; i < p->point_count; i++)
-        if (memcmp(p->q[i], p->q[p->next[i]], sizeof q[0]) != 0) memcpy(q[left.point_count++], p->q[i], sizeof q[0]);
+        if (memcmp(p->q[i], p->q[p->next[i]], sizeof q[0]) != 0)
+            memcpy(q[left.point_count++], p->q[i], sizeof q[0]);
     for (uint32_t i = 0; i < left.point_count; i++) next[i] = i + 1 == left.point_count ? 0 : i + 1;
     return left.point_count == 0 || (left.point_count > 2 && oracle_is_simple(&left));
 }
@@ -360,6 +396,7 @@ static int oracle_is_simple_at_places(const bvxi_plane *p)
 static void test_loops_with_points_at_one_place(void)
 {
     uint64_t seed = 10, simple = 0, crossed = 0;
+
     for (int i = 0; i < 20000; i++) {
         int const n = 2 + maker_below(&seed, 6);
         bvxi_plane p;
@@ -399,8 +436,8 @@ static void test_loops_with_points_at_one_place(void)
     TEST_ASSERT_TRUE(simple > 1000 && crossed > 1000);
 }
 
-/* Lines moved by (e_u, e_v), e_u >> e_v > 0, as numbers 4096 times as large let them be: nothing meets then, and the way to a crossing
- * decides. */
+/* Lines moved by (e_u, e_v), e_u >> e_v > 0, as numbers 4096 times as large
+ * let them be: nothing meets then, and the way to a crossing decides. */
 static void test_order_of_crossings_with_lines_that_moved(void)
 {
     enum { LARGE = 4096, SIDE = 21 };
@@ -425,7 +462,8 @@ static void test_order_of_crossings_with_lines_that_moved(void)
         }
         if (between) {
             int64_t const u = way[0] * d[1], v = way[1] * d[0];
-            TEST_ASSERT_EQUAL_INT((u < 0 ? -u : u) < (v < 0 ? -v : v), bvxi_x_first(q[0], q[1], line[0], line[1]));
+            TEST_ASSERT_EQUAL_INT((u < 0 ? -u : u) < (v < 0 ? -v : v),
+                                  bvxi_x_first(q[0], q[1], line[0], line[1]));
             tried++;
         }
         for (int k = 0; k < 2; k++) {
@@ -434,7 +472,8 @@ static void test_order_of_crossings_with_lines_that_moved(void)
             memset(&cut, 0, sizeof cut);
             cut.axis = k;
             cut.line = line[k];
-            if (d[k] == 0 || (d[1 - k] == 0 && q[0][1 - k] == line[1 - k])) continue; /* no crossing, or along the other line */
+            /* no crossing, or along the other line */
+            if (d[k] == 0 || (d[1 - k] == 0 && q[0][1 - k] == line[1 - k])) continue;
             TEST_ASSERT_EQUAL_INT(beyond > 0, bvxi_cut_beyond(&p, &cut, line[1 - k]));
             ties += ((int64_t)line[k] - q[0][k]) * d[1 - k] == ((int64_t)line[1 - k] - q[0][1 - k]) * d[k];
         }
@@ -448,10 +487,12 @@ static int side_of_cut(const bvxi_plane *p, uint32_t cut, uint32_t key)
     return bvxi_side_of(&p->cut[cut], low);
 }
 
-/* Arcs of a cell are found, in the order of the cells; those cells ask for subdivision that are crossed twice on a side or hold a loop. */
+/* Arcs of a cell are found, in the order of the cells; those cells ask for
+ * subdivision that are crossed twice on a side or hold a loop. */
 static void test_arcs_by_cell(void)
 {
     uint64_t seed = 10, asking = 0;
+
     for (int i = 0; i < 25; i++) {
         if (open_random(&seed, 0))
             for (uint32_t k = 0; k < stack.plane_count; k++) {
@@ -492,6 +533,7 @@ static void test_arcs_by_cell(void)
 static void test_plain_cells_are_what_tracing_gives(void)
 {
     uint64_t seed = 11, triangles = 0;
+
     for (int i = 0; i < 25; i++) {
         bvxi_slab *slabs = NULL;
         uint32_t count = 0;
@@ -506,7 +548,9 @@ static void test_plain_cells_are_what_tracing_gives(void)
                     memset(&view.mesh, 0, sizeof view.mesh);
                     view.ring_position = stack.mesh.position;
                     view.ring_vertices = (uint32_t)stack.mesh.vertex_count;
-                    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slab_work_open(&w, &view, (uint32_t)((stack.size[0] + 1) * (stack.size[1] + 1)), 64));
+                    TEST_ASSERT_EQUAL_INT32(
+                        BVX_OK, bvxi_slab_work_open(
+                                    &w, &view, (uint32_t)((stack.size[0] + 1) * (stack.size[1] + 1)), 64));
                     w.only_traced = k;
                     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_slab_fill(&w, &slabs[n]));
                     bvxi_slab_work_close(&w);
@@ -514,8 +558,10 @@ static void test_plain_cells_are_what_tracing_gives(void)
                 }
                 TEST_ASSERT_EQUAL_UINT64(m[1].vertex_count, m[0].vertex_count);
                 TEST_ASSERT_EQUAL_UINT64(m[1].triangle_count, m[0].triangle_count);
-                TEST_ASSERT_TRUE(m[0].vertex_count == 0 || memcmp(m[0].position, m[1].position, (size_t)m[0].vertex_count * 24) == 0);
-                TEST_ASSERT_TRUE(m[0].triangle_count == 0 || memcmp(m[0].triangle, m[1].triangle, (size_t)m[0].triangle_count * 12) == 0);
+                TEST_ASSERT_TRUE(m[0].vertex_count == 0 ||
+                                 memcmp(m[0].position, m[1].position, (size_t)m[0].vertex_count * 24) == 0);
+                TEST_ASSERT_TRUE(m[0].triangle_count == 0 ||
+                                 memcmp(m[0].triangle, m[1].triangle, (size_t)m[0].triangle_count * 12) == 0);
                 triangles += m[0].triangle_count;
                 for (int k = 0; k < 2; k++) {
                     bvxi_free(ctx, m[k].triangle, m[k].triangle_room * 12);

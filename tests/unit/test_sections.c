@@ -1,5 +1,6 @@
-/* test_sections.c - bodies from section contours: certificates of thousands of random stacks, contour points in the mesh, analytic bodies,
- * the ways of crossing, layers and ends, labels, refusals, and one golden hash. */
+/* test_sections.c - bodies from section contours: certificates of thousands of random stacks, contour points
+ * in the mesh, analytic bodies, the ways of crossing, layers and ends, labels, refusals, and one golden
+ * hash. */
 #include "section_support.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ static void test_random_stacks_are_closed_and_keep_all_points(void)
 {
     uint64_t seed = 1, split = 0, unkept = 0, ambiguous = 0, inner = 0, empty = 0, good = 0;
     int const all = rounds(2000);
+
     for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
@@ -43,8 +45,10 @@ static void test_random_stacks_are_closed_and_keep_all_points(void)
         if (status == BVX_ERR_FORMAT) continue; /* loops that cross */
         if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
         certify(0);
-        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
-        TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed + certificate.unused_vertices);
+        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                         certificate.oriented);
+        TEST_ASSERT_EQUAL_UINT64(0, certificate.duplicates + certificate.collapsed +
+                                        certificate.unused_vertices);
         TEST_ASSERT_TRUE(certificate.volume > 0.0);
         TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
         if (i % 8 == 0) assert_points_kept();
@@ -56,14 +60,17 @@ static void test_random_stacks_are_closed_and_keep_all_points(void)
         good++;
     }
     TEST_ASSERT_TRUE(good * 20 > (uint64_t)all * 19);
+
     /* the cases that matter did occur */
-    if (all == 2000) TEST_ASSERT_TRUE(split > 1000 && unkept > 1000 && ambiguous > 1000 && inner > 500 && empty > 20);
+    if (all == 2000)
+        TEST_ASSERT_TRUE(split > 1000 && unkept > 1000 && ambiguous > 1000 && inner > 500 && empty > 20);
 }
 
 static void test_random_stacks_in_the_fields_way_are_closed(void)
 {
     uint64_t seed = 2, good = 0;
     int const all = rounds(600);
+
     for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
@@ -72,7 +79,8 @@ static void test_random_stacks_in_the_fields_way_are_closed(void)
         if (status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY) continue; /* no grid point inside */
         if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
         certify(0);
-        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
+        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                         certificate.oriented);
         good++;
     }
     TEST_ASSERT_TRUE(good * 5 > (uint64_t)all);
@@ -82,14 +90,17 @@ static void test_points_on_round_numbers(void)
 {
     uint64_t seed = 3, good = 0;
     int const all = rounds(600);
+
     for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
         for (uint64_t k = 0; k < stack.s.point_count; k++)
-            for (uint64_t c = 0; c < 2; c++) stack.point[3 * k + c] = floor(stack.point[3 * k + c] * 32.0 + 0.5) / 32.0;
+            for (uint64_t c = 0; c < 2; c++)
+                stack.point[3 * k + c] = floor(stack.point[3 * k + c] * 32.0 + 0.5) / 32.0;
         if (build() != BVX_OK) continue; /* rounding makes some loops touch */
         certify(0);
-        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
+        TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                         certificate.oriented);
         if (i % 8 == 0) assert_points_kept();
         good++;
     }
@@ -103,7 +114,8 @@ static void test_open_ends_have_the_contours_as_boundary(void)
     o.caps = BVX_CAPS_OPEN;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
     certify(0);
-    TEST_ASSERT_TRUE(!certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
+    TEST_ASSERT_TRUE(!certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                     certificate.oriented);
     TEST_ASSERT_EQUAL_UINT64(report.points + report.crossings, certificate.boundary_edges);
 }
 
@@ -122,6 +134,7 @@ static void test_sphere_converges(void)
 {
     static const int counts[] = {3, 6, 12, 24, 48};
     double last = 1e9;
+
     o.caps = BVX_CAPS_TAPER;
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         double error, farthest = 0.0;
@@ -145,14 +158,17 @@ static void test_sphere_converges(void)
 
 static void test_cone_has_its_volume(void)
 {
-    for (int i = 0; i <= 10; i++) stack_round(&stack, stack_section(&stack, 0.1 * i), 0, 0, 1.0 - 0.08 * i, 1.0 - 0.08 * i, 128, 0, 0, 0);
+    for (int i = 0; i <= 10; i++)
+        stack_round(&stack, stack_section(&stack, 0.1 * i), 0, 0, 1.0 - 0.08 * i, 1.0 - 0.08 * i, 128, 0, 0,
+                    0);
     build_good();
     double const frustum = pi / 3.0 * (1.0 + 0.2 + 0.04);
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * frustum, frustum, certificate.volume);
     TEST_ASSERT_DOUBLE_WITHIN(0.002 * frustum, frustum, report.prismoid_volume);
 }
 
-/* A torus about the x axis: sections are one oval, two loops, one again; near the tangent planes they are long and thin. */
+/* A torus about the x axis: sections are one oval, two loops, one again;
+ * near the tangent planes they are long and thin. */
 static void test_torus_with_its_axis_in_the_plane(void)
 {
     enum { RINGS = 64, SIDES = 32 };
@@ -189,18 +205,21 @@ static void test_torus_with_its_axis_in_the_plane(void)
     maker_free(&torus);
     if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
     certify(0);
-    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold && certificate.oriented);
+    TEST_ASSERT_TRUE(certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
+                     certificate.oriented);
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
     TEST_ASSERT_EQUAL_INT64(0, certificate.euler); /* one hole */
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * volume, volume, certificate.volume);
 }
 
-/* Needles beside a block, narrower on each turn: from some width on they enclose no area for sections, so slices leave them out. */
+/* Needles beside a block, narrower on each turn: from some width on they
+ * enclose no area for sections, so slices leave them out. */
 static void test_slices_leave_out_what_encloses_no_area(void)
 {
     static const double width[] = {1e-3, 1e-6, 1e-9, 1e-12, 1e-15};
     static maker_mesh block;
     uint64_t loops = 2;
+
     for (int turn = 0; turn < 5; turn++) {
         bvx_slice_options slice;
         bvx_sections cut;
@@ -211,7 +230,9 @@ static void test_slices_leave_out_what_encloses_no_area(void)
             maker_vertex(&block, x, y, i == 0 ? 0.0 : 1.0);
         }
         for (uint32_t i = 0; i < 3; i++) { /* pairs of opposite sides */
-            uint32_t const a = UINT32_C(1) << i, b = UINT32_C(1) << (i + 1) % 3, c = UINT32_C(1) << (i + 2) % 3;
+            uint32_t const a = UINT32_C(1) << i;
+            uint32_t const b = UINT32_C(1) << (i + 1) % 3;
+            uint32_t const c = UINT32_C(1) << (i + 2) % 3;
             maker_triangle(&block, 0, b, a + b);
             maker_triangle(&block, 0, a + b, a);
             maker_triangle(&block, c, c + a + b, c + b);
@@ -307,7 +328,8 @@ static void test_an_empty_section_parts_the_body(void)
 static void test_three_sections_behave(void)
 {
     stack_round(&stack, stack_section(&stack, 0.0), 0, 0, 1, 1, 24, 0, 0, 0);
-    stack_round(&stack, stack_section(&stack, 5.0), 8, 0, 2, 1, 24, 0.1, 0, 0); /* far off: both end between */
+    /* far off: both end between */
+    stack_round(&stack, stack_section(&stack, 5.0), 8, 0, 2, 1, 24, 0.1, 0, 0);
     stack_round(&stack, stack_section(&stack, 6.0), 8, 1, 1, 2, 24, 0.1, 0, 0);
     build_good();
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -325,8 +347,8 @@ static double highest_in(double low_x, double high_x)
     return most;
 }
 
-/* A part that the next section lacks narrows to a ridge half way to it, however far off that section's other parts are; so does every part
- * beyond the last section, whatever its width. */
+/* A part that the next section lacks narrows to a ridge half way to it, however far off that section's other
+ * parts are; so does every part beyond the last section, whatever its width. */
 static void test_each_part_tapers_by_itself(void)
 {
     for (int layers = 1; layers <= 3; layers += 2)
@@ -353,7 +375,8 @@ static void test_each_part_tapers_by_itself(void)
     TEST_ASSERT_TRUE(highest_in(-1.5, 1.5) < 1.1);
 }
 
-/* A vein thinner than a cell that shifts from section to section stays one: its parts meet, though no grid point lies in them. */
+/* A vein thinner than a cell that shifts from section to section stays one:
+ * its parts meet, though no grid point lies in them. */
 static void test_a_thin_vein_does_not_end(void)
 {
     for (int i = 0; i < 4; i++) {
@@ -369,15 +392,18 @@ static void test_a_thin_vein_does_not_end(void)
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
 }
 
-/* A round-edged plate with two holes through it, which widen towards both faces: genus two from the first section to the last. */
+/* A round-edged plate with two holes through it, which widen towards both
+ * faces: genus two from the first section to the last. */
 static void test_double_torus(void)
 {
     double volume[2];
+
     for (int pass = 0; pass < 2; pass++) {
         int const sections = pass ? 33 : 17;
         stack_clear(&stack);
         for (int i = 0; i < sections; i++) {
-            double const z = -0.48 + 0.96 * i / (sections - 1), half = sqrt(0.25 - z * z); /* edges are half circles */
+            /* edges are half circles */
+            double const z = -0.48 + 0.96 * i / (sections - 1), half = sqrt(0.25 - z * z);
             uint32_t const k = stack_section(&stack, z);
             stack_round(&stack, k, 0, 0, 3.2 + half, 1.2 + half, 128, 0, 0, 0);
             stack_round(&stack, k, -1.6, 0, 1.2 - half, 1.2 - half, 64, 0, 0, 0);
@@ -400,6 +426,7 @@ static double farthest_contour_point(void)
     bvx_closest *closest;
     bvx_mesh_view view;
     double most = 0.0;
+
     bvx_mesh_view_of(&mesh, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_create(ctx, &view, &closest));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, stack.point, stack.s.point_count, found));
@@ -412,7 +439,9 @@ static double farthest_contour_point(void)
 static void test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts(void)
 {
     double exact, paper, classic;
-    for (int i = 0; i < 8; i++) stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
+
+    for (int i = 0; i < 8; i++)
+        stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
     o.grid[0] = o.grid[1] = 12;
     build_good();
     exact = farthest_contour_point();
@@ -430,15 +459,18 @@ static void test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts(void)
 
 static void test_distances_are_skipped_where_nothing_needs_them(void)
 {
-    for (int i = 0; i < 8; i++) stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
+    for (int i = 0; i < 8; i++)
+        stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
     o.grid[0] = o.grid[1] = 60;
     build_good();
     TEST_ASSERT_EQUAL_UINT64(61 * 61 * 8, report.samples);
     TEST_ASSERT_TRUE(report.distances > 100 && report.distances < report.samples / 8);
     TEST_ASSERT_EQUAL_UINT64(report.samples - report.distances, report.skipped);
+
     /* a prism needs none at all but where grid points lie on contours */
     stack_clear(&stack);
-    for (int i = 0; i < 8; i++) stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05, 0);
+    for (int i = 0; i < 8; i++)
+        stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05, 0);
     build_good();
     TEST_ASSERT_EQUAL_UINT64(0, report.distances);
 }
@@ -448,6 +480,7 @@ static void test_distances_are_skipped_where_nothing_needs_them(void)
 static void test_any_axis_and_a_slanted_normal(void)
 {
     double volume = 0.0;
+
     for (int turn = 0; turn < 5; turn++) {
         static const double normals[5][3] = {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {0, 0, -2}, {0.6, 0, 0.8}};
         const double *const n = normals[turn];
@@ -494,6 +527,7 @@ static void test_direction_of_loops_and_order_of_sections_change_nothing(void)
     uint64_t seed = 77;
     double volume, area;
     uint64_t triangles;
+
     stack_random(&stack, &seed);
     o.grid[0] = o.grid[1] = 20;
     build_good();
@@ -501,7 +535,8 @@ static void test_direction_of_loops_and_order_of_sections_change_nothing(void)
     area = certificate.area;
     triangles = certificate.triangles;
     for (uint64_t i = 0; i < stack.s.loop_count; i += 2) reverse_points(&stack.loop[i]);
-    for (uint64_t i = 0; i < stack.s.loop_count; i++) stack.loop[i].section = (uint32_t)(stack.s.section_count - 1 - stack.loop[i].section);
+    for (uint64_t i = 0; i < stack.s.loop_count; i++)
+        stack.loop[i].section = (uint32_t)(stack.s.section_count - 1 - stack.loop[i].section);
     for (uint64_t i = 0, j = stack.s.section_count - 1; i < j; i++, j--) {
         double const x = stack.position[i];
         stack.position[i] = stack.position[j];
@@ -538,6 +573,7 @@ static void test_labels_are_bodies_by_themselves(void)
 static void test_repeated_points_are_left_out(void)
 {
     double volume;
+
     make_sphere(5, 16);
     build_good();
     volume = certificate.volume;
@@ -548,7 +584,8 @@ static void test_repeated_points_are_left_out(void)
         for (int j = 0; j <= 16; j++) { /* the first point again at the end, and each third one twice */
             double x, y;
             stack_circle((j % 16) / 16.0, &x, &y);
-            for (int again = 0; again <= (j % 3 == 1); again++) stack_point(&stack, 0 + r * 1.0 * x, 0 + r * 1.0 * y);
+            for (int again = 0; again <= (j % 3 == 1); again++)
+                stack_point(&stack, 0 + r * 1.0 * x, 0 + r * 1.0 * y);
         }
     }
     build_good();
@@ -559,6 +596,7 @@ static void test_repeated_points_are_left_out(void)
 static void test_layers_keep_the_contours(void)
 {
     uint64_t triangles;
+
     make_sphere(5, 40);
     build_good();
     triangles = certificate.triangles;
@@ -571,6 +609,7 @@ static void test_layers_keep_the_contours(void)
 static void test_f32_is_rounded_f64(void)
 {
     bvx_mesh wide;
+
     make_sphere(5, 16);
     build_good();
     wide = mesh;
@@ -684,10 +723,14 @@ static void test_bad_options_are_refused(void)
         int32_t value;
         const char *words;
     } bad[] = {
-        {offsetof(bvx_sections_options, layers), 0, "layers is 0"},       {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
-        {offsetof(bvx_sections_options, caps), 3, "caps 3"},           {offsetof(bvx_sections_options, crossings), -1, "crossings -1"},
-        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},         {offsetof(bvx_sections_options, position_type), 3, "position_type 3"},
-        {offsetof(bvx_sections_options, grid), 1, "grid[0] is 1"},        {offsetof(bvx_sections_options, grid), 8193, "grid[0] is 8193"},
+        {offsetof(bvx_sections_options, layers), 0, "layers is 0"},
+        {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
+        {offsetof(bvx_sections_options, caps), 3, "caps 3"},
+        {offsetof(bvx_sections_options, crossings), -1, "crossings -1"},
+        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},
+        {offsetof(bvx_sections_options, position_type), 3, "position_type 3"},
+        {offsetof(bvx_sections_options, grid), 1, "grid[0] is 1"},
+        {offsetof(bvx_sections_options, grid), 8193, "grid[0] is 8193"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         two_squares();
@@ -714,6 +757,7 @@ static bvx_context *context_of(int32_t threads, void *arena, size_t arena_size, 
 {
     bvx_context_options c;
     bvx_context *made;
+
     bvx_context_options_init(&c, sizeof c);
     c.threads = threads;
     c.arena = arena;
@@ -737,12 +781,14 @@ static void make_long_stack(int sections)
     }
 }
 
-/* The same mesh and the same report on any number of threads, from an arena, under a limit that is just enough. */
+/* The same mesh and the same report on any number of threads, from an
+ * arena, under a limit that is just enough. */
 static void test_threads_and_memory_change_nothing(void)
 {
     static const int32_t threads[] = {1, 2, 3, 8, 1, 2};
     static unsigned char arena[1 << 25];
     uint64_t seed = 77, split = 0, triangles = 0;
+
     make_long_stack(40);
     for (int i = 0; i < 6; i++) {
         bvx_sections_report first;
@@ -753,7 +799,8 @@ static void test_threads_and_memory_change_nothing(void)
         o.caps = i % 2;
         o.crossings = i == 5 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
         for (int k = 0; k < 6; k++) {
-            bvx_context *const c = context_of(threads[k], k == 5 ? arena : NULL, k == 5 ? sizeof arena : 0, k == 4 ? peak : 0);
+            bvx_context *const c = context_of(threads[k], k == 5 ? arena : NULL, k == 5 ? sizeof arena : 0,
+                                              k == 4 ? peak : 0);
             bvx_mesh m = {0};
             memset(&report, 0, sizeof report);
             if (bvx_build_sections(c, &stack.s, &o, &m) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(c));
@@ -790,8 +837,10 @@ static void test_threads_refuse_alike(void)
         bvx_context *const c = context_of(threads, NULL, 0, 0);
         bvx_mesh m = {0};
         make_long_stack(40);
-        for (uint32_t i = 0; i < stack.s.loop_count; i++) /* two points change places: the loop crosses itself */
-            if (stack.loop[i].point_count == 120 && (stack.loop[i].section == 17 || stack.loop[i].section == 31)) {
+        /* two points change places: the loop crosses itself */
+        for (uint32_t i = 0; i < stack.s.loop_count; i++)
+            if (stack.loop[i].point_count == 120 &&
+                (stack.loop[i].section == 17 || stack.loop[i].section == 31)) {
                 double *const p = stack.point + 3 * (stack.loop[i].first_point + 50), kept[2] = {p[0], p[1]};
                 memcpy(p, p + 6, sizeof kept);
                 memcpy(p + 6, kept, sizeof kept);
@@ -807,6 +856,7 @@ static void test_threads_refuse_alike(void)
 static void test_sections_golden(void)
 {
     uint64_t seed = 4242, hash, all = 0;
+
     for (int i = 0; i < 12; i++) {
         do stack_random(&stack, &seed);
         while (build() == BVX_ERR_FORMAT);

@@ -14,7 +14,8 @@ static void scatter(bvx_grid *g, int32_t one_in)
 {
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++)
-            for (int32_t x = 0; x < g->size[0]; x++) bvx_grid_set(g, x, y, z, maker_below(&seed, one_in) == 0);
+            for (int32_t x = 0; x < g->size[0]; x++)
+                bvx_grid_set(g, x, y, z, maker_below(&seed, one_in) == 0);
 }
 
 /* The six walls of a box. */
@@ -23,7 +24,8 @@ static void set_walls(bvx_grid *g, const int32_t low[3], const int32_t high[3])
     for (int32_t z = low[2]; z <= high[2]; z++)
         for (int32_t y = low[1]; y <= high[1]; y++)
             for (int32_t x = low[0]; x <= high[0]; x++)
-                if (x == low[0] || y == low[1] || z == low[2] || x == high[0] || y == high[1] || z == high[2]) bvx_grid_set(g, x, y, z, 1);
+                if (x == low[0] || y == low[1] || z == low[2] || x == high[0] || y == high[1] || z == high[2])
+                    bvx_grid_set(g, x, y, z, 1);
 }
 
 static bvx_grid surface_by(const bvx_lattice *l, const bvx_window *window, int32_t mode)
@@ -31,6 +33,7 @@ static bvx_grid surface_by(const bvx_lattice *l, const bvx_window *window, int32
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_surface_options o;
     bvx_grid g = {0};
+
     bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     if (window != NULL) o.window = *window;
@@ -43,7 +46,8 @@ static int hidden(const bvx_grid *g, const int32_t v[3])
     for (int d = 0; d < 6; d++) {
         int32_t p[3] = {v[0], v[1], v[2]};
         int met = 0;
-        for (p[d / 2] += d % 2 ? 1 : -1; p[d / 2] >= 0 && p[d / 2] < g->size[d / 2] && !met; p[d / 2] += d % 2 ? 1 : -1)
+        for (p[d / 2] += d % 2 ? 1 : -1; p[d / 2] >= 0 && p[d / 2] < g->size[d / 2] && !met;
+             p[d / 2] += d % 2 ? 1 : -1)
             met = bvx_grid_get(g, p[0], p[1], p[2]);
         if (!met) return 0;
     }
@@ -54,8 +58,10 @@ static int hidden(const bvx_grid *g, const int32_t v[3])
 
 static void test_fills_are_floods(void)
 {
-    static const int32_t sizes[][3] = {{70, 9, 8}, {64, 7, 9}, {1, 20, 20}, {20, 1, 21}, {65, 8, 1}, {128, 5, 5}};
+    static const int32_t sizes[][3] = {{70, 9, 8},  {64, 7, 9}, {1, 20, 20},
+                                       {20, 1, 21}, {65, 8, 1}, {128, 5, 5}};
     static const int32_t connectivity[3] = {6, 18, 26};
+
     for (int32_t trial = 0; trial < (quick ? 30 : 200); trial++) {
         int32_t const *const n = sizes[trial % 6];
         size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
@@ -68,22 +74,27 @@ static void test_fills_are_floods(void)
         if (trial % 7 == 0) /* mostly walls, for the diagonal neighbours */
             for (int32_t z = 0; z < n[2]; z++)
                 for (int32_t y = 0; y < n[1]; y++)
-                    for (int32_t x = 0; x < n[0]; x++) bvx_grid_set(&walls, x, y, z, maker_below(&seed, 3) != 0);
+                    for (int32_t x = 0; x < n[0]; x++)
+                        bvx_grid_set(&walls, x, y, z, maker_below(&seed, 3) != 0);
         open = fill_bytes(&walls, 1);
         for (int i = 0; i < 20 && n_seeds < (uint64_t)(trial % 6); i++) {
-            int32_t const v[3] = {maker_below(&seed, n[0]), maker_below(&seed, n[1]), maker_below(&seed, n[2])};
+            int32_t const v[3] = {maker_below(&seed, n[0]), maker_below(&seed, n[1]),
+                                  maker_below(&seed, n[2])};
             if (open[fill_place(n, v[0], v[1], v[2])]) memcpy(seeds + 3 * n_seeds++, v, sizeof v);
         }
         spaces = fill_label(open, n, connectivity[trial % 3], label);
         wanted = maker_grow(NULL, (size_t)spaces + 1);
         memset(wanted, 0, (size_t)spaces + 1);
-        for (uint64_t i = 0; i < n_seeds; i++) wanted[label[fill_place(n, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2])]] = 1;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_fill(ctx, &walls, n_seeds != 0 ? seeds : NULL, n_seeds, connectivity[trial % 3], &filled));
+        for (uint64_t i = 0; i < n_seeds; i++)
+            wanted[label[fill_place(n, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2])]] = 1;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_fill(ctx, &walls, n_seeds != 0 ? seeds : NULL, n_seeds,
+                                                      connectivity[trial % 3], &filled));
         for (int32_t z = 0; z < n[2]; z++)
             for (int32_t y = 0; y < n[1]; y++)
                 for (int32_t x = 0; x < filled.words_per_row * 64; x++) {
                     size_t const i = x < n[0] ? fill_place(n, x, y, z) : 0;
-                    TEST_ASSERT_EQUAL_INT(x < n[0] && label[i] >= 0 && wanted[label[i]], bvx_grid_get(&filled, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(x < n[0] && label[i] >= 0 && wanted[label[i]],
+                                          bvx_grid_get(&filled, x, y, z));
                 }
         free(wanted);
         free(open);
@@ -97,6 +108,7 @@ static void test_fill_refusals(void)
 {
     bvx_grid walls = grid_of(10, 10, 10), filled = {0}, same;
     int32_t seeds[6] = {1, 2, 3, 4, 5, 6};
+
     bvx_grid_set(&walls, 4, 5, 6, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_fill(ctx, &walls, seeds, 2, 6, &filled));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "seed 1"));
@@ -121,6 +133,7 @@ static void test_seed_in_a_box(void)
     int32_t const low[3] = {5, 3, 4}, high[3] = {40, 20, 21};
     bvx_grid g = grid_of(70, 30, 30);
     bvx_seed s;
+
     set_walls(&g, low, high);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_find_seed(ctx, &g, NULL, 0, &s));
     TEST_ASSERT_EQUAL_INT32(1, s.found);
@@ -135,9 +148,12 @@ static void test_seed_in_a_box(void)
 /* The middle row goes through the bay of a U: the way leads along y into an arm. */
 static void test_seed_beside_a_bay(void)
 {
-    int32_t const left[2][3] = {{2, 2, 2}, {30, 10, 12}}, right[2][3] = {{2, 20, 2}, {30, 28, 12}}, back[2][3] = {{24, 2, 2}, {30, 28, 12}};
+    int32_t const left[2][3] = {{2, 2, 2}, {30, 10, 12}};
+    int32_t const right[2][3] = {{2, 20, 2}, {30, 28, 12}};
+    int32_t const back[2][3] = {{24, 2, 2}, {30, 28, 12}};
     bvx_grid g = grid_of(40, 32, 16);
     bvx_seed s;
+
     set_walls(&g, left[0], left[1]);
     set_walls(&g, right[0], right[1]);
     set_walls(&g, back[0], back[1]);
@@ -154,6 +170,7 @@ static void test_searches_that_end_with_nothing(void)
 {
     bvx_grid g = grid_of(20, 9, 8);
     bvx_seed s;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_find_seed(ctx, &g, NULL, 0, &s));
     TEST_ASSERT_EQUAL_INT32(0, s.found);
     TEST_ASSERT_EQUAL_UINT64(0, s.starts);
@@ -171,11 +188,13 @@ static void test_searches_that_end_with_nothing(void)
     bvx_grid_free(ctx, &g);
 }
 
-/* Any scatter: what is found is hidden; and whenever a gap of a row begins with a hidden voxel something is found. */
+/* Any scatter: what is found is hidden; and whenever a gap of a row begins
+ * with a hidden voxel something is found. */
 static void test_search_is_complete(void)
 {
     for (int32_t trial = 0; trial < (quick ? 60 : 500); trial++) {
-        bvx_grid g = grid_of(1 + maker_below(&seed, 70), 1 + maker_below(&seed, 7), 1 + maker_below(&seed, 7));
+        bvx_grid g = grid_of(1 + maker_below(&seed, 70), 1 + maker_below(&seed, 7),
+                             1 + maker_below(&seed, 7));
         int any = 0;
         bvx_seed s;
         scatter(&g, 2 + maker_below(&seed, 60));
@@ -192,8 +211,8 @@ static void test_search_is_complete(void)
     }
 }
 
-/* A bottle: a thick shell whose inside is joined to the outside by a narrow neck. Its hollow is hidden in six directions for
- * most voxels, but not inside the mesh; the shell's own inside is. */
+/* A bottle: a thick shell whose inside is joined to the outside by a narrow neck. Its hollow is hidden in six
+ * directions for most voxels, but not inside the mesh; the shell's own inside is. */
 static void test_bottle_is_not_taken_for_full(void)
 {
     static const double outer[3] = {18, 18, 18}, centre[3] = {24, 24, 24}, inner[3] = {12, 12, 12};
@@ -201,6 +220,7 @@ static void test_bottle_is_not_taken_for_full(void)
     bvx_mesh_view view;
     bvx_grid surface;
     bvx_seed s;
+
     maker_star(&mesh, &seed, centre, outer, 0, 8, 12, 65536);
     maker_star(&mesh, &seed, centre, inner, 0, 8, 12, 65536);
     view = maker_view(&mesh);
@@ -217,6 +237,7 @@ static void test_bottle_is_not_taken_for_full(void)
         bvx_grid_free(ctx, &vote);
     }
     bvx_grid_free(ctx, &surface);
+
     /* only the hollow's wall is there: its inside is hidden, but the mesh has it outside */
     {
         bvx_grid hollow = grid_of(48, 48, 48);
@@ -236,10 +257,12 @@ static void test_bottle_is_not_taken_for_full(void)
 static void test_pockets_of_scatters(void)
 {
     for (int32_t trial = 0; trial < (quick ? 30 : 150); trial++) {
-        bvx_grid g = grid_of(1 + maker_below(&seed, 70), 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9));
+        bvx_grid g = grid_of(1 + maker_below(&seed, 70), 1 + maker_below(&seed, 9),
+                             1 + maker_below(&seed, 9));
         int32_t const *const n = g.size;
         size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
-        int32_t *const label = maker_grow(NULL, count * sizeof *label), *const want = maker_grow(NULL, (count + 1) * 3 * sizeof *want);
+        int32_t *const label = maker_grow(NULL, count * sizeof *label);
+        int32_t *const want = maker_grow(NULL, (count + 1) * 3 * sizeof *want);
         int32_t *const got = maker_grow(NULL, (count + 1) * 3 * sizeof *got);
         uint64_t expected = 0, found = 77;
         uint8_t *open, *side;
@@ -254,7 +277,9 @@ static void test_pockets_of_scatters(void)
                 for (int32_t y = 0; y < n[1]; y++)
                     for (int32_t x = 0; x < n[0]; x++) {
                         int32_t const s = label[fill_place(n, x, y, z)];
-                        if (pass == 0 && s >= 0 && (x == 0 || y == 0 || z == 0 || x == n[0] - 1 || y == n[1] - 1 || z == n[2] - 1)) side[s] = 1;
+                        if (pass == 0 && s >= 0 &&
+                            (x == 0 || y == 0 || z == 0 || x == n[0] - 1 || y == n[1] - 1 || z == n[2] - 1))
+                            side[s] = 1;
                         if (pass == 1 && s == next) {
                             next++;
                             if (side[s]) continue;
@@ -268,7 +293,8 @@ static void test_pockets_of_scatters(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_find_pockets(ctx, &g, NULL, got, expected, &found));
         if (expected > 0) {
             TEST_ASSERT_EQUAL_MEMORY(want, got, (size_t)expected * 12);
-            TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_find_pockets(ctx, &g, NULL, got, expected - 1, &found));
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY,
+                                    bvx_find_pockets(ctx, &g, NULL, got, expected - 1, &found));
             TEST_ASSERT_EQUAL_UINT64(expected, found);
         }
         free(side);
@@ -280,7 +306,8 @@ static void test_pockets_of_scatters(void)
     }
 }
 
-/* Closed bodies, one within another and side by side: the fill from all pockets is parity off the surface. Also in a window. */
+/* Closed bodies, one within another and side by side: the fill from all
+ * pockets is parity off the surface. Also in a window. */
 static void test_every_pocket_filled_is_the_inside(void)
 {
     for (int32_t trial = 0; trial < (quick ? 6 : 30); trial++) {
@@ -306,7 +333,8 @@ static void test_every_pocket_filled_is_the_inside(void)
         for (int32_t z = 0; z < surface.size[2]; z++)
             for (int32_t y = 0; y < surface.size[1]; y++)
                 for (int32_t x = 0; x < surface.size[0]; x++)
-                    TEST_ASSERT_EQUAL_INT(!bvx_grid_get(&surface, x, y, z) && bvx_grid_get(&parity, x, y, z), bvx_grid_get(&filled, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(!bvx_grid_get(&surface, x, y, z) && bvx_grid_get(&parity, x, y, z),
+                                          bvx_grid_get(&filled, x, y, z));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_find_seed(ctx, &surface, &view, 0, &s));
         TEST_ASSERT_EQUAL_INT32(1, s.verified);
         TEST_ASSERT_EQUAL_INT(1, bvx_grid_get(&filled, s.voxel[0], s.voxel[1], s.voxel[2]));
@@ -322,6 +350,7 @@ static void test_seed_refusals(void)
     bvx_mesh_view view = {0};
     bvx_seed s;
     uint64_t n;
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_find_seed(ctx, &none, NULL, 0, &s));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_find_seed(ctx, &g, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_find_seed(NULL, &g, NULL, 0, &s));

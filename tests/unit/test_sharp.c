@@ -1,7 +1,9 @@
-/* test_sharp.c - sharp features of a field's surface: corners and edges are met, and no field makes triangles cross. */
+/* test_sharp.c - sharp features of a field's surface: corners and edges are
+ * met, and no field makes triangles cross. */
 #include "unit/field_surface_support.h"
 
-/* The oracle that all below rests on: a mesh without crossings, then one vertex pulled through, then a doubled triangle. */
+/* The oracle that all below rests on: a mesh without crossings, then one
+ * vertex pulled through, then a doubled triangle. */
 static void test_the_oracle_sees_crossings(void)
 {
     double const origin[3] = {2, 2, 2}, spacing[3] = {1, 1, 1};
@@ -10,6 +12,7 @@ static void test_the_oracle_sees_crossings(void)
     const char *wrong;
     bvx_mesh m;
     float *p;
+
     o.interpolation = BVX_EDGE_MIDDLE;
     field_maker_noise(ctx, &seed, &l, 8, 16, 1, 0, BVX_F32, &field);
     m = surface_of(ctx, NULL, &o);
@@ -37,6 +40,7 @@ static void test_the_oracle_sees_crossings(void)
 static void turned_box(double cx, double cy, double cz, double hx, double hy, double hz)
 {
     double const low[3] = {-hx, -hy, -hz}, high[3] = {hx, hy, hz};
+
     maker_box(&mesh, low, high);
     for (size_t i = 0; i < mesh.vertices; i++) {
         double *const p = mesh.p + 3 * i;
@@ -51,10 +55,12 @@ static void turned_box(double cx, double cy, double cz, double hx, double hy, do
 static double nearest_vertex(const bvx_mesh *m, const double *p)
 {
     double best = INFINITY;
+
     for (uint64_t i = 0; i < m->vertex_count; i++) {
         double d = 0;
         for (uint64_t a = 0; a < 3; a++) {
-            double const x = m->position_type == BVX_F32 ? (double)((const float *)m->positions)[3 * i + a] : ((const double *)m->positions)[3 * i + a];
+            double const x = m->position_type == BVX_F32 ? (double)((const float *)m->positions)[3 * i + a]
+                                                         : ((const double *)m->positions)[3 * i + a];
             d += (x - p[a]) * (x - p[a]);
         }
         best = d < best ? d : best;
@@ -81,6 +87,7 @@ static void check_turned_box(int with_triangles)
     bvx_mesh_view view;
     double worst = 0;
     int met = 0;
+
     turned_box(8.5, 8.51, 8.52, 4, 3, 3.5);
     view = maker_view(&mesh);
     field_maker_measure(ctx, &mesh, &l, 1.5, BVX_F32, &field);
@@ -102,11 +109,13 @@ static void check_turned_box(int with_triangles)
         worst = d > worst ? d : worst;
         met += d < 1e-4;
     }
-    printf("box%s: mean %.5f -> %.5f, max %.4f -> %.4f, %d corners met, all within %.4f; %d cells, %d taken back, %d turned\n",
-           with_triangles ? "" : " (vectors)", without.mean, with.mean, without.max, with.max, met, worst, (int)report.sharp_cells,
-           (int)report.sharp_taken_back, (int)report.flipped_edges);
+    printf(
+        "box%s: mean %.5f -> %.5f, max %.4f -> %.4f, %d corners met, all within %.4f; %d cells, %d taken back, %d turned\n",
+        with_triangles ? "" : " (vectors)", without.mean, with.mean, without.max, with.max, met, worst,
+        (int)report.sharp_cells, (int)report.sharp_taken_back, (int)report.flipped_edges);
     TEST_ASSERT_TRUE(with.mean < (with_triangles ? 0.1 : 0.3) * without.mean && with.max < 0.6 * without.max);
-    TEST_ASSERT_TRUE(met >= 3 && worst < 0.25 * l.spacing[0]); /* some corners stick out into cells with no centre inside */
+    /* some corners stick out into cells with no centre inside */
+    TEST_ASSERT_TRUE(met >= 3 && worst < 0.25 * l.spacing[0]);
     bvx_mesh_free(ctx, &sharp);
     bvx_mesh_free(ctx, &plain);
 }
@@ -123,12 +132,16 @@ static void test_sharp_from_vectors_alone(void)
 
 static void test_sharp_leaves_a_smooth_surface_alone(void)
 {
-    double const origin[3] = {2, 2, 2}, spacing[3] = {0.5, 0.5, 0.5}, centre[3] = {8, 8, 8}, radius[3] = {5, 5, 5};
+    double const origin[3] = {2, 2, 2};
+    double const spacing[3] = {0.5, 0.5, 0.5};
+    double const centre[3] = {8, 8, 8};
+    double const radius[3] = {5, 5, 5};
     bvx_lattice const l = lattice_at(origin, spacing, 24, 24, 24);
     bvx_field_surface_options o = surface_options(1);
     bvx_field_surface_report report;
     bvx_mesh_view view;
     bvx_mesh sharp, plain;
+
     maker_star(&mesh, &seed, centre, radius, 0.0, 16, 32, 1 << 20);
     view = maker_view(&mesh);
     field_maker_measure(ctx, &mesh, &l, 1.5, BVX_F32, &field);
@@ -156,6 +169,7 @@ static void check_any(const bvx_mesh_view *view, tally *t)
     bvx_field_surface_report report;
     bvx_field_surface_options o = surface_options(1);
     bvx_mesh m;
+
     o.interpolation = maker_below(&seed, 5);
     o.face_rule = maker_below(&seed, 2);
     o.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
@@ -173,20 +187,23 @@ static void check_any(const bvx_mesh_view *view, tally *t)
 
 static void end_tally(const char *what, const tally *t)
 {
-    printf("%s: %lu surfaces, %lu triangles, %lu sharp cells, %lu taken back, %lu turned edges: none crosses\n", what,
-           (unsigned long)t->surfaces, (unsigned long)t->triangles, (unsigned long)t->cells, (unsigned long)t->taken_back,
-           (unsigned long)t->turned);
-    TEST_ASSERT_TRUE(t->cells > t->surfaces && t->taken_back > t->surfaces / 2 && t->turned > t->surfaces / 4);
+    printf(
+        "%s: %lu surfaces, %lu triangles, %lu sharp cells, %lu taken back, %lu turned edges: none crosses\n",
+        what, (unsigned long)t->surfaces, (unsigned long)t->triangles, (unsigned long)t->cells,
+        (unsigned long)t->taken_back, (unsigned long)t->turned);
+    TEST_ASSERT_TRUE(t->cells > t->surfaces && t->taken_back > t->surfaces / 2 &&
+                     t->turned > t->surfaces / 4);
 }
 
 static void test_noise_never_crosses(void)
 {
     tally t = {0, 0, 0, 0, 0};
+
     for (int n = 0; n < (quick ? 50 : 2000); n++) {
         bvx_lattice const l = random_lattice();
         field_maker_free(ctx, &field);
-        field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 12 + maker_below(&seed, 5), 1 + maker_below(&seed, 3), 0,
-                          maker_below(&seed, 2) ? BVX_F32 : BVX_F64, &field);
+        field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 12 + maker_below(&seed, 5),
+                          1 + maker_below(&seed, 3), 0, maker_below(&seed, 2) ? BVX_F32 : BVX_F64, &field);
         check_any(NULL, &t);
     }
     end_tally("noise", &t);
@@ -197,6 +214,7 @@ static void test_noise_with_triangles_never_crosses(void)
 {
     double const low[3] = {1, 1, 1}, high[3] = {15, 15, 15};
     tally t = {0, 0, 0, 0, 0};
+
     for (int n = 0; n < (quick ? 50 : 2000); n++) {
         bvx_lattice const l = random_lattice();
         bvx_mesh_view view;
@@ -204,7 +222,8 @@ static void test_noise_with_triangles_never_crosses(void)
         maker_clear(&mesh);
         maker_soup(&mesh, &seed, 1 + maker_below(&seed, 20), low, high, 16);
         view = maker_view(&mesh);
-        field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 14 + maker_below(&seed, 3), 1, (uint32_t)mesh.triangles, BVX_F32, &field);
+        field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 14 + maker_below(&seed, 3), 1,
+                          (uint32_t)mesh.triangles, BVX_F32, &field);
         check_any(&view, &t);
     }
     end_tally("noise with triangles", &t);
@@ -214,6 +233,7 @@ static void test_noise_with_triangles_never_crosses(void)
 static void test_jagged_solids_never_cross(void)
 {
     tally t = {0, 0, 0, 0, 0};
+
     for (int n = 0; n < (quick ? 20 : 500); n++) {
         bvx_lattice const l = random_lattice();
         bvx_mesh_view view;
@@ -233,7 +253,9 @@ static void test_jagged_solids_never_cross(void)
                     box[1][a] = centre[a] + radius[a];
                 }
                 maker_box(&mesh, box[0], box[1]);
-            } else maker_star(&mesh, &seed, centre, radius, 0.6, 3 + maker_below(&seed, 3), 3 + maker_below(&seed, 4), 65536);
+            } else
+                maker_star(&mesh, &seed, centre, radius, 0.6, 3 + maker_below(&seed, 3),
+                           3 + maker_below(&seed, 4), 65536);
         }
         if (maker_below(&seed, 2)) maker_flip(&mesh, 0, mesh.triangles / 2);
         view = maker_view(&mesh);
@@ -252,6 +274,7 @@ static void test_threads_and_code_paths_do_not_show(void)
     bvx_field_surface_options o = surface_options(1);
     bvx_mesh_view view;
     bvx_mesh first;
+
     turned_box(8.5, 8.51, 8.52, 4, 3, 3.5);
     view = maker_view(&mesh);
     field_maker_measure(ctx, &mesh, &l, 1.5, BVX_F32, &field);

@@ -1,4 +1,5 @@
-/* test_sharp_parts.c - the pieces that sharp features are made of: loops of cells, the place of an apex, triangles apart. */
+/* test_sharp_parts.c - the pieces that sharp features are made of: loops of
+ * cells, the place of an apex, triangles apart. */
 #define BVXI_TABLES_WHOLE
 #include "surface/cells.h"
 #include "surface/sharp.h"
@@ -24,7 +25,8 @@ static void test_loops_are_those_of_the_tables(void)
                     TEST_ASSERT_EQUAL_UINT32(100u + e, l.loop[i].vertex[k]);
                     TEST_ASSERT_EQUAL_UINT32(0, used >> e & 1);
                     used |= 1u << e;
-                    TEST_ASSERT_TRUE(e / 4 != axis && f / 4 != axis); /* edges of a face run across its axis */
+                    /* edges of a face run across its axis */
+                    TEST_ASSERT_TRUE(e / 4 != axis && f / 4 != axis);
                 }
             }
             TEST_ASSERT_EQUAL_UINT32(corners, 3 * triangles);
@@ -34,12 +36,15 @@ static void test_loops_are_those_of_the_tables(void)
 static void test_faces_that_are_cut_twice(void)
 {
     int count = 0;
+
     for (int32_t face = 0; face < 6; face++)
         for (uint32_t n = 0; n < 256; n++) {
             int32_t cut = 0;
             for (uint8_t e = 0; e < 12; e++) {
                 int32_t const first = e % 4 % 2, second = e % 4 / 2, axis = e / 4;
-                int32_t const low = axis == 0 ? 2 * first + 4 * second : axis == 1 ? first + 4 * second : first + 2 * second;
+                int32_t const low = axis == 0   ? 2 * first + 4 * second
+                                    : axis == 1 ? first + 4 * second
+                                                : first + 2 * second;
                 int32_t const high = low + (1 << axis), side = face & 1, a = face >> 1;
                 if ((low >> a & 1) != side || (high >> a & 1) != side) continue;
                 cut += (n >> low & 1) != (n >> high & 1);
@@ -63,6 +68,7 @@ static double plane_sum(const bvxi_apex_plane *p, int32_t count, const double x[
 static void random_unit(double n[3])
 {
     double length = 0;
+
     while (!(length > 0.01)) {
         length = 0;
         for (int k = 0; k < 3; k++) {
@@ -78,11 +84,13 @@ static void test_apex_of_a_corner_an_edge_and_a_plane(void)
     double const half[3] = {0.5, 0.5, 0.5}, middle[3] = {0.1, 0.2, -0.1};
     bvxi_apex_plane const p[3] = {{{1, 0, 0}, 0.3}, {{0, 0.6, 0.8}, -0.1}, {{0, 0.8, -0.6}, 0.2}};
     double x[3];
+
     bvxi_apex(p, 3, middle, half, x);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, plane_sum(p, 3, x));
     bvxi_apex(p, 2, middle, half, x);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, plane_sum(p, 2, x));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.8 * 0.2 + 0.6 * 0.1, 0.8 * x[1] - 0.6 * x[2]); /* along the edge it stays */
+    /* along the edge it stays */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.8 * 0.2 + 0.6 * 0.1, 0.8 * x[1] - 0.6 * x[2]);
     bvxi_apex(p, 1, middle, half, x);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.3, x[0]);
     TEST_ASSERT_TRUE(x[1] == middle[1] && x[2] == middle[2]);
@@ -94,11 +102,13 @@ static void test_apex_of_a_corner_an_edge_and_a_plane(void)
 static int planes_fix_a_place(const bvxi_apex_plane *p, int32_t count)
 {
     double a[3][3] = {{0}}, trace, det;
+
     for (int32_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             for (int l = 0; l < 3; l++) a[k][l] += p[i].n[k] * p[i].n[l];
     trace = a[0][0] + a[1][1] + a[2][2];
-    det = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) - a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+    det = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+          a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
           a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
     return det > trace * trace * trace / 50;
 }
@@ -107,6 +117,7 @@ static int planes_fix_a_place(const bvxi_apex_plane *p, int32_t count)
 static void test_apex_is_the_least_place(void)
 {
     int inside = 0, outside = 0;
+
     for (int n = 0; n < 40000; n++) {
         double const half[3] = {0.5, 0.4, 0.3};
         bvxi_apex_plane p[6];
@@ -139,6 +150,7 @@ static void test_apex_is_the_least_place(void)
 static void test_triangles_apart_is_never_wrong(void)
 {
     int apart = 0, missed = 0, together = 0;
+
     for (int n = 0; n < 100000; n++) {
         double t[2][3][3];
         int64_t q[2][3][3];

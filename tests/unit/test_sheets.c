@@ -1,16 +1,27 @@
-/* test_sheets.c - meshes with borders by bvx_mesh_simplify and bvx_build_levels: borders stay where they are, keep their corners, never meet;
- * what is no sheet is refused, measured or cut. */
+/* test_sheets.c - meshes with borders by bvx_mesh_simplify and bvx_build_levels: borders stay where they are,
+ * keep their corners, never meet; what is no sheet is refused, measured or cut. */
 #include "levels_support.h"
 
 /* Sheets are quarter as large and lie away from 0: within [1, 16), as the oracle of crossings needs it. */
 enum { AWAY = 4, PART = 4 };
 
-static void put_vertex(double x, double y, double z) { maker_vertex(&mesh, AWAY + x / PART, AWAY + y / PART, AWAY + z / PART); }
+static void put_vertex(double x, double y, double z)
+{
+    maker_vertex(&mesh, AWAY + x / PART, AWAY + y / PART, AWAY + z / PART);
+}
 
 typedef double height_at(int32_t x, int32_t y);
 
-static double flat(int32_t x, int32_t y) { (void)x; (void)y; return 0; }
-static double wavy(int32_t x, int32_t y) { return 0.5 * maker_wave(x / 16.0) + 0.25 * maker_wave(y / 7.0); }
+static double flat(int32_t x, int32_t y)
+{
+    (void)x;
+    (void)y;
+    return 0;
+}
+static double wavy(int32_t x, int32_t y)
+{
+    return 0.5 * maker_wave(x / 16.0) + 0.25 * maker_wave(y / 7.0);
+}
 
 /* Squares of a lattice for which keep says so, or all, as two triangles each; unused vertices stay. */
 static void make_sheet(int32_t nx, int32_t ny, height_at *height, level_inside *keep)
@@ -44,15 +55,17 @@ static void simplify_to(const uint64_t *targets, uint64_t count, int32_t open)
     o.target_triangles = targets;
     o.open = open;
     drop_levels();
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, count, level), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, count, level),
+                                    bvx_last_message(ctx));
 }
 
 /* Open, manifold, oriented, with the borders and pieces of what was given. */
 static void assert_open(int i, int64_t euler, uint64_t components)
 {
     bvx_certificate const c = certificate_of(&level[i]);
-    snprintf(where, sizeof where, "level %d: %lu triangles, %lu border edges, euler %ld", i, (unsigned long)c.triangles,
-             (unsigned long)c.boundary_edges, (long)c.euler);
+
+    snprintf(where, sizeof where, "level %d: %lu triangles, %lu border edges, euler %ld", i,
+             (unsigned long)c.triangles, (unsigned long)c.boundary_edges, (long)c.euler);
     TEST_ASSERT_FALSE_MESSAGE(c.closed, where);
     TEST_ASSERT_TRUE_MESSAGE(c.edge_manifold && c.vertex_manifold && c.oriented, where);
     TEST_ASSERT_TRUE_MESSAGE(c.boundary_edges >= 3, where);
@@ -71,9 +84,11 @@ static void assert_sheet(int i, int64_t euler, uint64_t components)
 static int has_position(const bvx_mesh *m, double x, double y, double z)
 {
     for (uint64_t v = 0; v < m->vertex_count; v++)
-        if (fabs(position_of(m, 3 * v) - AWAY - x / PART) + fabs(position_of(m, 3 * v + 1) - AWAY - y / PART) +
+        if (fabs(position_of(m, 3 * v) - AWAY - x / PART) +
+                fabs(position_of(m, 3 * v + 1) - AWAY - y / PART) +
                 fabs(position_of(m, 3 * v + 2) - AWAY - z / PART) <
-            1e-6) return 1;
+            1e-6)
+            return 1;
     return 0;
 }
 
@@ -82,6 +97,7 @@ static int has_position(const bvx_mesh *m, double x, double y, double z)
 static void test_a_rectangle_comes_down_to_its_corners(void)
 {
     static const uint64_t targets[] = {50, 2};
+
     make_sheet(16, 9, flat, NULL);
     exact = 1;
     simplify_to(targets, 2, BVX_OPEN_KEEP);
@@ -94,8 +110,16 @@ static void test_a_rectangle_comes_down_to_its_corners(void)
     TEST_ASSERT_TRUE(fabs(report[1].certificate.area * PART * PART - 16 * 9) < 1e-6);
 }
 
-static int in_l(int32_t x, int32_t y, int32_t z) { (void)z; return x < 5 || y < 4; }
-static int beside_holes(int32_t x, int32_t y, int32_t z) { (void)z; return (x < 3 || x > 5 || y < 3 || y > 6) && (x < 8 || x > 11 || y < 4 || y > 5); }
+static int in_l(int32_t x, int32_t y, int32_t z)
+{
+    (void)z;
+    return x < 5 || y < 4;
+}
+static int beside_holes(int32_t x, int32_t y, int32_t z)
+{
+    (void)z;
+    return (x < 3 || x > 5 || y < 3 || y > 6) && (x < 8 || x > 11 || y < 4 || y > 5);
+}
 
 static void test_corners_of_borders_stay(void)
 {
@@ -106,7 +130,8 @@ static void test_corners_of_borders_stay(void)
     simplify_to(few, 1, BVX_OPEN_KEEP);
     assert_sheet(0, 1, 1);
     TEST_ASSERT_EQUAL_UINT64(4, level[0].triangle_count);
-    TEST_ASSERT_TRUE(has_position(&level[0], 5, 4, 0) && has_position(&level[0], 12, 4, 0) && has_position(&level[0], 5, 10, 0));
+    TEST_ASSERT_TRUE(has_position(&level[0], 5, 4, 0) && has_position(&level[0], 12, 4, 0) &&
+                     has_position(&level[0], 5, 10, 0));
     TEST_ASSERT_TRUE(fabs(report[0].certificate.area * PART * PART - (5 * 10 + 7 * 4)) < 1e-6);
 
     make_sheet(15, 10, flat, beside_holes);
@@ -135,11 +160,16 @@ static void test_every_level_keeps_the_guarantee(void)
 
 /* A border of teeth at random, so that collapses along it would fold it. */
 static int32_t tooth[80];
-static int in_teeth(int32_t x, int32_t y, int32_t z) { (void)z; return y < tooth[x] && y >= tooth[40 + x]; }
+static int in_teeth(int32_t x, int32_t y, int32_t z)
+{
+    (void)z;
+    return y < tooth[x] && y >= tooth[40 + x];
+}
 
 static void test_ragged_borders(void)
 {
     static const uint64_t targets[] = {200, 90, 40, 12};
+
     for (int trial = 0; trial < (quick ? 2 : 12); trial++) {
         bvx_certificate before;
         bvx_mesh_view view;
@@ -153,7 +183,8 @@ static void test_ragged_borders(void)
         simplify_to(targets, 4, BVX_OPEN_KEEP);
         for (int i = 0; i < 4; i++) {
             assert_sheet(i, before.euler, before.components);
-            if (trial % 2 == 0) TEST_ASSERT_TRUE_MESSAGE(report[i].certificate.area < 1.2 * before.area, where);
+            if (trial % 2 == 0)
+                TEST_ASSERT_TRUE_MESSAGE(report[i].certificate.area < 1.2 * before.area, where);
         }
     }
 }
@@ -162,6 +193,7 @@ static void test_ragged_borders(void)
 static void test_a_scroll_does_not_cross_itself(void)
 {
     static const uint64_t targets[] = {900, 300, 100};
+
     make_sheet(120, 8, flat, NULL);
     for (size_t v = 0; v < mesh.vertices; v++) {
         double const turn = (mesh.p[3 * v] - AWAY) * PART / 24, radius = 1 + 0.1 * turn;
@@ -175,12 +207,15 @@ static void test_a_scroll_does_not_cross_itself(void)
 static void test_a_tube_keeps_both_ends(void)
 {
     static const uint64_t targets[] = {200, 1};
+
     maker_clear(&mesh);
     for (int32_t z = 0; z <= 20; z++)
-        for (int32_t i = 0; i < 24; i++) put_vertex(3 * maker_wave(i / 24.0), 3 * maker_wave(i / 24.0 + 0.25), z);
+        for (int32_t i = 0; i < 24; i++)
+            put_vertex(3 * maker_wave(i / 24.0), 3 * maker_wave(i / 24.0 + 0.25), z);
     for (uint32_t z = 0; z < 20; z++)
         for (uint32_t i = 0; i < 24; i++)
-            maker_quad(&mesh, 24 * z + i, 24 * z + (i + 1) % 24, 24 * (z + 1) + (i + 1) % 24, 24 * (z + 1) + i, 0);
+            maker_quad(&mesh, 24 * z + i, 24 * z + (i + 1) % 24, 24 * (z + 1) + (i + 1) % 24,
+                       24 * (z + 1) + i, 0);
     simplify_to(targets, 2, BVX_OPEN_KEEP);
     assert_sheet(0, 0, 1);
     assert_sheet(1, 0, 1);
@@ -191,6 +226,7 @@ static void test_order_does_not_matter(void)
 {
     static const uint64_t targets[] = {200, 40};
     bvx_mesh first[2];
+
     make_sheet(30, 20, wavy, beside_holes);
     simplify_to(targets, 2, BVX_OPEN_KEEP);
     memcpy(first, level, sizeof first);
@@ -211,6 +247,7 @@ static void test_doubles_and_flipped_triangles_are_mended(void)
     static const uint64_t targets[] = {200, 40};
     bvx_mesh first[2];
     size_t triangles;
+
     make_sheet(30, 20, wavy, NULL);
     simplify_to(targets, 2, BVX_OPEN_KEEP);
     memcpy(first, level, sizeof first);
@@ -243,8 +280,10 @@ static void test_parts_that_touch_in_a_vertex_part(void)
 {
     static const uint64_t targets[] = {4};
     bvx_certificate c;
+
     make_sheet(4, 4, flat, NULL);
-    for (uint32_t i = 0; i < 3; i++) put_vertex(0 - (double)(i % 2), 0 - (double)(i / 2) - 1, 0); /* (0,-1) (-1,-1) (0,-2) */
+    /* (0,-1) (-1,-1) (0,-2) */
+    for (uint32_t i = 0; i < 3; i++) put_vertex(0 - (double)(i % 2), 0 - (double)(i / 2) - 1, 0);
     maker_triangle(&mesh, 0, (uint32_t)mesh.vertices - 2, (uint32_t)mesh.vertices - 3);
     simplify_to(targets, 1, BVX_OPEN_KEEP);
     c = certificate_of(&level[0]);
@@ -259,6 +298,7 @@ static void refuse(int32_t open, const char *words)
     static const uint64_t targets[] = {10};
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_simplify_options o = defaults();
+
     o.target_triangles = targets;
     o.open = open;
     drop_levels();
@@ -271,12 +311,14 @@ static void refuse(int32_t open, const char *words)
 static void make_joint(void)
 {
     uint32_t const first = 17 * 9;
+
     make_sheet(16, 8, flat, NULL);
     for (int32_t z = 1; z <= 5; z++)
         for (int32_t y = 0; y <= 8; y++) put_vertex(8, y, z);
     for (uint32_t z = 0; z < 5; z++)
         for (uint32_t y = 0; y < 8; y++) {
-            uint32_t const low = z == 0 ? 17 * y + 8 : first + 9 * (z - 1) + y, low_next = z == 0 ? low + 17 : low + 1;
+            uint32_t const low = z == 0 ? 17 * y + 8 : first + 9 * (z - 1) + y;
+            uint32_t const low_next = z == 0 ? low + 17 : low + 1;
             maker_quad(&mesh, low, low_next, first + 9 * z + y + 1, first + 9 * z + y, 0);
         }
 }
@@ -284,6 +326,7 @@ static void make_joint(void)
 static void test_joints_are_refused_or_cut(void)
 {
     static const uint64_t targets[] = {100, 6};
+
     make_joint();
     refuse(BVX_OPEN_KEEP, "edge from (6, ");
     refuse(BVX_OPEN_KEEP, "has three triangles");
@@ -292,18 +335,21 @@ static void test_joints_are_refused_or_cut(void)
     assert_open(0, 3, 3);
     assert_open(1, 3, 3);
     TEST_ASSERT_EQUAL_UINT64(6, level[1].triangle_count);
-    for (int i = 0; i < 9; i++) TEST_ASSERT_TRUE(has_position(&level[1], i % 3 * 8, i / 3 * 4, 0) || i / 3 == 1);
+    for (int i = 0; i < 9; i++)
+        TEST_ASSERT_TRUE(has_position(&level[1], i % 3 * 8, i / 3 * 4, 0) || i / 3 == 1);
 }
 
 /* A fin on a sheet: where it ends, its foot is a slit in the sheet that ends there too. */
 static void test_a_slit_ends_in_a_sheet(void)
 {
     static const uint64_t targets[] = {100, 20};
+
     for (uint32_t length = 1; length < 4; length++) {
         bvx_certificate c;
         make_sheet(16, 8, flat, NULL);
         put_vertex(8, 4, 5);
-        for (uint32_t i = 0; i < length; i++) maker_triangle(&mesh, 17 * 4 + 6 + i, 17 * 4 + 7 + i, (uint32_t)mesh.vertices - 1);
+        for (uint32_t i = 0; i < length; i++)
+            maker_triangle(&mesh, 17 * 4 + 6 + i, 17 * 4 + 7 + i, (uint32_t)mesh.vertices - 1);
         simplify_to(targets, 2, BVX_OPEN_CUT);
         for (int i = 0; i < 2; i++) {
             c = certificate_of(&level[i]);
@@ -318,11 +364,13 @@ static void test_a_slit_ends_in_a_sheet(void)
 static void test_a_band_with_one_side(void)
 {
     static const uint64_t targets[] = {60};
+
     maker_clear(&mesh);
     for (int32_t i = 0; i < 40; i++)
         for (int32_t k = 0; k < 3; k++) {
             double const turn = i / 40.0, half = maker_wave(turn / 2), other = maker_wave(turn / 2 + 0.75);
-            put_vertex((6 + (k - 1) * half) * maker_wave(turn), (6 + (k - 1) * half) * maker_wave(turn + 0.75), (k - 1) * other);
+            put_vertex((6 + (k - 1) * half) * maker_wave(turn),
+                       (6 + (k - 1) * half) * maker_wave(turn + 0.75), (k - 1) * other);
         }
     for (uint32_t i = 0; i < 40; i++)
         for (uint32_t k = 0; k < 2; k++) {
@@ -348,6 +396,7 @@ static bvx_status build(int32_t open, int32_t source)
     static const uint64_t targets[] = {120, 30};
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_levels_options o;
+
     bvx_levels_options_init(&o, sizeof o);
     o.target_triangles = targets;
     o.open = open;
@@ -387,7 +436,9 @@ static void test_levels_of_a_joint(void)
     TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, levels_report.source);
     TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_OPEN, levels_report.reason);
     TEST_ASSERT_EQUAL_UINT64(8, levels_report.refused_edges);
-    for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(levels_report.refused_edge[i][0] == AWAY + 2 && levels_report.refused_edge[i][2] == AWAY);
+    for (int i = 0; i < 2; i++)
+        TEST_ASSERT_TRUE(levels_report.refused_edge[i][0] == AWAY + 2 &&
+                         levels_report.refused_edge[i][2] == AWAY);
     assert_whole(&level[1], certificate_of(&level[1]).euler, 1);
 
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_CUT, BVX_LEVELS_AUTO), bvx_last_message(ctx));

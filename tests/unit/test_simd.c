@@ -1,4 +1,5 @@
-/* test_simd.c - the vectors of core/simd.h: every operation against plain C, lane by lane and bit by bit, at each level. */
+/* test_simd.c - the vectors of core/simd.h: every operation against plain
+ * C, lane by lane and bit by bit, at each level. */
 #include "core/simd.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
@@ -14,12 +15,15 @@ void setUp(void)
     seed = 3;
 }
 
-void tearDown(void) {}
+void tearDown(void)
+{
+}
 
 /* Numbers of all kinds: zeros of both signs, infinities, no number, tiny ones, and pairs that are equal. */
 static double any_number(void)
 {
-    static const double odd[] = {0.0, -0.0, 1.0, -1.0, HUGE_VAL, -HUGE_VAL, 0x1p-1022, 0x1p-1074, 0x1p60, 0.5};
+    static const double odd[] = {0.0,       -0.0,      1.0,       -1.0,   HUGE_VAL,
+                                 -HUGE_VAL, 0x1p-1022, 0x1p-1074, 0x1p60, 0.5};
     uint64_t const r = maker_random(&seed);
 
     if (r % 16 == 0) return nan("");

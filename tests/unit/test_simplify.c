@@ -1,5 +1,6 @@
-/* test_simplify.c - bvx_mesh_simplify: every level closed, manifold and without crossing triangles, as many handles and pieces as before;
- * shapes of planes come down to their corners; the same bytes for every order of the input; targets of all kinds. */
+/* test_simplify.c - bvx_mesh_simplify: every level closed, manifold and without
+ * crossing triangles, as many handles and pieces as before; shapes of planes come down
+ * to their corners; the same bytes for every order of the input; targets of all kinds. */
 #include "../golden/shapes.h"
 
 #include "levels_support.h"
@@ -15,7 +16,8 @@ static bvx_simplify_options defaults(void)
 static void simplify_view(const bvx_mesh_view *view, const bvx_simplify_options *o, uint64_t count)
 {
     drop_levels();
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, view, o, count, level), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, view, o, count, level),
+                                    bvx_last_message(ctx));
 }
 
 static void simplify(const bvx_simplify_options *o, uint64_t count)
@@ -40,7 +42,8 @@ static void test_shapes_are_whole_and_do_not_cross(void)
     for (int i = 0; i < LEVEL_SHAPES; i++) {
         bvx_mesh given = {0};
         make_shape(&level_shapes[i]);
-        snprintf(where, sizeof where, "%s: %lu triangles", level_shapes[i].name, (unsigned long)mesh.triangles);
+        snprintf(where, sizeof where, "%s: %lu triangles", level_shapes[i].name,
+                 (unsigned long)mesh.triangles);
         given.positions = mesh.p;
         given.triangles = mesh.t;
         given.vertex_count = given.vertex_capacity = mesh.vertices;
@@ -52,11 +55,13 @@ static void test_shapes_are_whole_and_do_not_cross(void)
     }
 }
 
-/* Four levels down to as few as there can be; the last has met 0 unless one triangle was reached, which cannot be. */
+/* Four levels down to as few as there can be; the last has met 0 unless one
+ * triangle was reached, which cannot be. */
 static void check_shape(const level_shape *s, int32_t type, double even)
 {
     uint64_t targets[4];
     bvx_simplify_options o = defaults();
+
     make_shape(s);
     targets[0] = mesh.triangles / 2;
     targets[1] = mesh.triangles / 6;
@@ -67,8 +72,8 @@ static void check_shape(const level_shape *s, int32_t type, double even)
     o.even = even;
     simplify(&o, 4);
     for (int i = 0; i < 4; i++) {
-        snprintf(where, sizeof where, "%s, type %d, even %g, level %d: %lu of %lu triangles", s->name, (int)type, even, i,
-                 (unsigned long)level[i].triangle_count, (unsigned long)targets[i]);
+        snprintf(where, sizeof where, "%s, type %d, even %g, level %d: %lu of %lu triangles", s->name,
+                 (int)type, even, i, (unsigned long)level[i].triangle_count, (unsigned long)targets[i]);
         assert_whole(&level[i], s->euler, s->components);
         assert_no_crossings(&level[i]);
         assert_report(&report[i], &level[i]);
@@ -106,6 +111,7 @@ static void test_surfaces_of_random_bits(void)
     static const double origin[3] = {2, 2, 2}, spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {11, 12, 10};
     bvx_lattice lattice;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     for (int every = 2; every < 9; every += quick ? 3 : 1)
         for (int32_t type = BVX_F32; type <= BVX_F64; type++) {
@@ -118,7 +124,8 @@ static void test_surfaces_of_random_bits(void)
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &noise));
             for (int32_t z = 0; z < dims[2]; z++)
                 for (int32_t y = 0; y < dims[1]; y++)
-                    for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&noise, x, y, z, maker_below(&seed, every) == 0);
+                    for (int32_t x = 0; x < dims[0]; x++)
+                        bvx_grid_set(&noise, x, y, z, maker_below(&seed, every) == 0);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &noise, NULL, &surface));
             before = certificate_of(&surface);
             bvx_mesh_view_of(&surface, &view);
@@ -126,8 +133,9 @@ static void test_surfaces_of_random_bits(void)
             o.position_type = type;
             simplify_view(&view, &o, 3);
             for (int i = 0; i < 3; i++) {
-                snprintf(where, sizeof where, "one bit in %d, type %d, level %d: %lu of %lu triangles", every, (int)type, i,
-                         (unsigned long)level[i].triangle_count, (unsigned long)view.triangle_count);
+                snprintf(where, sizeof where, "one bit in %d, type %d, level %d: %lu of %lu triangles", every,
+                         (int)type, i, (unsigned long)level[i].triangle_count,
+                         (unsigned long)view.triangle_count);
                 assert_whole(&level[i], before.euler, before.components);
                 assert_no_crossings(&level[i]);
                 assert_report(&report[i], &level[i]);
@@ -144,6 +152,7 @@ static void make_rods(int32_t side, int32_t apart, bvx_mesh *surface)
     int32_t const dims[3] = {side, side, side};
     bvx_grid rods = {0};
     bvx_lattice lattice;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &rods));
     for (int32_t z = 0; z < side; z++)
@@ -161,16 +170,19 @@ static void test_thin_parts_do_not_crumple(void)
     bvx_simplify_options o = defaults();
     bvx_mesh surface = {0};
     bvx_mesh_view view;
+
     make_rods(41, 10, &surface);
     bvx_mesh_view_of(&surface, &view);
     o.target_triangles = targets;
     o.measure_samples = 4000;
     simplify_view(&view, &o, 2);
-    snprintf(where, sizeof where, "%d triangles, mean %g and %g, max %g", (int)level[1].triangle_count, report[1].distance.mean_a_to_b,
-             report[1].distance.mean_b_to_a, report[1].distance.max);
+    snprintf(where, sizeof where, "%d triangles, mean %g and %g, max %g", (int)level[1].triangle_count,
+             report[1].distance.mean_a_to_b, report[1].distance.mean_b_to_a, report[1].distance.max);
     TEST_ASSERT_TRUE_MESSAGE(report[0].met && report[0].distance.max < 0.5, where);
     TEST_ASSERT_TRUE_MESSAGE(!report[1].met && report[1].refused != 0, where);
-    TEST_ASSERT_TRUE_MESSAGE(report[1].distance.mean_a_to_b < 0.3 && report[1].distance.mean_b_to_a < 0.5 && report[1].distance.max < 4, where);
+    TEST_ASSERT_TRUE_MESSAGE(report[1].distance.mean_a_to_b < 0.3 && report[1].distance.mean_b_to_a < 0.5 &&
+                                 report[1].distance.max < 4,
+                             where);
     bvx_mesh_free(ctx, &surface);
 }
 
@@ -186,6 +198,7 @@ static int is_corner(const double p[3])
 {
     double n[64][3];
     int count = 0;
+
     for (size_t t = 0; t < mesh.triangles; t++)
         for (int k = 0; k < 3; k++) {
             const double *const a = mesh.p + 3 * (size_t)mesh.t[3 * t + (size_t)k];
@@ -202,13 +215,16 @@ static int is_corner(const double p[3])
         for (int j = 0; j < i; j++)
             for (int l = 0; l < j; l++) {
                 double det = 0;
-                for (int k = 0; k < 3; k++) det += n[i][k] * (n[j][(k + 1) % 3] * n[l][(k + 2) % 3] - n[j][(k + 2) % 3] * n[l][(k + 1) % 3]);
+                for (int k = 0; k < 3; k++)
+                    det += n[i][k] *
+                           (n[j][(k + 1) % 3] * n[l][(k + 2) % 3] - n[j][(k + 2) % 3] * n[l][(k + 1) % 3]);
                 if (det != 0) return 1;
             }
     return 0;
 }
 
-/* Finely divided, a shape comes down to the fewest triangles that have its corners, and these are where they were. */
+/* Finely divided, a shape comes down to the fewest triangles that have its
+ * corners, and these are where they were. */
 static double off; /* of the last shape that came down */
 
 static int comes_down_exactly(const level_shape *s, int32_t type, double even)
@@ -217,6 +233,7 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
     bvx_simplify_options o = defaults();
     bvx_distance_report d;
     int exact = 1;
+
     make_shape(s);
     o.target_triangles = &s->fewest;
     o.position_type = type;
@@ -226,11 +243,13 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
     bvx_mesh_view_of(&level[0], &level_view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 2000, 1, &d));
     for (uint64_t v = 0; v < level[0].vertex_count; v++) {
-        double const p[3] = {position_of(&level[0], 3 * v), position_of(&level[0], 3 * v + 1), position_of(&level[0], 3 * v + 2)};
+        double const p[3] = {position_of(&level[0], 3 * v), position_of(&level[0], 3 * v + 1),
+                             position_of(&level[0], 3 * v + 2)};
         exact &= is_corner(p);
     }
-    snprintf(where, sizeof where, "%s, type %d, even %g: %lu triangles in place of %lu, at most %g off", s->name, (int)type, even,
-             (unsigned long)level[0].triangle_count, (unsigned long)s->fewest, d.max);
+    snprintf(where, sizeof where, "%s, type %d, even %g: %lu triangles in place of %lu, at most %g off",
+             s->name, (int)type, even, (unsigned long)level[0].triangle_count, (unsigned long)s->fewest,
+             d.max);
     off = d.max;
     return exact && level[0].triangle_count == s->fewest && d.max < 1e-12;
 }
@@ -241,7 +260,8 @@ static void test_planes_come_down_to_their_corners(void)
     for (int32_t type = BVX_F32; type <= BVX_F64; type++)
         for (int n = 0; n < LEVEL_SHAPES; n++) {
             const level_shape *const s = &level_shapes[n];
-            if (s->fewest == 0 || s == shape_named("thin plate") || s == shape_named("wedge of 10 degrees")) continue;
+            if (s->fewest == 0 || s == shape_named("thin plate") || s == shape_named("wedge of 10 degrees"))
+                continue;
             TEST_ASSERT_TRUE_MESSAGE(comes_down_exactly(s, type, 0), where);
         }
 }
@@ -277,7 +297,9 @@ static void test_planes_keep_their_corners_by_default(void)
 /* The same mesh in every way that a view can hold it gives the same bytes, and the same reports. */
 static void check_order_and_types(const uint64_t *targets, const double *errors)
 {
-    static const char *const names[] = {"dented torus", "octagonal prism", "cylinder", "spikes", "bent plates"};
+    static const char *const names[] = {"dented torus", "octagonal prism", "cylinder", "spikes",
+                                        "bent plates"};
+
     for (size_t n = 0; n < sizeof names / sizeof *names; n++)
         for (int way = 0; way < 9; way++) {
             bvx_mesh wanted[2];
@@ -318,7 +340,9 @@ static void check_order_and_types(const uint64_t *targets, const double *errors)
                 view.indices = u;
                 view.index_type = BVX_U64;
             }
-            if (way == 7 || way == 8) { /* corners one after the other, as in an STL file; then with indices and vertices that nobody uses */
+            /* corners one after the other, as in an STL file; then with
+             * indices and vertices that nobody uses */
+            if (way == 7 || way == 8) {
                 double *const p = made = maker_grow(NULL, mesh.triangles * 72 + 24);
                 uint32_t *const t = spread = maker_grow(NULL, mesh.triangles * 12);
                 for (size_t i = 0; i < 3 * mesh.triangles; i++) {
@@ -349,7 +373,8 @@ static void test_order_and_types_of_the_input_do_not_matter(void)
     check_order_and_types(targets, NULL);
 }
 
-/* Errors close to those of the tries, so that another sample here or there would end a level a step earlier or later. */
+/* Errors close to those of the tries, so that another sample here or there
+ * would end a level a step earlier or later. */
 static void test_order_and_types_do_not_matter_by_error(void)
 {
     for (int n = 1; n < 6; n++) {
@@ -368,6 +393,7 @@ static void test_threads_do_not_matter(void)
     bvx_simplify_options o = defaults();
     bvx_level_report more[3];
     bvx_mesh_view view;
+
     make_shape(shape_named("torus"));
     view = maker_view(&mesh);
     o.target_triangles = targets;
@@ -391,6 +417,7 @@ static void test_threads_do_not_matter(void)
 static void test_far_from_the_origin(void)
 {
     static const uint64_t targets[3] = {800, 200, 1};
+
     for (int32_t type = BVX_F32; type <= BVX_F64; type++)
         for (int n = 0; n < LEVEL_SHAPES; n++) {
             const level_shape *const s = &level_shapes[n];
@@ -423,6 +450,7 @@ static void test_neither_target_halves(void)
 {
     bvx_simplify_options o = defaults();
     uint64_t wanted;
+
     make_shape(shape_named("sphere"));
     wanted = mesh.triangles;
     simplify(&o, 4);
@@ -462,6 +490,7 @@ static void test_a_chain_goes_on_from_level_to_level(void)
 {
     static const uint64_t targets[4] = {1500, 600, 600, 900};
     bvx_mesh chain[4];
+
     make_shape(shape_named("dented torus"));
     to_targets(targets, 4, 0);
     memcpy(chain, level, sizeof chain);
@@ -485,6 +514,7 @@ static void test_a_target_of_all_gives_the_mesh_back(void)
     uint64_t target;
     bvx_mesh_view view, level_view;
     bvx_distance_report d;
+
     make_shape(shape_named("spikes"));
     target = mesh.triangles;
     to_targets(&target, 1, 0);
@@ -502,6 +532,7 @@ static void check_errors(const char *name, int32_t kind, const double *errors, u
     bvx_simplify_options o = defaults();
     bvx_mesh_view const *view;
     bvx_mesh_view all;
+
     make_shape(shape_named(name));
     all = maker_view(&mesh);
     view = &all;
@@ -515,8 +546,8 @@ static void check_errors(const char *name, int32_t kind, const double *errors, u
         bvx_mesh_view_of(&level[i], &level_view);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, view, &level_view, 4000, 1, &again));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, view, &level_view, 20000, 99, &d));
-        snprintf(where, sizeof where, "%s, kind %d, level %d: %lu triangles, mean %g, maximum %g, allowed %g", name, (int)kind, (int)i,
-                 (unsigned long)level[i].triangle_count, d.mean, d.max, errors[i]);
+        snprintf(where, sizeof where, "%s, kind %d, level %d: %lu triangles, mean %g, maximum %g, allowed %g",
+                 name, (int)kind, (int)i, (unsigned long)level[i].triangle_count, d.mean, d.max, errors[i]);
         assert_report(&report[i], &level[i]);
         assert_no_crossings(&level[i]);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(1, report[i].met, where);
@@ -527,7 +558,8 @@ static void check_errors(const char *name, int32_t kind, const double *errors, u
         TEST_ASSERT_TRUE_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) <= 1.1 * errors[i], where);
         TEST_ASSERT_TRUE_MESSAGE(level[i].triangle_count < view->triangle_count, where);
         if (i > 0) TEST_ASSERT_TRUE_MESSAGE(level[i].triangle_count < level[i - 1].triangle_count, where);
-        TEST_ASSERT_TRUE_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) > errors[i] / 4, where); /* and it is used */
+        /* and it is used */
+        TEST_ASSERT_TRUE_MESSAGE((kind == BVX_ERROR_MEAN ? d.mean : d.max) > errors[i] / 4, where);
     }
 }
 
@@ -545,10 +577,12 @@ static void test_an_error_that_nothing_keeps(void)
 {
     static const double error = 1e-9, most = 1e9;
     bvx_simplify_options o = defaults();
+
     make_shape(shape_named("spikes"));
     o.target_errors = &error;
     simplify(&o, 1);
-    snprintf(where, sizeof where, "%lu of %lu triangles", (unsigned long)level[0].triangle_count, (unsigned long)mesh.triangles);
+    snprintf(where, sizeof where, "%lu of %lu triangles", (unsigned long)level[0].triangle_count,
+             (unsigned long)mesh.triangles);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, level[0].triangle_count, where);
     TEST_ASSERT_EQUAL_INT32(1, report[0].met);
     o.target_errors = &most;
@@ -559,11 +593,13 @@ static void test_an_error_that_nothing_keeps(void)
     TEST_ASSERT_TRUE(level[0].triangle_count < 60);
 }
 
-/* A torus has seven vertices at least, and 14 triangles; where the guarantee stops before is not known, but near. */
+/* A torus has seven vertices at least, and 14 triangles; where the
+ * guarantee stops before is not known, but near. */
 static void test_topology_ends_a_chain(void)
 {
     static const uint64_t targets[2] = {10, 2};
     bvx_simplify_options o = defaults();
+
     make_shape(shape_named("torus"));
     o.target_triangles = targets;
     simplify(&o, 2);
@@ -583,7 +619,8 @@ static void test_topology_ends_a_chain(void)
         o.strict = 1;
         o.target_triangles = none;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 3, level));
-        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_mesh_simplify: level 2"), bvx_last_message(ctx));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_mesh_simplify: level 2"),
+                                     bvx_last_message(ctx));
         for (int i = 0; i < 3; i++) TEST_ASSERT_EQUAL_MEMORY(&empty, &level[i], sizeof empty);
         o.target_triangles = &one;
         simplify(&o, 1);
@@ -596,6 +633,7 @@ static void test_the_smallest_mesh(void)
 {
     static const double corner[15] = {5, 5, 5, 3, 3, 3, 9, 3, 3, 3, 9, 3, 3, 3, 9};
     static const uint64_t one = 1;
+
     for (int i = 0; i < 5; i++) maker_vertex(&mesh, corner[3 * i], corner[3 * i + 1], corner[3 * i + 2]);
     maker_tetrahedron(&mesh, 1, 2, 3, 4);
     to_targets(&one, 1, 0);
@@ -605,13 +643,15 @@ static void test_the_smallest_mesh(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 45, report[0].least_angle);
 }
 
-/* A body without any volume, two facets that lie on each other: closed, and all of it crosses; it gives an answer, not a wrong one. */
+/* A body without any volume, two facets that lie on each other: closed, and
+ * all of it crosses; it gives an answer, not a wrong one. */
 static void test_a_body_that_is_flat(void)
 {
     static const uint64_t one = 1;
     bvx_mesh_view view;
     bvx_simplify_options o = defaults();
     bvx_status status;
+
     make_shape(shape_named("cube"));
     for (size_t v = 0; v < mesh.vertices; v++) mesh.p[3 * v + 2] = 5;
     view = maker_view(&mesh);
@@ -635,6 +675,7 @@ static void test_levels_in_the_callers_arrays(void)
     bvx_mesh wanted[2];
     bvx_mesh_view view;
     bvx_simplify_options o = defaults();
+
     make_shape(shape_named("sphere"));
     view = maker_view(&mesh);
     to_targets(targets, 2, BVX_F64);
@@ -650,7 +691,8 @@ static void test_levels_in_the_callers_arrays(void)
             level[i].triangle_capacity = 1000;
             level[i].position_type = BVX_F64;
         }
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(small ? BVX_ERR_CAPACITY : BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 2, level), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(small ? BVX_ERR_CAPACITY : BVX_OK,
+                                        bvx_mesh_simplify(ctx, &view, &o, 2, level), bvx_last_message(ctx));
         for (int i = 0; i < 2; i++) {
             TEST_ASSERT_TRUE(level[i].positions == p[i] && level[i].triangles == t[i]);
             snprintf(where, sizeof where, "level %d", i);
@@ -677,6 +719,7 @@ static void refuse(bvx_status status, const bvx_simplify_options *o, uint64_t co
     static const bvx_mesh empty[LEVELS_MOST] = {{0}};
     bvx_mesh_view const view = maker_view(&mesh);
     uint64_t const held = bvx_memory_used(ctx);
+
     TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_mesh_simplify(ctx, &view, o, count, level), text);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), text), bvx_last_message(ctx));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_mesh_simplify"));
@@ -689,6 +732,7 @@ static void test_options_that_cannot_be(void)
     static const uint64_t triangles[2] = {100, 0};
     static const double errors[5] = {0.1, 0, -1, (double)NAN, (double)INFINITY};
     bvx_simplify_options o = defaults();
+
     make_shape(shape_named("cube"));
     refuse(BVX_ERR_ARGUMENT, &o, 0, "level_count is 0");
     o.target_triangles = triangles;
@@ -722,6 +766,7 @@ static void test_options_that_cannot_be(void)
 static void test_meshes_that_are_not_what_is_needed(void)
 {
     bvx_simplify_options o = defaults();
+
     o.open = BVX_OPEN_SHELL;
     make_shape(shape_named("cube"));
     maker_remove(&mesh, 33);
@@ -735,7 +780,9 @@ static void test_meshes_that_are_not_what_is_needed(void)
     maker_flip(&mesh, mesh.triangles - 1, mesh.triangles);
     refuse(BVX_ERR_ARGUMENT, &o, 1, "edge from (");
     maker_clear(&mesh); /* two tetrahedra that share a vertex */
-    for (int i = 0; i < 7; i++) maker_vertex(&mesh, 4 + (i % 2) * (i < 4 ? 1 : -1), 4 + (i / 2 % 2) * (i < 4 ? 1 : -1), 4 + (i % 3) * (i < 4 ? 1 : -1));
+    for (int i = 0; i < 7; i++)
+        maker_vertex(&mesh, 4 + (i % 2) * (i < 4 ? 1 : -1), 4 + (i / 2 % 2) * (i < 4 ? 1 : -1),
+                     4 + (i % 3) * (i < 4 ? 1 : -1));
     maker_tetrahedron(&mesh, 0, 1, 2, 3);
     maker_tetrahedron(&mesh, 0, 4, 5, 6);
     refuse(BVX_ERR_ARGUMENT, &o, 1, "several fans");
@@ -754,13 +801,15 @@ static void test_meshes_that_are_not_what_is_needed(void)
 
 /* ---- Memory ---- */
 
-/* Bytes a triangle of what a call takes besides the mesh, between two sizes, so that the fixed part is not in it. */
+/* Bytes a triangle of what a call takes besides the mesh, between two
+ * sizes, so that the fixed part is not in it. */
 static double bytes_a_triangle(int loose, int with_reports, double *fixed)
 {
     static shape s;
     static double corners[9 * SHAPE_MAX];
     static const uint64_t target = 100;
     uint64_t triangles[2], bytes[2];
+
     for (int i = 0; i < 2; i++) {
         bvx_mesh_view view;
         bvx_simplify_options o = defaults();
@@ -768,7 +817,8 @@ static double bytes_a_triangle(int loose, int with_reports, double *fixed)
         o.reports = with_reports ? report : NULL;
         shape_torus(&s, i == 0 ? 64 : 120, i == 0 ? 64 : 80, 0.2, 5);
         shape_view(&s, &view);
-        for (size_t c = 0; c < 3 * (size_t)s.triangles; c++) memcpy(corners + 3 * c, s.v[s.t[c / 3][c % 3]], 24);
+        for (size_t c = 0; c < 3 * (size_t)s.triangles; c++)
+            memcpy(corners + 3 * c, s.v[s.t[c / 3][c % 3]], 24);
         if (loose) {
             view.positions = corners;
             view.indices = NULL;
@@ -780,7 +830,8 @@ static double bytes_a_triangle(int loose, int with_reports, double *fixed)
         bytes[i] = bvx_memory_peak(ctx);
         triangles[i] = view.triangle_count;
     }
-    *fixed = (double)bytes[0] - (double)(bytes[1] - bytes[0]) / (double)(triangles[1] - triangles[0]) * (double)triangles[0];
+    *fixed = (double)bytes[0] -
+             (double)(bytes[1] - bytes[0]) / (double)(triangles[1] - triangles[0]) * (double)triangles[0];
     return (double)(bytes[1] - bytes[0]) / (double)(triangles[1] - triangles[0]);
 }
 
@@ -788,6 +839,7 @@ static double bytes_a_triangle(int loose, int with_reports, double *fixed)
 static void test_memory_is_as_the_header_says(void)
 {
     double fixed, bytes = bytes_a_triangle(0, 0, &fixed);
+
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f", bytes, fixed);
     TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 160 && fixed <= 300000, where);
     bytes = bytes_a_triangle(0, 1, &fixed);

@@ -1,5 +1,6 @@
-/* test_simplify_cells.c - meshes that are large enough for cells of space to collapse on their own: the same bytes for every number of
- * threads and every order of the cells, the guarantee, and thin walls that cells share with others. */
+/* test_simplify_cells.c - meshes that are large enough for cells of space to
+ * collapse on their own: the same bytes for every number of threads and every
+ * order of the cells, the guarantee, and thin walls that cells share with others. */
 #include "levels_support.h"
 
 enum { MOST_THREADS = 7 };
@@ -36,7 +37,8 @@ static bvx_simplify_options options_for(const uint64_t *targets)
 static void simplify(bvx_context *context, const bvx_simplify_options *o, uint64_t count, bvx_mesh *levels)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(context, &view, o, count, levels), bvx_last_message(context));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(context, &view, o, count, levels),
+                                    bvx_last_message(context));
 }
 
 static void check_levels(const uint64_t *targets, uint64_t count, uint64_t pieces)
@@ -56,6 +58,7 @@ static void test_cells_keep_the_guarantee(void)
 {
     static const uint64_t targets[3] = {9000, 2000, 500};
     bvx_simplify_options const o = options_for(targets);
+
     for (int k = 0; k < (quick ? 1 : 3); k++) {
         make_star(100 + 20 * k, 160 + 10 * k, 0.002 * k);
         drop_levels();
@@ -78,6 +81,7 @@ static void test_cells_do_not_see_the_order_of_the_input(void)
 {
     static const uint64_t target = 6000;
     bvx_simplify_options const o = options_for(&target);
+
     make_star(110, 140, 0.002);
     simplify(ctx, &o, 1, &level[0]);
     maker_shuffle_triangles(&mesh, &seed);
@@ -88,10 +92,12 @@ static void test_cells_do_not_see_the_order_of_the_input(void)
 
 /* ---- Borders ---- */
 
-/* Without the triangles near many points of a star: borders in every cell, some of one triangle's length, some of many. */
+/* Without the triangles near many points of a star: borders in every cell,
+ * some of one triangle's length, some of many. */
 static void make_open(int32_t rings, int32_t segments)
 {
     size_t kept = 0;
+
     make_star(rings, segments, 0.002);
     for (size_t t = 0; t < mesh.triangles; t++) {
         const double *const p = mesh.p + 3 * mesh.t[3 * t];
@@ -108,13 +114,16 @@ static void test_open_meshes_keep_borders_in_cells(void)
     static const uint64_t targets[3] = {UINT64_MAX / 3 + 1, 8000, 4000};
     bvx_simplify_options const o = options_for(targets);
     const bvx_certificate *const before = &report[0].certificate;
+
     make_open(120, 160);
     simplify(ctx, &o, 3, level);
     TEST_ASSERT_TRUE(before->triangles > 24000 && before->boundary_edges > 1000);
     for (int i = 0; i < 3; i++) {
         const bvx_certificate *const c = &report[i].certificate;
-        snprintf(where, sizeof where, "level %d of %d triangles, %d border edges", i, (int)level[i].triangle_count, (int)c->boundary_edges);
-        TEST_ASSERT_TRUE_MESSAGE(c->edge_manifold && c->vertex_manifold && c->oriented && report[i].met, where);
+        snprintf(where, sizeof where, "level %d of %d triangles, %d border edges", i,
+                 (int)level[i].triangle_count, (int)c->boundary_edges);
+        TEST_ASSERT_TRUE_MESSAGE(c->edge_manifold && c->vertex_manifold && c->oriented && report[i].met,
+                                 where);
         TEST_ASSERT_EQUAL_UINT64_MESSAGE(before->components, c->components, where);
         TEST_ASSERT_EQUAL_INT64_MESSAGE(before->euler, c->euler, where);
         TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, report[i].crossings, where);
@@ -137,7 +146,8 @@ static void run_backwards(void *user, int32_t count, bvx_task_fn *task, void *ta
     b->tasks += count;
 }
 
-/* One level on a context of its own, which must be the same as another; returns how many tasks ran backwards. */
+/* One level on a context of its own, which must be the same as another; returns how many tasks ran
+ * backwards. */
 static int64_t simplify_on(int32_t threads, int backward, uint64_t target, const bvx_mesh *same)
 {
     backwards b = {threads, 0};
@@ -145,6 +155,7 @@ static int64_t simplify_on(int32_t threads, int backward, uint64_t target, const
     bvx_context_options c;
     bvx_context *other;
     bvx_simplify_options o;
+
     bvx_context_options_init(&c, sizeof c);
     c.threads = threads;
     if (backward) {
@@ -165,6 +176,7 @@ static void test_threads_and_the_order_of_cells_do_not_matter(void)
 {
     static const uint64_t target = 6000;
     bvx_simplify_options const o = options_for(&target);
+
     for (int open = 0; open < 2; open++) {
         if (open) make_open(100, 150);
         else make_hollow(100, 120);
@@ -172,18 +184,21 @@ static void test_threads_and_the_order_of_cells_do_not_matter(void)
         simplify(ctx, &o, 1, &level[0]);
         for (int32_t threads = 2; threads <= MOST_THREADS; threads += threads == 2 ? 1 : 4)
             for (int backward = 0; backward < 2; backward++) {
-                snprintf(where, sizeof where, "%d threads, backwards %d, open %d", (int)threads, backward, open);
+                snprintf(where, sizeof where, "%d threads, backwards %d, open %d", (int)threads, backward,
+                         open);
                 simplify_on(threads, backward, target, &level[0]);
             }
     }
 }
 
-/* Errors are kept by levels that cells lead to, and no larger level keeps less: the same for every number of threads. */
+/* Errors are kept by levels that cells lead to, and no larger level keeps
+ * less: the same for every number of threads. */
 static void test_levels_by_error_run_cells(void)
 {
     static const double errors[2] = {0.02, 0.1};
     bvx_mesh one[2] = {{0}};
     bvx_mesh_view view;
+
     make_star(130, 160, 0);
     view = maker_view(&mesh);
     for (int32_t threads = 1; threads <= 8; threads += threads < 3 ? 1 : 5) {
@@ -204,11 +219,16 @@ static void test_levels_by_error_run_cells(void)
         o.reports = report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 2, one));
         for (int i = 0; i < 2; i++) {
-            snprintf(where, sizeof where, "%d threads, level %d of %d triangles, error %g", (int)threads, i, (int)one[i].triangle_count,
-                     report[i].distance.mean);
-            TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].distance.mean <= errors[i] && report[i].distance.mean > 0.5 * errors[i], where);
-            TEST_ASSERT_TRUE_MESSAGE(report[i].crossings == 0 && report[i].certificate.closed && one[i].triangle_count < 3000, where);
-            if (threads == 1 && i == 0) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 2, level));
+            snprintf(where, sizeof where, "%d threads, level %d of %d triangles, error %g", (int)threads, i,
+                     (int)one[i].triangle_count, report[i].distance.mean);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].distance.mean <= errors[i] &&
+                                         report[i].distance.mean > 0.5 * errors[i],
+                                     where);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].crossings == 0 && report[i].certificate.closed &&
+                                         one[i].triangle_count < 3000,
+                                     where);
+            if (threads == 1 && i == 0)
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 2, level));
             assert_same_bytes(&level[i], &one[i]);
             bvx_mesh_free(other, &one[i]);
         }
@@ -220,6 +240,7 @@ static void test_levels_by_error_run_cells(void)
 static void test_large_meshes_run_cells_and_small_ones_do_not(void)
 {
     int64_t small, large;
+
     make_star(80, 110, 0);
     small = simplify_on(2, 1, 2000, NULL);
     make_star(120, 150, 0);

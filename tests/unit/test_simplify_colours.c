@@ -1,5 +1,6 @@
-/* test_simplify_colours.c - levels with a weight of colours: the borders of colours stay where they are, the geometry nearly as good,
- * the guarantee the same; without a weight not a bit changes. Quadrics against sums over all triangles. */
+/* test_simplify_colours.c - levels with a weight of colours: the borders of colours
+ * stay where they are, the geometry nearly as good, the guarantee the same; without
+ * a weight not a bit changes. Quadrics against sums over all triangles. */
 #include "levels_support.h"
 
 #include "simplify/colours.h"
@@ -54,7 +55,8 @@ static void simplify_coloured(double weight, uint64_t target)
     o.colour_weight = weight;
     o.measure_samples = 20000;
     o.reports = report;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
+                                    bvx_last_message(ctx));
 }
 
 static void carry_colours(bvx_mesh *to)
@@ -70,7 +72,8 @@ static void carry_colours(bvx_mesh *to)
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_carry(ctx, &source, to), bvx_last_message(ctx));
 }
 
-/* How far the line lies from the border, by its length, where the level's red is half of what both colours have. */
+/* How far the line lies from the border, by its length, where the level's
+ * red is half of what both colours have. */
 static double border_shift(const bvx_mesh *m)
 {
     double sum = 0, length = 0;
@@ -80,12 +83,16 @@ static double border_shift(const bvx_mesh *m)
         int ends = 0;
 
         for (int k = 0; k < 3; k++) {
-            uint64_t const u = m->triangles[3 * t + (uint64_t)k], v = m->triangles[3 * t + (uint64_t)(k + 1) % 3];
-            double const red_u = m->colours[4 * u] - 120.5, red_v = m->colours[4 * v] - 120.5; /* whole numbers: never 0 */
+            uint64_t const u = m->triangles[3 * t + (uint64_t)k];
+            uint64_t const v = m->triangles[3 * t + (uint64_t)(k + 1) % 3];
+            /* whole numbers: never 0 */
+            double const red_u = m->colours[4 * u] - 120.5, red_v = m->colours[4 * v] - 120.5;
 
             if ((red_u > 0) == (red_v > 0)) continue;
             for (uint64_t a = 0; a < 3; a++)
-                end[ends][a] = position_of(m, 3 * u + a) + (position_of(m, 3 * v + a) - position_of(m, 3 * u + a)) * red_u / (red_u - red_v);
+                end[ends][a] = position_of(m, 3 * u + a) +
+                               (position_of(m, 3 * v + a) - position_of(m, 3 * u + a)) * red_u /
+                                   (red_u - red_v);
             ends++;
         }
         if (ends == 2) {
@@ -118,8 +125,11 @@ static void test_borders_of_colours_stay(void)
         carry_colours(&level[0]);
         shift[i] = border_shift(&level[0]);
         distance[i] = report[0].distance.mean;
-        snprintf(where, sizeof where, "weight %g: the border is off by %.4f of %.4f, the surface by %.4f of %.4f", weight[i], shift[i], shift[0], distance[i], distance[0]);
-        TEST_ASSERT_TRUE_MESSAGE(i == 0 || (shift[i] < 0.3 * shift[0] && distance[i] < 1.25 * distance[0]), where);
+        snprintf(where, sizeof where,
+                 "weight %g: the border is off by %.4f of %.4f, the surface by %.4f of %.4f", weight[i],
+                 shift[i], shift[0], distance[i], distance[0]);
+        TEST_ASSERT_TRUE_MESSAGE(i == 0 || (shift[i] < 0.3 * shift[0] && distance[i] < 1.25 * distance[0]),
+                                 where);
     }
 }
 
@@ -139,7 +149,8 @@ static void test_borders_stay_on_measured_surfaces(void)
         o.target_triangles = &target;
         o.resolution = 64;
         o.colour_weight = i == 0 ? 0 : 0.02;
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level),
+                                        bvx_last_message(ctx));
         assert_whole(&level[0], 2, 1);
         carry_colours(&level[0]);
         shift[i] = border_shift(&level[0]);
@@ -177,7 +188,9 @@ static void pinch_at(uint32_t v)
         for (size_t j = i + 1; j < mesh.triangles; j++) {
             const uint32_t *const a = mesh.t + 3 * i, *const b = mesh.t + 3 * j;
 
-            if ((a[0] != v && a[1] != v && a[2] != v) || shared_vertices(a, b) != 1 || (b[0] != v && b[1] != v && b[2] != v)) continue;
+            if ((a[0] != v && a[1] != v && a[2] != v) || shared_vertices(a, b) != 1 ||
+                (b[0] != v && b[1] != v && b[2] != v))
+                continue;
             maker_remove(&mesh, j);
             maker_remove(&mesh, i);
             return;
@@ -285,7 +298,8 @@ static void test_memory_is_as_the_header_says(void)
 
 enum { FAN = 7 };
 
-/* The value of a channel where a plane through a triangle's corners has it, by barycentric weights of the nearest point of the plane. */
+/* The value of a channel where a plane through a triangle's corners has it,
+ * by barycentric weights of the nearest point of the plane. */
 static double value_at(const double p[3][3], const double value[3], const double x[3])
 {
     double u[3], v[3], w[3], uu = 0, uv = 0, vv = 0, wu = 0, wv = 0, s, t;
@@ -322,8 +336,10 @@ static double twice_the_area(const double p[3][3])
     return sqrt(sum);
 }
 
-/* Two vertices' triangles summed at a position, each counted for every one of the two that it has; the best colour is the mean. */
-static double summed_cost(const bvxi_corners *m, const uint32_t ends[2], double weight, double scale, const double x[3])
+/* Two vertices' triangles summed at a position, each counted for every one
+ * of the two that it has; the best colour is the mean. */
+static double summed_cost(const bvxi_corners *m, const uint32_t ends[2], double weight, double scale,
+                          const double x[3])
 {
     double cost = 0;
 
@@ -392,7 +408,8 @@ static void test_quadrics_equal_sums_over_the_triangles(void)
             memset(b, 0, sizeof b);
             c = 0;
             bvxi_colours_add(&both, a, b, &c);
-            value = c + 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) + a[0] * d[0] * d[0] + a[3] * d[1] * d[1] + a[5] * d[2] * d[2] +
+            value = c + 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) + a[0] * d[0] * d[0] +
+                    a[3] * d[1] * d[1] + a[5] * d[2] * d[2] +
                     2 * (a[1] * d[0] * d[1] + a[2] * d[0] * d[2] + a[4] * d[1] * d[2]);
             wanted = summed_cost(&m, ends, weight, scale, x);
             snprintf(where, sizeof where, "round %d: %.12g for %.12g", round, value, wanted);

@@ -1,6 +1,6 @@
-/* test_simplify_parts.c - what simplifying is made of, against slow ways: the queue of edges against a list, the boxes of triangles against
- * all of them, corners against connecting anew, what a collapse changes and whether it crosses against all pairs; and that what is known
- * of a mesh changes nothing. */
+/* test_simplify_parts.c - what simplifying is made of, against slow ways: the queue of edges against a list,
+ * the boxes of triangles against all of them, corners against connecting anew, what a collapse changes and
+ * whether it crosses against all pairs; and that what is known of a mesh changes nothing. */
 #include "levels_support.h"
 #include "mesh/cross.h"
 #include "simplify/box_tree.h"
@@ -14,12 +14,14 @@ enum { QUEUE_ENTRIES = 20000, QUEUE_CHUNKS = QUEUE_ENTRIES / BVXI_QUEUE_CHUNK + 
 
 static int32_t queue_head[BVXI_QUEUE_HEADS];
 static bvxi_queue_chunk queue_chunk[QUEUE_CHUNKS];
-static bvxi_queue_entry waiting[QUEUE_ENTRIES]; /* the list that stands for it; buckets as they count: no lower than where it stands */
+/* the list that stands for it; buckets as they count: no lower than where it stands */
+static bvxi_queue_entry waiting[QUEUE_ENTRIES];
 static int32_t waiting_count;
 
 static bvxi_queue open_queue(int32_t batch)
 {
     bvxi_queue q;
+
     memset(&q, 0, sizeof q);
     q.head = queue_head;
     q.chunk = queue_chunk;
@@ -34,6 +36,7 @@ static void put_waiting(bvxi_queue *q, double cost)
 {
     static uint32_t stamp;
     bvxi_queue_entry const e = {(int32_t)(stamp % 1000), stamp, bvxi_queue_bucket(cost)};
+
     stamp++;
     TEST_ASSERT_TRUE(e.bucket >= 0 && e.bucket < BVXI_QUEUE_FINE);
     bvxi_queue_put(q, &e);
@@ -43,11 +46,13 @@ static void put_waiting(bvxi_queue *q, double cost)
     TEST_ASSERT_TRUE(q->used <= q->chunks);
 }
 
-/* What is taken waits in the list, and nothing there is cheaper: to the fine bucket, or where it is parted by batches to the coarse one. */
+/* What is taken waits in the list, and nothing there is cheaper: to the
+ * fine bucket, or where it is parted by batches to the coarse one. */
 static int take_waiting(bvxi_queue *q, int32_t step)
 {
     bvxi_queue_entry e = {0, 0, 0};
     int32_t at = -1, lowest = INT32_MAX;
+
     if (!bvxi_queue_take(q, &e)) return 0;
     for (int32_t i = 0; i < waiting_count; i++) {
         if (waiting[i].bucket / step < lowest) lowest = waiting[i].bucket / step;
@@ -68,8 +73,10 @@ static void check_queue(int32_t batch, int32_t step)
 {
     bvxi_queue q = open_queue(batch);
     int32_t taken = 0, put = 0;
+
     for (int i = 0; i < 1500; i++, put++) put_waiting(&q, any_cost());
-    for (int round = 0; round < 3000; round++) { /* new ones come while others go, some cheaper than all that wait */
+    /* new ones come while others go, some cheaper than all that wait */
+    for (int round = 0; round < 3000; round++) {
         if (maker_below(&seed, 3) != 0) taken += take_waiting(&q, step);
         else {
             put_waiting(&q, maker_below(&seed, 10) == 0 ? 0 : any_cost());
@@ -92,11 +99,13 @@ static void test_queue_gives_the_cheapest(void)
     check_queue(100, BVXI_QUEUE_SPAN);
 }
 
-/* As many chunks as collapse.c makes are enough for its entries, whatever their costs; those given back serve again. */
+/* As many chunks as collapse.c makes are enough for its entries, whatever
+ * their costs; those given back serve again. */
 static void test_queue_needs_no_more_chunks_than_there_are(void)
 {
     bvxi_queue q = open_queue(INT32_MAX);
-    for (int i = 0; i < QUEUE_ENTRIES; i++) put_waiting(&q, ldexp(1, maker_below(&seed, 250) - 125) * (1 + maker_below(&seed, 64) / 64.0));
+    for (int i = 0; i < QUEUE_ENTRIES; i++)
+        put_waiting(&q, ldexp(1, maker_below(&seed, 250) - 125) * (1 + maker_below(&seed, 64) / 64.0));
     TEST_ASSERT_TRUE(q.used <= QUEUE_CHUNKS);
     for (int i = 0; i < 300; i++) take_waiting(&q, 1);
     for (int i = 0; i < 300; i++) put_waiting(&q, any_cost());
@@ -105,8 +114,10 @@ static void test_queue_needs_no_more_chunks_than_there_are(void)
 
 static void test_buckets_rise_with_cost(void)
 {
-    static const double ends[] = {0, -1, -0.0, 1e-300, 1e-45, 1e-38, 1, 1e38, 3e38, 1e300, (double)INFINITY, (double)NAN};
+    static const double ends[] = {0,    -1,   -0.0,  1e-300,           1e-45,      1e-38, 1,
+                                  1e38, 3e38, 1e300, (double)INFINITY, (double)NAN};
     int32_t before = 0;
+
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         int32_t const bucket = bvxi_queue_bucket(ends[i]);
         TEST_ASSERT_TRUE(bucket >= 0 && bucket < BVXI_QUEUE_FINE);
@@ -115,7 +126,8 @@ static void test_buckets_rise_with_cost(void)
     for (double cost = 1e-37; cost < 1e37; cost *= 1.003) {
         int32_t const bucket = bvxi_queue_bucket(cost);
         TEST_ASSERT_TRUE(bucket >= before);
-        TEST_ASSERT_EQUAL_INT32(bucket + BVXI_QUEUE_OCTAVE, bvxi_queue_bucket(2 * cost)); /* what collapse.c counts with */
+        /* what collapse.c counts with */
+        TEST_ASSERT_EQUAL_INT32(bucket + BVXI_QUEUE_OCTAVE, bvxi_queue_bucket(2 * cost));
         before = bucket;
     }
 }
@@ -152,12 +164,15 @@ static void close_table(void)
 static void assert_connected(void)
 {
     bvxi_corners fresh = table;
+
     fresh.triangle = maker_grow(NULL, (size_t)table.triangles * sizeof *fresh.triangle);
-    for (uint64_t t = 0; t < table.triangles; t++) memcpy(fresh.triangle[t].vertex, table.triangle[t].vertex, 12);
+    for (uint64_t t = 0; t < table.triangles; t++)
+        memcpy(fresh.triangle[t].vertex, table.triangle[t].vertex, 12);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvxi_corners_connect(ctx, "test", &fresh, BVXI_BORDERS_REFUSED),
                                     bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(table.triangles, table.left);
-    TEST_ASSERT_EQUAL_INT(0, memcmp(fresh.triangle, table.triangle, (size_t)table.triangles * sizeof *fresh.triangle));
+    TEST_ASSERT_EQUAL_INT(
+        0, memcmp(fresh.triangle, table.triangle, (size_t)table.triangles * sizeof *fresh.triangle));
     free(fresh.triangle);
 }
 
@@ -170,8 +185,10 @@ static void test_corners_face_each_other(void)
             for (int32_t c = 4 * t; c < 4 * t + 3; c++) {
                 int32_t const o = bvxi_corner_opposite(&table, c);
                 TEST_ASSERT_EQUAL_INT32(c, bvxi_corner_opposite(&table, o));
-                TEST_ASSERT_EQUAL_UINT32(bvxi_corner_vertex_of(&table, bvxi_corner_next(c)), bvxi_corner_vertex_of(&table, bvxi_corner_previous(o)));
-                TEST_ASSERT_EQUAL_UINT32(bvxi_corner_vertex_of(&table, c), bvxi_corner_vertex_of(&table, bvxi_corner_turn_left(&table, c)));
+                TEST_ASSERT_EQUAL_UINT32(bvxi_corner_vertex_of(&table, bvxi_corner_next(c)),
+                                         bvxi_corner_vertex_of(&table, bvxi_corner_previous(o)));
+                TEST_ASSERT_EQUAL_UINT32(bvxi_corner_vertex_of(&table, c),
+                                         bvxi_corner_vertex_of(&table, bvxi_corner_turn_left(&table, c)));
                 TEST_ASSERT_EQUAL_INT32(c, bvxi_corner_next(bvxi_corner_previous(c)));
             }
         close_table();
@@ -186,6 +203,7 @@ static bvxi_box_tree boxes;
 static void open_boxes(void)
 {
     double size = 0;
+
     for (size_t a = 0; a < 3; a++) {
         double low = mesh.p[a], high = mesh.p[a];
         for (size_t v = 0; v < mesh.vertices; v++) {
@@ -197,7 +215,8 @@ static void open_boxes(void)
     }
     boxes.scale = BVXI_BOX_HIGHEST / size;
     boxes.faces = 1;
-    bvxi_box_tree_lay_out(&boxes, mesh.triangles, maker_grow(NULL, (size_t)bvxi_box_tree_bytes(mesh.triangles)));
+    bvxi_box_tree_lay_out(&boxes, mesh.triangles,
+                          maker_grow(NULL, (size_t)bvxi_box_tree_bytes(mesh.triangles)));
     bvxi_box_tree_set(&boxes, &table);
 }
 
@@ -223,6 +242,7 @@ static int32_t common_neighbours(uint32_t u, uint32_t v)
 {
     static uint8_t of[2][1 << 16];
     int32_t both = 0;
+
     TEST_ASSERT_TRUE(table_vertices <= sizeof of[0]);
     memset(of, 0, sizeof of);
     for (int32_t t = 0; t < (int32_t)table.triangles; t++)
@@ -238,7 +258,9 @@ static int32_t common_neighbours(uint32_t u, uint32_t v)
 static void assert_star(int32_t edge)
 {
     int32_t expected = 0;
-    for (int32_t t = 0; t < (int32_t)table.triangles; t++) expected += !is_gone(t) && has(t, star.u) != has(t, star.v);
+
+    for (int32_t t = 0; t < (int32_t)table.triangles; t++)
+        expected += !is_gone(t) && has(t, star.u) != has(t, star.v);
     TEST_ASSERT_EQUAL_INT32(edge, star.edge);
     TEST_ASSERT_EQUAL_INT32(expected, star.count);
     TEST_ASSERT_EQUAL_UINT32(star.link[0], star.link[star.count]);
@@ -254,7 +276,8 @@ static void assert_star(int32_t edge)
 
 static void drop_one(int32_t corner)
 {
-    bvxi_corners_join(&table, bvxi_corner_opposite(&table, bvxi_corner_next(corner)), bvxi_corner_opposite(&table, bvxi_corner_previous(corner)));
+    bvxi_corners_join(&table, bvxi_corner_opposite(&table, bvxi_corner_next(corner)),
+                      bvxi_corner_opposite(&table, bvxi_corner_previous(corner)));
     table.triangle[corner >> 2].vertex[0] = BVXI_VERTEX_NONE;
     table.left--;
     if (boxes.levels != 0) bvxi_box_tree_remove(&boxes, corner >> 2);
@@ -263,6 +286,7 @@ static void drop_one(int32_t corner)
 static void apply(void)
 {
     int32_t const across = bvxi_corner_opposite(&table, star.edge);
+
     memcpy(table.at[star.u].p, star.p, sizeof star.p);
     drop_one(star.edge);
     drop_one(across);
@@ -287,6 +311,7 @@ static int32_t any_edge(void)
 static void test_packed_corners_are_as_if_connected_anew(void)
 {
     static const char *const names[] = {"torus", "cylinder", "two plates", "frame"};
+
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         uint64_t collapsed = 0, refused = 0;
         uint32_t *moved;
@@ -296,9 +321,11 @@ static void test_packed_corners_are_as_if_connected_anew(void)
         for (int round = 0; round < 1500 && table.left > 20; round++) {
             int32_t const edge = any_edge();
             int const good = bvxi_star_gather(&table, edge, &star);
-            if (round % 16 == 0 || !good) { /* the link condition, where the ends' triangles are not all the mesh */
-                int32_t const both = common_neighbours(bvxi_corner_vertex_of(&table, bvxi_corner_next(edge)),
-                                                       bvxi_corner_vertex_of(&table, bvxi_corner_previous(edge)));
+            /* the link condition, where the ends' triangles are not all the mesh */
+            if (round % 16 == 0 || !good) {
+                int32_t const both = common_neighbours(
+                    bvxi_corner_vertex_of(&table, bvxi_corner_next(edge)),
+                    bvxi_corner_vertex_of(&table, bvxi_corner_previous(edge)));
                 if (good || star.count >= 3) TEST_ASSERT_EQUAL_INT(both == 2, good);
             }
             refused += !good;
@@ -339,7 +366,9 @@ static bvxi_box any_box(int32_t most)
     bvxi_box b;
     for (int a = 0; a < 3; a++) {
         b.low[a] = (int16_t)maker_below(&seed, BVXI_BOX_HIGHEST + 1);
-        b.high[a] = (int16_t)(b.low[a] + maker_below(&seed, most) > BVXI_BOX_HIGHEST ? BVXI_BOX_HIGHEST : b.low[a] + maker_below(&seed, most));
+        b.high[a] = (int16_t)(b.low[a] + maker_below(&seed, most) > BVXI_BOX_HIGHEST
+                                  ? BVXI_BOX_HIGHEST
+                                  : b.low[a] + maker_below(&seed, most));
         if (b.high[a] < b.low[a]) b.high[a] = b.low[a];
     }
     return b;
@@ -366,7 +395,8 @@ static void assert_facings_grow(const bvxi_box_facing *facing, const uint8_t *go
         for (uint64_t l = 0, i = t; l < (uint64_t)boxes.levels && !gone[t]; l++, i /= BVXI_BOX_WIDTH) {
             const bvxi_box_node *const node = &boxes.node[l][i / BVXI_BOX_WIDTH];
             for (int a = 0; a < 3; a++)
-                TEST_ASSERT_TRUE(node->facing_low[a][i % BVXI_BOX_WIDTH] <= facing[t].low[a] && node->facing_high[a][i % BVXI_BOX_WIDTH] >= facing[t].high[a]);
+                TEST_ASSERT_TRUE(node->facing_low[a][i % BVXI_BOX_WIDTH] <= facing[t].low[a] &&
+                                 node->facing_high[a][i % BVXI_BOX_WIDTH] >= facing[t].high[a]);
         }
 }
 
@@ -384,7 +414,10 @@ static void test_facings_along_a_direction(void)
             int least = 0;
             for (int a = 0; a < 3; a++) {
                 if (round % 3 == 0) f.low[a] = INT8_MIN;
-                else f.low[a] = (int8_t)(f.low[a] - maker_below(&seed, 10) < INT8_MIN ? INT8_MIN : f.low[a] - maker_below(&seed, 10));
+                else
+                    f.low[a] = (int8_t)(f.low[a] - maker_below(&seed, 10) < INT8_MIN
+                                            ? INT8_MIN
+                                            : f.low[a] - maker_below(&seed, 10));
                 if (f.low[a] > f.high[a]) f.low[a] = f.high[a];
                 least += d.along[a] * (d.along[a] < 0 ? f.high[a] : f.low[a]);
             }
@@ -401,6 +434,7 @@ static void find_all(const bvxi_box *box, uint8_t *found)
     static uint64_t stack[BVXI_BOX_STACK];
     bvxi_box_query const q = bvxi_box_ask(box);
     int32_t depth = 0;
+
     stack[depth++] = (uint64_t)(boxes.levels - 1);
     while (depth > 0) {
         uint64_t const top = stack[--depth], index = top >> 4, level_of = top & 15;
@@ -441,10 +475,14 @@ static void test_boxes_find_what_all_triangles_show(void)
         TEST_ASSERT_EQUAL_UINT64(1, boxes.count[boxes.levels - 1]);
         memset(gone, 0, sizeof gone);
         for (size_t t = 0; t < mesh.triangles; t++)
-            facing[t] = bvxi_box_facing_at(mesh.p + 3 * (size_t)mesh.t[3 * t], mesh.p + 3 * (size_t)mesh.t[3 * t + 1], mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
+            facing[t] = bvxi_box_facing_at(mesh.p + 3 * (size_t)mesh.t[3 * t],
+                                           mesh.p + 3 * (size_t)mesh.t[3 * t + 1],
+                                           mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
         assert_facings_grow(facing, gone);
         for (size_t t = 0; t < mesh.triangles; t++)
-            now[t] = bvxi_box_of(&boxes, mesh.p + 3 * (size_t)mesh.t[3 * t], mesh.p + 3 * (size_t)mesh.t[3 * t + 1], mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
+            now[t] = bvxi_box_of(&boxes, mesh.p + 3 * (size_t)mesh.t[3 * t],
+                                 mesh.p + 3 * (size_t)mesh.t[3 * t + 1],
+                                 mesh.p + 3 * (size_t)mesh.t[3 * t + 2]);
         for (int round = 0; round < 600; round++) {
             int32_t const t = maker_below(&seed, (int32_t)mesh.triangles);
             bvxi_box const query = any_box(round % 2 == 0 ? 2000 : 30000);
@@ -481,8 +519,10 @@ static void test_steps_of_boxes_keep_overlaps(void)
         a = bvxi_box_of(&boxes, p[0], p[1], p[2]);
         b = bvxi_box_of(&boxes, p[3], p[4], p[5]);
         for (int k = 0; k < 3; k++) {
-            double const a_low = fmin(p[0][k], fmin(p[1][k], p[2][k])), a_high = fmax(p[0][k], fmax(p[1][k], p[2][k]));
-            double const b_low = fmin(p[3][k], fmin(p[4][k], p[5][k])), b_high = fmax(p[3][k], fmax(p[4][k], p[5][k]));
+            double const a_low = fmin(p[0][k], fmin(p[1][k], p[2][k]));
+            double const a_high = fmax(p[0][k], fmax(p[1][k], p[2][k]));
+            double const b_low = fmin(p[3][k], fmin(p[4][k], p[5][k]));
+            double const b_high = fmax(p[3][k], fmax(p[4][k], p[5][k]));
             apart |= a_low > b_high || b_low > a_high;
         }
         if (!apart) TEST_ASSERT_TRUE(overlap(&a, &b));
@@ -497,8 +537,9 @@ static void test_steps_of_boxes_keep_overlaps(void)
 static int beside(const double *const p[3], const double *const q[3])
 {
     for (int k = 0; k < 3; k++) {
-        if (p[0][k] < q[0][k] && p[0][k] < q[1][k] && p[0][k] < q[2][k] && p[1][k] < q[0][k] && p[1][k] < q[1][k] && p[1][k] < q[2][k] &&
-            p[2][k] < q[0][k] && p[2][k] < q[1][k] && p[2][k] < q[2][k])
+        if (p[0][k] < q[0][k] && p[0][k] < q[1][k] && p[0][k] < q[2][k] && p[1][k] < q[0][k] &&
+            p[1][k] < q[1][k] && p[1][k] < q[2][k] && p[2][k] < q[0][k] && p[2][k] < q[1][k] &&
+            p[2][k] < q[2][k])
             return 1;
     }
     return 0;
@@ -524,12 +565,14 @@ static int new_ones_cross(void)
     return 0;
 }
 
-/* New vertices anywhere near their edges: what is judged safe crosses nothing, what is said to cross does. The mesh gets worse and worse
- * by it, so every kind of fan comes by. */
-static void check_verdicts(const char *name, double spread, int32_t floats, uint64_t verdicts[5], uint64_t sheets[2])
+/* New vertices anywhere near their edges: what is judged safe crosses nothing, what is said to cross does.
+ * The mesh gets worse and worse by it, so every kind of fan comes by. */
+static void check_verdicts(const char *name, double spread, int32_t floats, uint64_t verdicts[5],
+                           uint64_t sheets[2])
 {
     uint32_t *pieces;
     int one;
+
     make_shape(shape_named(name));
     open_table();
     open_boxes();
@@ -583,13 +626,16 @@ static void check_verdicts(const char *name, double spread, int32_t floats, uint
 static void test_verdicts_equal_all_pairs(void)
 {
     uint64_t verdicts[5] = {0, 0, 0, 0, 0}, sheets[2] = {0, 0};
+
     for (int i = 0; i < LEVEL_SHAPES; i++)
-        for (int n = 0; n < 3; n++) check_verdicts(level_shapes[i].name, n == 0 ? 0.05 : n == 1 ? 0.3 : 1.5, n % 2, verdicts, sheets);
+        for (int n = 0; n < 3; n++)
+            check_verdicts(level_shapes[i].name, n == 0 ? 0.05 : n == 1 ? 0.3 : 1.5, n % 2, verdicts, sheets);
     for (int k = 0; k < 5; k++) {
         snprintf(where, sizeof where, "verdict %d: %lu times", k, (unsigned long)verdicts[k]);
         if (k != BVXI_STAR_LINK) TEST_ASSERT_TRUE_MESSAGE(verdicts[k] > 5, where);
     }
-    snprintf(where, sizeof where, "one sheet: %lu times, not: %lu", (unsigned long)sheets[1], (unsigned long)sheets[0]);
+    snprintf(where, sizeof where, "one sheet: %lu times, not: %lu", (unsigned long)sheets[1],
+             (unsigned long)sheets[0]);
     TEST_ASSERT_TRUE_MESSAGE(sheets[0] > 100 && sheets[1] > 100, where);
 }
 
@@ -601,6 +647,7 @@ static uint64_t collapse_known(int32_t simple, uint64_t target, bvx_mesh *result
     bvx_mesh_view const view = maker_view(&mesh);
     bvxi_collapse *collapse;
     uint64_t crossed;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_open(ctx, "test", &view, &o, &collapse));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_to(collapse, target, target, 0, 1));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_give(collapse, result));
@@ -609,19 +656,23 @@ static uint64_t collapse_known(int32_t simple, uint64_t target, bvx_mesh *result
     return crossed;
 }
 
-/* The same bytes, whether it is known or not. Returns how often an edge stayed since triangles would have crossed. */
+/* The same bytes, whether it is known or not. Returns how often an edge
+ * stayed since triangles would have crossed. */
 static uint64_t assert_known_is_the_same(const char *name, uint64_t target)
 {
     bvx_mesh known = {0}, tested = {0};
     bvx_mesh_view view;
     uint64_t crossings = 1, crossed;
+
     crossed = collapse_known(1, target, &known);
     snprintf(where, sizeof where, "%s to %lu", name, (unsigned long)target);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(crossed, collapse_known(0, target, &tested), where);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(tested.vertex_count, known.vertex_count, where);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(tested.triangle_count, known.triangle_count, where);
-    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.positions, known.positions, (size_t)known.vertex_count * 24, where);
-    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.triangles, known.triangles, (size_t)known.triangle_count * 12, where);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.positions, known.positions, (size_t)known.vertex_count * 24,
+                                     where);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(tested.triangles, known.triangles, (size_t)known.triangle_count * 12,
+                                     where);
     bvx_mesh_view_of(&known, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, crossings, where);
@@ -636,7 +687,8 @@ static void test_what_is_known_changes_nothing(void)
     uint64_t crossed = 0;
     for (int i = 0; i < LEVEL_SHAPES; i++) {
         make_shape(&level_shapes[i]);
-        for (uint64_t part = 2; part < 32; part *= 4) crossed += assert_known_is_the_same(level_shapes[i].name, mesh.triangles / part);
+        for (uint64_t part = 2; part < 32; part *= 4)
+            crossed += assert_known_is_the_same(level_shapes[i].name, mesh.triangles / part);
     }
     TEST_ASSERT_TRUE(crossed > 0);
 

@@ -1,4 +1,5 @@
-/* test_slice.c - contours of boxes on planes, whose areas are known; sheets that share an edge; planes that meet nothing. */
+/* test_slice.c - contours of boxes on planes, whose areas are known; sheets
+ * that share an edge; planes that meet nothing. */
 #include "bitvox.h"
 #include "unity.h"
 
@@ -18,7 +19,8 @@ void tearDown(void)
     bvx_context_destroy(ctx);
 }
 
-static const uint32_t box_triangles[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+static const uint32_t box_triangles[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                           2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
 
 static double positions[16][3];
 static uint32_t triangles[72];
@@ -37,6 +39,7 @@ static void put_box(int number, double x, double y, double z, double sx, double 
 static bvx_mesh_view view_of(uint64_t vertices, uint64_t count)
 {
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     v.positions = positions;
     v.indices = triangles;
@@ -47,18 +50,22 @@ static bvx_mesh_view view_of(uint64_t vertices, uint64_t count)
     return v;
 }
 
-/* The area inside the loops of one section, positive with the inside on their left; every point must lie on the plane. */
+/* The area inside the loops of one section, positive with the inside on
+ * their left; every point must lie on the plane. */
 static double area_of(const bvx_sections *s, uint32_t section)
 {
     double area = 0;
+
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
         if (l->section != section) continue;
         for (uint64_t k = 0; k < l->point_count; k++) {
-            const double *const p = s->points + 3 * (l->first_point + k), *const q = s->points + 3 * (l->first_point + (k + 1) % l->point_count);
+            const double *const p = s->points + 3 * (l->first_point + k);
+            const double *const q = s->points + 3 * (l->first_point + (k + 1) % l->point_count);
             const double *const n = s->normal;
             TEST_ASSERT_TRUE(p[0] * n[0] + p[1] * n[1] + p[2] * n[2] == s->positions[section]);
-            area += 0.5 * (n[0] * (p[1] * q[2] - p[2] * q[1]) + n[1] * (p[2] * q[0] - p[0] * q[2]) + n[2] * (p[0] * q[1] - p[1] * q[0]));
+            area += 0.5 * (n[0] * (p[1] * q[2] - p[2] * q[1]) + n[1] * (p[2] * q[0] - p[0] * q[2]) +
+                           n[2] * (p[0] * q[1] - p[1] * q[0]));
         }
     }
     return area;
@@ -68,6 +75,7 @@ static void test_slices_of_a_box_along_each_axis_and_back(void)
 {
     static const double across[3] = {15, 10, 6};
     bvx_mesh_view view;
+
     put_box(0, 1, -2, 0.5, 2, 3, 5);
     view = view_of(8, 12);
     for (int axis = 0; axis < 3; axis++)
@@ -78,10 +86,12 @@ static void test_slices_of_a_box_along_each_axis_and_back(void)
             memset(o.normal, 0, sizeof o.normal);
             o.normal[axis] = back ? -1 : 1;
             o.spacing = 0.25;
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &view, &o, &s), bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &view, &o, &s),
+                                            bvx_last_message(ctx));
             TEST_ASSERT_EQUAL_UINT64(axis == 0 ? 8 : axis == 1 ? 12 : 20, s.section_count);
             TEST_ASSERT_EQUAL_UINT64(s.section_count, s.loop_count);
-            for (uint32_t i = 0; i < s.section_count; i++) TEST_ASSERT_EQUAL_DOUBLE(across[axis], area_of(&s, i));
+            for (uint32_t i = 0; i < s.section_count; i++)
+                TEST_ASSERT_EQUAL_DOUBLE(across[axis], area_of(&s, i));
             bvx_sections_free(ctx, &s);
         }
 }
@@ -91,6 +101,7 @@ static void test_a_spacing_of_more_than_the_mesh_is_one_plane(void)
     bvx_sections s = {0};
     bvx_slice_options o;
     bvx_mesh_view view;
+
     put_box(0, 0, 0, 0, 2, 3, 4);
     view = view_of(8, 12);
     bvx_slice_options_init(&o, sizeof o);
@@ -102,10 +113,12 @@ static void test_a_spacing_of_more_than_the_mesh_is_one_plane(void)
     bvx_sections_free(ctx, &s);
 }
 
-/* Four triangles meet in the edge that two boxes share; whichever way contours go there, they close round the same area. */
+/* Four triangles meet in the edge that two boxes share; whichever way
+ * contours go there, they close round the same area. */
 static void test_boxes_that_share_an_edge(void)
 {
     bvx_mesh_view view;
+
     put_box(0, 0, 0, 0, 1, 1, 1);
     put_box(1, 1, 1, 0, 1, 1, 1);
     view = view_of(16, 24);
@@ -124,10 +137,12 @@ static void test_boxes_that_share_an_edge(void)
     }
 }
 
-static void refused(bvx_status status, const double *at, uint64_t count, double spacing, const bvx_mesh_view *view, const char *words)
+static void refused(bvx_status status, const double *at, uint64_t count, double spacing,
+                    const bvx_mesh_view *view, const char *words)
 {
     bvx_sections s = {0};
     bvx_slice_options o;
+
     bvx_slice_options_init(&o, sizeof o);
     o.positions = at;
     o.position_count = count;
@@ -139,8 +154,13 @@ static void refused(bvx_status status, const double *at, uint64_t count, double 
 
 static void test_planes_that_meet_nothing_and_refusals(void)
 {
-    double const above[1] = {9}, low[1] = {0}, tip[1] = {3}, not_finite[2] = {1, (double)INFINITY}, down[2] = {2, 1};
+    double const above[1] = {9};
+    double const low[1] = {0};
+    double const tip[1] = {3};
+    double const not_finite[2] = {1, (double)INFINITY};
+    double const down[2] = {2, 1};
     bvx_mesh_view box, pyramid;
+
     put_box(0, 0, 0, 0, 2, 3, 4);
     box = view_of(8, 12);
     refused(BVX_ERR_EMPTY, above, 1, 0, &box, "no plane meets the mesh");

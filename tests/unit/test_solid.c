@@ -23,25 +23,29 @@ static void test_box_on_voxel_planes_fills_its_voxels(void)
             for (int32_t z = 0; z < 8; z++)
                 for (int32_t y = 0; y < 7; y++)
                     for (int32_t x = 0; x < 6; x++)
-                        TEST_ASSERT_EQUAL_INT(x >= at && x < at + 4 && y >= at && y < at + 4 && z >= at && z < at + 4,
+                        TEST_ASSERT_EQUAL_INT(x >= at && x < at + 4 && y >= at && y < at + 4 && z >= at &&
+                                                  z < at + 4,
                                               bvx_grid_get(&g, x, y, z));
             bvx_grid_free(ctx, &g);
         }
     }
 }
 
-/* Faces through the centres: a centre on the low face is inside, on the high face outside, as all centres move up. */
+/* Faces through the centres: a centre on the low face is inside, on the
+ * high face outside, as all centres move up. */
 static void test_box_on_centres_is_half_open(void)
 {
     bvx_lattice const l = lattice_of(70, 6, 6);
     double const low[3] = {1.5, 2.5, 0.5}, high[3] = {66.5, 4.5, 3.5};
+
     maker_box(&mesh, low, high);
     for (int32_t fill = 0; fill < 2; fill++) {
         bvx_grid g = solid_of(&l, fill);
         for (int32_t z = 0; z < 6; z++)
             for (int32_t y = 0; y < 6; y++)
                 for (int32_t x = 0; x < 70; x++)
-                    TEST_ASSERT_EQUAL_INT(x >= 1 && x < 66 && y >= 2 && y < 4 && z >= 0 && z < 3, bvx_grid_get(&g, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(x >= 1 && x < 66 && y >= 2 && y < 4 && z >= 0 && z < 3,
+                                          bvx_grid_get(&g, x, y, z));
         bvx_grid_free(ctx, &g);
     }
 }
@@ -52,13 +56,15 @@ static void test_report_by_hand(void)
     double const low[3] = {2, 3, 4}, high[3] = {6, 5, 7};
     bvx_solid_report r;
     bvx_grid g;
+
     maker_box(&mesh, low, high);
     g = solid_by(ctx, &l, NULL, BVX_FILL_PARITY, &r);
     TEST_ASSERT_EQUAL_UINT64(4, r.triangles_used); /* the two faces across x */
     TEST_ASSERT_EQUAL_UINT64(2 * 2 * 3, r.crossings);
     TEST_ASSERT_EQUAL_UINT64(0, r.unbalanced_rows);
     TEST_ASSERT_EQUAL_UINT64(0, r.dropped);
-    for (size_t i = 0; i < sizeof r.reserved / sizeof r.reserved[0]; i++) TEST_ASSERT_EQUAL_UINT64(0, r.reserved[i]);
+    for (size_t i = 0; i < sizeof r.reserved / sizeof r.reserved[0]; i++)
+        TEST_ASSERT_EQUAL_UINT64(0, r.reserved[i]);
     TEST_ASSERT_EQUAL_UINT64(4 * 2 * 3, set_voxels(&g));
     bvx_grid_free(ctx, &g);
     maker_remove(&mesh, 3); /* one triangle of the face at x = 6 */
@@ -80,6 +86,7 @@ static void assert_row(const char *crossings, int32_t fill, const char *voxels, 
     bvx_solid_report r;
     bvx_grid g;
     char seen[80] = "";
+
     maker_clear(&mesh);
     for (int32_t i = 0; crossings[i] != 0; i++) {
         if (crossings[i] == '<' || crossings[i] == 'X') wall(i, 4, 0);
@@ -103,6 +110,7 @@ static void test_rows_by_hand(void)
     assert_row("< >  >  <", BVX_FILL_NONZERO, "##...###..", 0);
     assert_row("X  X", BVX_FILL_NONZERO, "......", 0);
     assert_row("X  X", BVX_FILL_PARITY, "......", 0);
+
     /* a crossing too many */
     assert_row(" < >   > ", BVX_FILL_PARITY, ".##......", 1);
     assert_row(" <   > > ", BVX_FILL_PARITY, ".....##..", 1);
@@ -126,11 +134,16 @@ static void test_all_kinds_of_view_give_the_same_bits(void)
     bvx_lattice const l = lattice_of(65, 12, 13);
     bvx_grid want, got;
     size_t const most = 400;
-    unsigned char *const positions = maker_grow(NULL, most * 3 * 64 + 64), *const indices = maker_grow(NULL, most * 64 + 64);
+    unsigned char *const positions = maker_grow(NULL, most * 3 * 64 + 64);
+    unsigned char *const indices = maker_grow(NULL, most * 64 + 64);
+
     make_random(SOUP, 60, l.dims, 8); /* exact in floats too */
     want = solid_of(&l, BVX_FILL_PARITY);
     for (int32_t variant = 0; variant < 2 * 4 * 3 * 3; variant++) {
-        int const f32 = variant % 2, index = variant / 2 % 4, stride = variant / 8 % 3, offset = variant / 24 % 3;
+        int const f32 = variant % 2;
+        int const index = variant / 2 % 4;
+        int const stride = variant / 8 % 3;
+        int const offset = variant / 24 % 3;
         size_t const point = f32 ? 12 : 24, three = index == 0 ? 0 : (size_t)3 << index;
         size_t const point_stride = point + (stride == 0 ? 0 : stride == 1 ? 4 : 13);
         size_t const three_stride = three + (stride == 0 ? 0 : stride == 1 ? 8 : 7);
@@ -164,7 +177,8 @@ static void test_all_kinds_of_view_give_the_same_bits(void)
         v.index_type = (uint32_t)index;
         v.index_stride = stride == 0 || index == 0 ? 0 : (uint32_t)three_stride;
         memset(&got, 0, sizeof got);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, fill_with(ctx, &v, &l, NULL, BVX_FILL_PARITY, &got, NULL), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, fill_with(ctx, &v, &l, NULL, BVX_FILL_PARITY, &got, NULL),
+                                        bvx_last_message(ctx));
         assert_same_bits(&want, &got, "view");
         bvx_grid_free(ctx, &got);
     }
@@ -177,12 +191,14 @@ static void test_all_kinds_of_view_give_the_same_bits(void)
 
 static bvx_grid untouched; /* stays empty */
 
-static void assert_refused(const bvx_lattice *l, const bvx_window *window, bvx_status status, const char *text)
+static void assert_refused(const bvx_lattice *l, const bvx_window *window, bvx_status status,
+                           const char *text)
 {
     float *floats;
     bvx_mesh_view const view = mesh_view(&floats);
     bvx_grid const empty = {0};
     uint64_t const held = bvx_memory_used(ctx);
+
     for (int32_t fill = 0; fill < 2; fill++) {
         bvx_solid_report report;
         TEST_ASSERT_EQUAL_INT32(status, fill_with(ctx, &view, l, window, fill, &untouched, &report));
@@ -199,12 +215,13 @@ static void test_bad_vertices_are_named_only_when_used(void)
     bvx_lattice const l = lattice_of(65, 12, 13);
     double const bad[5] = {nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -16400};
     static const size_t places[6] = {0, 63, 64, 130, 179, 199};
+
     for (int32_t trial = 0; trial < 2 * 6 * 3 * 5; trial++) {
         size_t const at = places[trial / 2 % 6];
         int const a = trial / 12 % 3, i = trial / 36;
         char name[60];
         bvx_grid want, got;
-        make_random(SOUP, 60, l.dims, 8); /* exact in floats too */
+        make_random(SOUP, 60, l.dims, 8);                          /* exact in floats too */
         for (int n = 0; n < 20; n++) maker_vertex(&mesh, 1, 2, 3); /* used by none */
         if (at < 180) mesh.t[at] = (uint32_t)(at + 1) % 180;
         as_floats = trial % 2;
@@ -228,6 +245,7 @@ static void test_ends_of_the_fixed_point(void)
 {
     bvx_lattice const l = lattice_of(8, 8, 8);
     double const most = 16384.0 - 1.0 / 65536;
+
     for (int a = 0; a < 3; a++)
         for (int sign = -1; sign <= 1; sign += 2) {
             double const low[3] = {1, 1, 1}, high[3] = {6, 6, 6};
@@ -246,6 +264,7 @@ static void test_bad_indices_name_the_triangle(void)
 {
     static const uint32_t bad[3] = {180, 181, UINT32_MAX};
     bvx_lattice const l = lattice_of(65, 12, 13);
+
     make_random(SOUP, 60, l.dims, 16);
     TEST_ASSERT_EQUAL_UINT64(180, mesh.vertices);
     for (size_t c = 0; c < 3; c++)
@@ -262,7 +281,8 @@ static void test_bad_indices_name_the_triangle(void)
         wide[3 * 20 + 2] += UINT64_C(1) << 32;
         v.indices = wide;
         v.index_type = BVX_U64;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, fill_with(ctx, &v, &l, NULL, BVX_FILL_PARITY, &untouched, NULL));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                                fill_with(ctx, &v, &l, NULL, BVX_FILL_PARITY, &untouched, NULL));
         TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "triangle 20"));
     }
     make_random(SOUP, 30000, l.dims, 16); /* of several, one is named, and the same whatever the threads */
@@ -272,7 +292,8 @@ static void test_bad_indices_name_the_triangle(void)
         bvx_mesh_view const v = maker_view(&mesh);
         for (int32_t threads = 2; threads <= 4; threads++) {
             bvx_context *const c = context_with(threads, BVX_CPU_BEST);
-            TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, fill_with(c, &v, &l, NULL, BVX_FILL_NONZERO, &untouched, NULL));
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                                    fill_with(c, &v, &l, NULL, BVX_FILL_NONZERO, &untouched, NULL));
             TEST_ASSERT_EQUAL_STRING(bvx_last_message(ctx), bvx_last_message(c));
             bvx_context_destroy(c);
         }
@@ -282,10 +303,14 @@ static void test_bad_indices_name_the_triangle(void)
 static void test_refusals_of_arguments(void)
 {
     bvx_lattice l = lattice_of(10, 12, 13);
-    bvx_window const outside[5] = {{{0, 0, 0}, {11, 12, 13}}, {{-1, 0, 0}, {5, 5, 5}}, {{0, 0, 9}, {1, 1, 5}}, {{0, 3, 0}, {1, 0, 1}},
+    bvx_window const outside[5] = {{{0, 0, 0}, {11, 12, 13}},
+                                   {{-1, 0, 0}, {5, 5, 5}},
+                                   {{0, 0, 9}, {1, 1, 5}},
+                                   {{0, 3, 0}, {1, 0, 1}},
                                    {{INT32_MAX, 0, 0}, {INT32_MAX, 1, 1}}};
     bvx_mesh_view v;
     bvx_voxelize_options o;
+
     bvx_voxelize_options_init(&o, sizeof o);
     make_random(SOUP, 10, l.dims, 16);
     v = maker_view(&mesh);
@@ -328,6 +353,7 @@ static void test_callers_array_is_filled_in_place(void)
     bvx_window const w = {{3, 1, 2}, {66, 3, 4}};
     uint64_t words[40];
     bvx_mesh_view v;
+
     make_random(SOUP, 60, l.dims, 16);
     v = maker_view(&mesh);
     for (int32_t fill = 0; fill < 2; fill++) {

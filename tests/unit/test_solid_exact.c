@@ -1,4 +1,5 @@
-/* test_solid_exact.c - bvx_voxelize_solid against an oracle in whole numbers: every bit, every row, both rules. */
+/* test_solid_exact.c - bvx_voxelize_solid against an oracle in whole
+ * numbers: every bit, every row, both rules. */
 #include "solid_support.h"
 
 /* ---- Random meshes ---- */
@@ -6,6 +7,7 @@
 static void test_random_meshes_at_all_widths(void)
 {
     static const int32_t widths[] = {1, 2, 63, 64, 65, 127, 128, 129};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (int32_t kind = 0; kind < KINDS; kind++)
             for (int32_t trial = 0; trial < (quick ? 1 : 4); trial++) {
@@ -17,8 +19,9 @@ static void test_random_meshes_at_all_widths(void)
 
 static void test_random_meshes_on_flat_lattices(void)
 {
-    static const int32_t sizes[][3] = {{1, 1, 1}, {1, 70, 1}, {1, 1, 70}, {1, 33, 35}, {70, 1, 1}, {66, 40, 1}, {66, 1, 40}, {2, 2, 2},
-                                       {1, 130, 2}, {3, 1, 200}};
+    static const int32_t sizes[][3] = {{1, 1, 1},   {1, 70, 1},  {1, 1, 70}, {1, 33, 35}, {70, 1, 1},
+                                       {66, 40, 1}, {66, 1, 40}, {2, 2, 2},  {1, 130, 2}, {3, 1, 200}};
+
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t kind = 0; kind < KINDS; kind++) {
             bvx_lattice const l = lattice_of(sizes[s][0], sizes[s][1], sizes[s][2]);
@@ -43,6 +46,7 @@ static void test_random_meshes_with_all_fraction_bits(void)
 static void test_long_lattices_through_windows(void)
 {
     static const int32_t lengths[4] = {8193, 100000, 1 << 24, 1 << 25};
+
     for (int i = 0; i < 4; i++)
         for (int axis = 0; axis < 3; axis++)
             for (int32_t trial = 0; trial < 3; trial++) {
@@ -65,6 +69,7 @@ static void test_extreme_triangles(void)
 {
     double const most = (double)((1 << 30) - 1) / 65536;
     bvx_lattice l;
+
     for (int32_t trial = 0; trial < (quick ? 60 : 600); trial++) {
         l = lattice_of(65, 6, 7);
         maker_clear(&mesh);
@@ -74,8 +79,11 @@ static void test_extreme_triangles(void)
                 double p[3];
                 for (int a = 0; a < 3; a++) {
                     int32_t const pick = maker_below(&seed, 8);
-                    p[a] = pick < 3 ? most : pick < 6 ? -most : maker_between(&seed, 0, l.dims[a], pick == 6 ? 2 : 65536);
-                    if (pick < 6 && maker_below(&seed, 3) == 0) p[a] -= p[a] > 0 ? maker_below(&seed, 9) / 65536.0 : -maker_below(&seed, 9) / 65536.0;
+                    p[a] = pick < 3   ? most
+                           : pick < 6 ? -most
+                                      : maker_between(&seed, 0, l.dims[a], pick == 6 ? 2 : 65536);
+                    if (pick < 6 && maker_below(&seed, 3) == 0)
+                        p[a] -= p[a] > 0 ? maker_below(&seed, 9) / 65536.0 : -maker_below(&seed, 9) / 65536.0;
                 }
                 v[k] = maker_vertex(&mesh, p[0], p[1], p[2]);
             }
@@ -85,7 +93,8 @@ static void test_extreme_triangles(void)
     }
 }
 
-/* Planes that pass within a few steps, or exactly, through centres of long rows: where doubles cannot decide. */
+/* Planes that pass within a few steps, or exactly, through centres of long rows: where doubles cannot
+ * decide. */
 static void test_planes_through_centres(void)
 {
     for (int32_t trial = 0; trial < (quick ? 40 : 400); trial++) {
@@ -97,13 +106,16 @@ static void test_planes_through_centres(void)
             double c[3], u[3], w[3];
             uint32_t a, b, d;
             for (int i = 0; i < 3; i++) {
-                c[i] = maker_below(&seed, n[i]) + 0.5; /* a centre, and two whole steps in the plane: many centres on it */
+                /* a centre, and two whole steps in the plane: many centres on it */
+                c[i] = maker_below(&seed, n[i]) + 0.5;
                 u[i] = maker_below(&seed, 7) - 3;
                 w[i] = maker_below(&seed, 7) - 3;
             }
             a = maker_vertex(&mesh, c[0] - u[0] * scale, c[1] - u[1] * scale, c[2] - u[2] * scale);
-            b = maker_vertex(&mesh, c[0] + (u[0] - w[0]) * scale, c[1] + (u[1] - w[1]) * scale, c[2] + (u[2] - w[2]) * scale);
-            for (int i = 0; i < 3; i++) c[i] += w[i] * scale + (maker_below(&seed, 3) == 0 ? maker_below(&seed, 3) - 1 : 0) / 65536.0;
+            b = maker_vertex(&mesh, c[0] + (u[0] - w[0]) * scale, c[1] + (u[1] - w[1]) * scale,
+                             c[2] + (u[2] - w[2]) * scale);
+            for (int i = 0; i < 3; i++)
+                c[i] += w[i] * scale + (maker_below(&seed, 3) == 0 ? maker_below(&seed, 3) - 1 : 0) / 65536.0;
             d = maker_vertex(&mesh, c[0], c[1], c[2]);
             maker_triangle(&mesh, a, b, d);
         }
@@ -112,12 +124,14 @@ static void test_planes_through_centres(void)
     }
 }
 
-/* A triangle with corners a, v and -(a + m v) about a centre: the centre has weights 1 : m : 1, so one step of a's x
- * moves the crossing by 1 / (m + 2) steps. That is where divisions in doubles are trusted, or are not. */
+/* A triangle with corners a, v and -(a + m v) about a centre: the centre
+ * has weights 1 : m : 1, so one step of a's x moves the crossing by 1 / (m
+ * + 2) steps. That is where divisions in doubles are trusted, or are not. */
 static void test_crossings_a_hair_from_a_centre(void)
 {
     for (int32_t trial = 0; trial < (quick ? 1000 : 8000); trial++) {
-        bvx_lattice const l = trial % 2 ? lattice_of(70, 3, 2) : lattice_of(66, 1 + maker_below(&seed, 12), 12);
+        bvx_lattice const l = trial % 2 ? lattice_of(70, 3, 2)
+                                        : lattice_of(66, 1 + maker_below(&seed, 12), 12);
         maker_clear(&mesh);
         for (int32_t t = 0; t < 3; t++) {
             int32_t const m = 1 + maker_below(&seed, 1 << (1 + maker_below(&seed, 20)));
@@ -148,6 +162,7 @@ static void test_crossings_a_hair_from_a_centre(void)
 static void other_side(int64_t a, int64_t b, int64_t *c, int64_t *d)
 {
     int64_t r0 = a, r1 = b, s0 = 1, s1 = 0, t0 = 0, t1 = 1; /* r = s a + t b */
+
     while (r1 != 0) {
         int64_t const n = r0 / r1;
         int64_t const r = r0 - n * r1, s = s0 - n * s1, t = t0 - n * t1;
@@ -162,11 +177,12 @@ static void other_side(int64_t a, int64_t b, int64_t *c, int64_t *d)
     *c = r0 < 0 ? t0 : -t0;
 }
 
-/* The last digit: weights e of the corners at a centre are coprime, and x coordinates are solved so that the plane passes
- * the centre at -1, 0 or 1 parts of the weights' sum. */
+/* The last digit: weights e of the corners at a centre are coprime, and x coordinates are solved so that the
+ * plane passes the centre at -1, 0 or 1 parts of the weights' sum. */
 static void test_crossings_as_near_to_a_centre_as_can_be(void)
 {
     int64_t tried = 0;
+
     for (int32_t trial = 0; trial < (quick ? 1500 : 15000); trial++) {
         bvx_lattice const l = lattice_of(70, 3, 2);
         int32_t const range = 1 << (2 + maker_below(&seed, 14)), off = maker_below(&seed, 3) - 1;
@@ -210,15 +226,24 @@ static void test_crossings_as_near_to_a_centre_as_can_be(void)
     TEST_ASSERT_TRUE(tried > (quick ? 50 : 500));
 }
 
-/* Long edges that pass a centre as near as whole numbers can, or through it: the edge function there is -1, 0 or 1. */
+/* Long edges that pass a centre as near as whole numbers can, or through
+ * it: the edge function there is -1, 0 or 1. */
 static void test_edges_a_hair_from_a_centre(void)
 {
     int64_t tried = 0;
+
     for (int32_t trial = 0; trial < (quick ? 1000 : 8000); trial++) {
-        bvx_lattice const l = trial % 3 == 0 ? lattice_of(3, 1, 1) : trial % 3 == 1 ? lattice_of(3, 2, 3) : lattice_of(3, 9, 9);
+        bvx_lattice const l = trial % 3 == 0   ? lattice_of(3, 1, 1)
+                              : trial % 3 == 1 ? lattice_of(3, 2, 3)
+                                               : lattice_of(3, 9, 9);
         int32_t const range = 1 << (4 + maker_below(&seed, 25)), off = maker_below(&seed, 3) - 1;
-        double const y = (maker_below(&seed, l.dims[1]) + 0.5) * 65536, z = (maker_below(&seed, l.dims[2]) + 0.5) * 65536;
-        int64_t a = maker_below(&seed, 2 * range + 1) - range, b = maker_below(&seed, 2 * range + 1) - range, c, d, g = a, h = b;
+        double const y = (maker_below(&seed, l.dims[1]) + 0.5) * 65536;
+        double const z = (maker_below(&seed, l.dims[2]) + 0.5) * 65536;
+        int64_t a = maker_below(&seed, 2 * range + 1) - range;
+        int64_t b = maker_below(&seed, 2 * range + 1) - range;
+        int64_t c, d;
+        int64_t g = a;
+        int64_t h = b;
         double p[3][3];
         int fits = 1;
         while (h != 0) {
@@ -267,9 +292,11 @@ static void test_snapping_of_arbitrary_coordinates(void)
         maker_clear(&mesh);
         for (int32_t t = 0; t < 80; t++) {
             double p[9];
-            for (int i = 0; i < 9; i++) p[i] = low[i % 3] + (high[i % 3] - low[i % 3]) * ((double)maker_below(&seed, 1 << 30) / (1 << 30));
-            maker_triangle(&mesh, maker_vertex(&mesh, p[0], p[1], p[2]), maker_vertex(&mesh, p[3], p[4], p[5]),
-                           maker_vertex(&mesh, p[6], p[7], p[8]));
+            for (int i = 0; i < 9; i++)
+                p[i] = low[i % 3] +
+                       (high[i % 3] - low[i % 3]) * ((double)maker_below(&seed, 1 << 30) / (1 << 30));
+            maker_triangle(&mesh, maker_vertex(&mesh, p[0], p[1], p[2]),
+                           maker_vertex(&mesh, p[3], p[4], p[5]), maker_vertex(&mesh, p[6], p[7], p[8]));
         }
         as_floats = trial % 2 && trial % 5;
         for (size_t i = 0; i < 3 * mesh.vertices && as_floats; i++) mesh.p[i] = (double)(float)mesh.p[i];
@@ -283,6 +310,7 @@ static void test_snapping_of_arbitrary_coordinates(void)
 static void test_sets_of_cubes_are_their_own_solids(void)
 {
     static const int32_t widths[] = {1, 63, 64, 65, 128};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (int32_t chance = 1; chance <= 3; chance++) {
             int32_t const n[3] = {widths[w], 9, 7};
@@ -299,7 +327,8 @@ static void test_sets_of_cubes_are_their_own_solids(void)
                 for (int32_t z = 0; z < n[2]; z++)
                     for (int32_t y = 0; y < n[1]; y++)
                         for (int32_t x = 0; x < n[0]; x++)
-                            TEST_ASSERT_EQUAL_INT(maker_solid_at(solid, n, x, y, z), bvx_grid_get(&g, x, y, z));
+                            TEST_ASSERT_EQUAL_INT(maker_solid_at(solid, n, x, y, z),
+                                                  bvx_grid_get(&g, x, y, z));
                 TEST_ASSERT_EQUAL_UINT64(0, r.unbalanced_rows);
                 bvx_grid_free(ctx, &g);
             }
@@ -321,8 +350,10 @@ static void test_closed_solids_balance(void)
         int32_t const steps = trial % 3 == 0 ? 2 : trial % 3 == 1 ? 16 : 65536;
         maker_clear(&mesh);
         star_at(30, 15, 15, 13, 0.5, steps);
-        if (trial % 2) star_at(33, 14, 16, 5, 0.5, steps);                                        /* nested or overlapping */
-        if (trial % 4 > 1) maker_flip(&mesh, 0, mesh.triangles / (size_t)(1 + trial % 2)); /* whole shells inverted */
+        /* nested or overlapping */
+        if (trial % 2) star_at(33, 14, 16, 5, 0.5, steps);
+        /* whole shells inverted */
+        if (trial % 4 > 1) maker_flip(&mesh, 0, mesh.triangles / (size_t)(1 + trial % 2));
         if (trial % 5 == 0)
             for (size_t i = 0, n = mesh.triangles; i < n; i++) { /* every triangle twice, back to back */
                 maker_duplicate(&mesh, i);
@@ -357,7 +388,8 @@ static void test_spoiled_solids(void)
     }
 }
 
-/* Space cut into tetrahedra, dealt out to four solids: none of them shares a voxel with another, none is left out. */
+/* Space cut into tetrahedra, dealt out to four solids: none of them shares
+ * a voxel with another, none is left out. */
 static void test_solids_that_share_faces_share_no_voxels(void)
 {
     enum { N = 4, SOLIDS = 4 };
@@ -380,12 +412,13 @@ static void test_solids_that_share_faces_share_no_voxels(void)
                         for (int b = 0; b < 3 && p[a] >= 0; b++)
                             if (at[b] == 0 || at[b] == N) goto fixed; /* the outer box stays */
                         p[a] += maker_between(&seed, -jitter, jitter, steps);
-                    fixed:;
+fixed:;
                     }
                     maker_vertex(&all, p[0], p[1], p[2]);
                 }
         for (int s = 0; s < SOLIDS; s++)
-            for (size_t i = 0; i < all.vertices; i++) maker_vertex(&part[s], all.p[3 * i], all.p[3 * i + 1], all.p[3 * i + 2]);
+            for (size_t i = 0; i < all.vertices; i++)
+                maker_vertex(&part[s], all.p[3 * i], all.p[3 * i + 1], all.p[3 * i + 2]);
         for (int32_t z = 0; z < N; z++)
             for (int32_t y = 0; y < N; y++)
                 for (int32_t x = 0; x < N; x++)

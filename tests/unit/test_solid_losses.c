@@ -19,7 +19,8 @@ static uint64_t voxels_at(bvx_context *c, int32_t resolution, int32_t check)
     o.check_thin = check;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(c, &view, resolution, &lattice));
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(c, &view, &lattice, &o, &g), bvx_last_message(c));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(c, &view, &lattice, &o, &g),
+                                    bvx_last_message(c));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(c, &g, &n));
     bvx_grid_free(c, &g);
     return n;
@@ -105,7 +106,8 @@ static void test_plates_across_any_axis_are_told_with_their_place(void)
     }
 }
 
-/* A fin of a few voxels beside a block of many: a thousandth of the lines of centres that the mesh crosses. */
+/* A fin of a few voxels beside a block of many: a thousandth of the lines of centres that the mesh
+ * crosses. */
 static void test_small_losses_are_told_by_default(void)
 {
     for (int32_t axis = 0; axis < 3; axis++) {
@@ -176,10 +178,12 @@ static void test_volumes_are_compared_where_they_can_be(void)
     TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.volume > 5.0);
 }
 
-/* Also in a window, and whatever unused vertices are; threads, the fast code and the order of triangles do not show. */
+/* Also in a window, and whatever unused vertices are; threads, the fast
+ * code and the order of triangles do not show. */
 static void test_what_is_told_depends_on_mesh_and_lattice(void)
 {
-    bvx_context *const threads = context_with(3, BVX_CPU_BEST), *const portable = context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const threads = context_with(3, BVX_CPU_BEST);
+    bvx_context *const portable = context_with(1, BVX_CPU_PORTABLE);
     bvx_solid_report first;
     bvx_window const part = {{20, 20, 20}, {30, 30, 11}};
     bvx_voxelize_options o;
@@ -201,7 +205,8 @@ static void test_what_is_told_depends_on_mesh_and_lattice(void)
     maker_shuffle_triangles(&mesh, &seed);
     maker_vertex(&mesh, (double)NAN, 0, (double)INFINITY);
     view = maker_view(&mesh);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(first.thin_voxels, report.thin_voxels);
     TEST_ASSERT_TRUE(first.thin_wall == report.thin_wall && first.thin_resolution == report.thin_resolution);
     TEST_ASSERT_EQUAL_MEMORY(first.thin_low, report.thin_low, sizeof first.thin_low);

@@ -1,4 +1,5 @@
-/* test_solid_same.c - what may not change a solid: place, order, windows, threads, code paths, the amount of work. */
+/* test_solid_same.c - what may not change a solid: place, order, windows,
+ * threads, code paths, the amount of work. */
 #include "solid_support.h"
 
 #if defined(__SSE2__)
@@ -22,7 +23,8 @@ static void test_shift_by_whole_voxels_shifts_the_bits(void)
         for (int32_t z = 0; z + by[2] < l.dims[2]; z++)
             for (int32_t y = 0; y + by[1] < l.dims[1]; y++)
                 for (int32_t x = 0; x + by[0] < l.dims[0]; x++)
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&a, x, y, z), bvx_grid_get(&b, x + by[0], y + by[1], z + by[2]));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&a, x, y, z),
+                                          bvx_grid_get(&b, x + by[0], y + by[1], z + by[2]));
         bvx_grid_free(ctx, &a);
         bvx_grid_free(ctx, &b);
     }
@@ -60,6 +62,7 @@ static void test_order_and_orientation_change_nothing(void)
 static void test_windows_are_cut_out_of_the_whole(void)
 {
     uint64_t unbalanced[2] = {0, 0};
+
     for (int32_t trial = 0; trial < (quick ? 6 : 40); trial++) {
         bvx_lattice const l = lattice_of(130, 19, 17);
         for (int32_t fill = 0; fill < 2; fill++) {
@@ -80,7 +83,8 @@ static void test_windows_are_cut_out_of_the_whole(void)
                 for (int32_t z = 0; z < w.size[2]; z++)
                     for (int32_t y = 0; y < w.size[1]; y++)
                         for (int32_t x = 0; x < w.size[0]; x++)
-                            if (bvx_grid_get(&part, x, y, z) != bvx_grid_get(&whole, x + w.low[0], y + w.low[1], z + w.low[2]))
+                            if (bvx_grid_get(&part, x, y, z) !=
+                                bvx_grid_get(&whole, x + w.low[0], y + w.low[1], z + w.low[2]))
                                 TEST_FAIL_MESSAGE("a window's voxel differs from the whole's");
                 bvx_grid_free(ctx, &part);
             }
@@ -112,7 +116,8 @@ static void test_threads_and_code_paths_agree(void)
 {
     for (int32_t kind = 0; kind < KINDS; kind++) {
         bvx_lattice const l = lattice_of(129, 40, 37);
-        int32_t const cheap = kind == NEEDLES || kind == DEGENERATE || kind == TINY; /* enough for many chunks */
+        /* enough for many chunks */
+        int32_t const cheap = kind == NEEDLES || kind == DEGENERATE || kind == TINY;
         make_random(kind, (cheap ? 9000 : 200) / (quick ? 4 : 1), l.dims, 16);
         assert_all_contexts_agree(&l);
     }
@@ -153,11 +158,14 @@ static void test_flushing_denormals_changes_nothing(void)
 static void test_rounds_of_small_triangles(void)
 {
     bvx_lattice const l = lattice_of(40, 33, 34);
+
     maker_clear(&mesh);
     for (int32_t i = 0; i < (quick ? 3000 : 12000); i++) { /* about four crossings each: many times 8192 */
         double const x = maker_below(&seed, 40), y = maker_below(&seed, 33), z = maker_below(&seed, 34);
         double const u = maker_between(&seed, 3.5, 3.99, 65536), v = maker_between(&seed, 1.5, 1.99, 65536);
-        uint32_t const a = maker_vertex(&mesh, x, y, z), b = maker_vertex(&mesh, x + 3, y + u, z), c = maker_vertex(&mesh, x - 2, y, z + v);
+        uint32_t const a = maker_vertex(&mesh, x, y, z);
+        uint32_t const b = maker_vertex(&mesh, x + 3, y + u, z);
+        uint32_t const c = maker_vertex(&mesh, x - 2, y, z + v);
         maker_triangle(&mesh, a, i % 2 ? b : c, i % 2 ? c : b);
     }
     assert_both_rules(&l);
@@ -176,12 +184,18 @@ static void test_rounds_of_large_triangles(void)
 static void test_rounds_of_mixed_triangles(void)
 {
     bvx_lattice const l = lattice_of(40, 60, 60);
+
     for (int32_t large = 4; large <= 20; large += 8) {
         maker_clear(&mesh);
         for (int32_t i = 0; i < 2000; i++) {
-            double const x = maker_below(&seed, 40), y = maker_below(&seed, 60 - large), z = maker_below(&seed, 60 - large);
-            double const u = (i % 2 ? 3.5 : large) + maker_below(&seed, 100) / 256.0, v = (i % 2 ? 1.5 : large) + maker_below(&seed, 100) / 256.0;
-            uint32_t const a = maker_vertex(&mesh, x, y, z), b = maker_vertex(&mesh, x + 3, y + u, z), c = maker_vertex(&mesh, x - 2, y, z + v);
+            double const x = maker_below(&seed, 40);
+            double const y = maker_below(&seed, 60 - large);
+            double const z = maker_below(&seed, 60 - large);
+            double const u = (i % 2 ? 3.5 : large) + maker_below(&seed, 100) / 256.0;
+            double const v = (i % 2 ? 1.5 : large) + maker_below(&seed, 100) / 256.0;
+            uint32_t const a = maker_vertex(&mesh, x, y, z);
+            uint32_t const b = maker_vertex(&mesh, x + 3, y + u, z);
+            uint32_t const c = maker_vertex(&mesh, x - 2, y, z + v);
             maker_triangle(&mesh, a, i % 3 ? b : c, i % 3 ? c : b);
         }
         assert_both_rules(&l);
@@ -192,6 +206,7 @@ static void test_rounds_of_many_chunks(void)
 {
     bvx_lattice const l = lattice_of(128, 120, 120);
     double const centre[3] = {64, 60, 60}, radius[3] = {60, 59, 58}, inner[3] = {40, 39, 38};
+
     maker_clear(&mesh);
     maker_star(&mesh, &seed, centre, radius, 0.02, quick ? 60 : 300, quick ? 100 : 460, 65536);
     maker_star(&mesh, &seed, centre, inner, 0.02, quick ? 12 : 60, quick ? 20 : 91, 65536);

@@ -1,4 +1,5 @@
-/* test_surface.c - bvx_extract_surface against marching cubes done cell by cell: every position, every triangle. */
+/* test_surface.c - bvx_extract_surface against marching cubes done cell by
+ * cell: every position, every triangle. */
 #include "tools/fault.h"
 #include "tools/surface_oracle.h"
 
@@ -53,7 +54,8 @@ static bvx_extract_options extract_options(void)
 static double const odd_origin[3] = {-3.7, 12.1, 0.3}, odd_spacing[3] = {0.1, 0.3, 0.7};
 
 /* An empty grid of this window size; low shifts the window within its lattice. */
-static void open_grid(const double origin[3], const double spacing[3], int32_t x, int32_t y, int32_t z, int32_t low)
+static void open_grid(const double origin[3], const double spacing[3], int32_t x, int32_t y, int32_t z,
+                      int32_t low)
 {
     int32_t const dims[3] = {x + 2 * low, y + 2 * low, z + 2 * low};
     bvx_window const w = {{low, low, low}, {x, y, z}};
@@ -68,7 +70,8 @@ static void sprinkle(int32_t full)
 {
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
-            for (int32_t x = 0; x < grid.size[0]; x++) bvx_grid_set(&grid, x, y, z, maker_below(&seed, 16) < full);
+            for (int32_t x = 0; x < grid.size[0]; x++)
+                bvx_grid_set(&grid, x, y, z, maker_below(&seed, 16) < full);
 }
 
 static bvx_mesh surface_by(bvx_context *c, const bvx_extract_options *o)
@@ -81,19 +84,23 @@ static bvx_mesh surface_by(bvx_context *c, const bvx_extract_options *o)
 static void assert_mesh_is(const oracle_surface *s, const bvx_extract_options *o, const bvx_mesh *m)
 {
     uint64_t vertices = 0, triangles = 0;
+
     TEST_ASSERT_EQUAL_UINT64(s->vertices, m->vertex_count);
     TEST_ASSERT_EQUAL_UINT64(s->triangle_count, m->triangle_count);
     TEST_ASSERT_EQUAL_INT32(o->position_type, m->position_type);
     if (s->triangle_count != 0)
-        TEST_ASSERT_EQUAL_INT_MESSAGE(0, memcmp(s->triangles, m->triangles, (size_t)s->triangle_count * 12), "triangles");
+        TEST_ASSERT_EQUAL_INT_MESSAGE(0, memcmp(s->triangles, m->triangles, (size_t)s->triangle_count * 12),
+                                      "triangles");
     for (uint64_t i = 0; i < 3 * s->vertices; i++) {
         if (o->position_type == BVX_F32) {
-            if (((const float *)m->positions)[i] != (float)s->positions[i]) TEST_FAIL_MESSAGE("a position (f32)");
+            if (((const float *)m->positions)[i] != (float)s->positions[i])
+                TEST_FAIL_MESSAGE("a position (f32)");
         } else {
             if (((const double *)m->positions)[i] != s->positions[i]) TEST_FAIL_MESSAGE("a position (f64)");
         }
     }
-    for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(m->frame[a] == (o->local_frame ? grid.lattice.origin[a] : 0.0));
+    for (int a = 0; a < 3; a++)
+        TEST_ASSERT_TRUE(m->frame[a] == (o->local_frame ? grid.lattice.origin[a] : 0.0));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_count(ctx, &grid, o, &vertices, &triangles));
     TEST_ASSERT_EQUAL_UINT64(s->vertices, vertices);
     TEST_ASSERT_EQUAL_UINT64(s->triangle_count, triangles);
@@ -114,7 +121,8 @@ static void assert_same_mesh(const bvx_mesh *a, const bvx_mesh *b)
 {
     TEST_ASSERT_EQUAL_UINT64(a->vertex_count, b->vertex_count);
     TEST_ASSERT_EQUAL_UINT64(a->triangle_count, b->triangle_count);
-    TEST_ASSERT_EQUAL_INT(0, memcmp(a->positions, b->positions, (size_t)a->vertex_count * (a->position_type == BVX_F32 ? 12 : 24)));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(a->positions, b->positions,
+                                    (size_t)a->vertex_count * (a->position_type == BVX_F32 ? 12 : 24)));
     TEST_ASSERT_EQUAL_INT(0, memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * 12));
     TEST_ASSERT_EQUAL_INT(a->vertex_keys == NULL, b->vertex_keys == NULL);
     if (a->vertex_keys == NULL) return;
@@ -126,12 +134,14 @@ static void assert_same_mesh(const bvx_mesh *a, const bvx_mesh *b)
 
 static void test_one_voxel_is_an_octahedron(void)
 {
-    static const float want[18] = {2.5f, 3.5f, 4, 2.5f, 3, 4.5f, 2, 3.5f, 4.5f, 3, 3.5f, 4.5f, 2.5f, 4, 4.5f, 2.5f, 3.5f, 5};
+    static const float want[18] = {2.5f, 3.5f, 4,    2.5f, 3, 4.5f, 2,    3.5f, 4.5f,
+                                   3,    3.5f, 4.5f, 2.5f, 4, 4.5f, 2.5f, 3.5f, 5};
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     bvx_extract_options const o = extract_options();
     bvx_mesh m;
     bvx_mesh_view view;
     bvx_certificate c;
+
     TEST_ASSERT_EQUAL_INT32(BVX_FACE_SEPARATE, o.face_rule);
     TEST_ASSERT_EQUAL_INT32(BVX_F32, o.position_type);
     open_grid(origin, spacing, 5, 6, 7, 0);
@@ -139,7 +149,9 @@ static void test_one_voxel_is_an_octahedron(void)
     m = surface_by(ctx, NULL);
     TEST_ASSERT_EQUAL_UINT64(6, m.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(8, m.triangle_count);
-    /* by (z, y, axis, x): the z-edge below, then row y = 2's y-edge, row y = 3's x-edges, its y-edge, its z-edge */
+
+    /* by (z, y, axis, x): the z-edge below, then row y = 2's y-edge, row y
+     * = 3's x-edges, its y-edge, its z-edge */
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(want, m.positions, 18);
     bvx_mesh_view_of(&m, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
@@ -154,6 +166,7 @@ static void test_one_voxel_is_an_octahedron(void)
 static void test_face_rules_join_or_separate(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+
     for (int32_t rule = 0; rule < 2; rule++) {
         bvx_extract_options o = extract_options();
         bvx_mesh m;
@@ -175,6 +188,7 @@ static void test_face_rules_join_or_separate(void)
 static void test_empty_and_full_grids(void)
 {
     static const int32_t widths[] = {1, 63, 64, 65, 128};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (int32_t sides = 0; sides < 64; sides++) {
             bvx_extract_options o = extract_options();
@@ -200,6 +214,7 @@ static void test_noise_at_all_widths(void)
 {
     static const int32_t widths[] = {1, 2, 63, 64, 65, 127, 128, 129, 191, 192, 193};
     static const int32_t densities[] = {1, 4, 8, 12, 15};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (size_t d = 0; d < sizeof densities / sizeof densities[0]; d++)
             for (int32_t kind = 0; kind < 8; kind++) {
@@ -215,7 +230,9 @@ static void test_noise_at_all_widths(void)
 
 static void test_noise_on_flat_grids(void)
 {
-    static const int32_t sizes[][3] = {{1, 1, 1}, {1, 1, 50}, {1, 50, 1}, {64, 1, 1}, {65, 1, 9}, {65, 9, 1}, {1, 9, 9}, {2, 2, 2}, {64, 2, 1}};
+    static const int32_t sizes[][3] = {{1, 1, 1},  {1, 1, 50}, {1, 50, 1}, {64, 1, 1}, {65, 1, 9},
+                                       {65, 9, 1}, {1, 9, 9},  {2, 2, 2},  {64, 2, 1}};
+
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t density = 2; density <= 16; density += 7)
             for (int32_t rule = 0; rule < 2; rule++) {
@@ -229,7 +246,9 @@ static void test_noise_on_flat_grids(void)
 
 static void test_all_combinations_of_open_sides(void)
 {
-    static const int32_t sizes[][3] = {{2, 2, 2}, {5, 4, 3}, {63, 3, 4}, {64, 4, 3}, {65, 3, 3}, {128, 2, 3}, {129, 3, 2}};
+    static const int32_t sizes[][3] = {{2, 2, 2},  {5, 4, 3},   {63, 3, 4}, {64, 4, 3},
+                                       {65, 3, 3}, {128, 2, 3}, {129, 3, 2}};
+
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t sides = 0; sides < 64; sides++)
             for (int32_t density = 4; density <= 12; density += 4) {
@@ -246,7 +265,9 @@ static void test_all_combinations_of_open_sides(void)
 /* Windows of one voxel along some axis, where open sides leave no cell: no vertex that no triangle uses. */
 static void test_open_sides_of_flat_windows(void)
 {
-    static const int32_t sizes[][3] = {{1, 1, 1}, {1, 5, 6}, {66, 1, 6}, {66, 6, 1}, {1, 1, 6}, {66, 1, 1}, {1, 6, 1}};
+    static const int32_t sizes[][3] = {{1, 1, 1}, {1, 5, 6},  {66, 1, 6}, {66, 6, 1},
+                                       {1, 1, 6}, {66, 1, 1}, {1, 6, 1}};
+
     for (int32_t sides = 0; sides < 64; sides++)
         for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
             for (int32_t density = 8; density <= 16; density += 8) {
@@ -262,6 +283,7 @@ static void test_open_sides_of_flat_windows(void)
 static void test_long_rows(void)
 {
     static const int32_t widths[] = {1022, 1023, 1024, 1025, 2047, 2048, 2049, 3100};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (int32_t density = 1; density <= 15; density += 7) {
             bvx_extract_options o = extract_options();
@@ -269,17 +291,19 @@ static void test_long_rows(void)
             o.open_sides = density == 8 ? 3 : 0;
             open_grid(odd_origin, odd_spacing, widths[w], 2, 3, 1);
             sprinkle(density);
-            for (int32_t x = 0; x < widths[w] && density == 15; x++) /* a chessboard: all edges but the outermost */
+            /* a chessboard: all edges but the outermost */
+            for (int32_t x = 0; x < widths[w] && density == 15; x++)
                 for (int32_t y = 0; y < 6; y++) bvx_grid_set(&grid, x, y % 2, y / 2, (x + y % 2 + y / 2) % 2);
             assert_is_oracle(&o);
         }
 }
 
-/* Long runs that begin and end at or near the edges of words, alike in most rows: words all set, all empty, and every
- * change between them, also where blocks of words meet. */
+/* Long runs that begin and end at or near the edges of words, alike in most rows: words all set, all empty,
+ * and every change between them, also where blocks of words meet. */
 static void test_runs_at_the_edges_of_words(void)
 {
     static const int32_t widths[] = {64, 128, 129, 320, 1023, 1024, 1025, 1088, 1089, 2048, 2113};
+
     for (size_t w = 0; w < sizeof widths / sizeof widths[0]; w++)
         for (int32_t trial = 0; trial < (quick ? 4 : 24); trial++) {
             int32_t const nx = widths[w], ny = 1 + trial % 3, nz = 1 + trial / 3 % 3;
@@ -289,11 +313,15 @@ static void test_runs_at_the_edges_of_words(void)
             open_grid(odd_origin, odd_spacing, nx, ny, nz, 1);
             for (int32_t run = 0; run < 1 + nx / 160; run++) {
                 int32_t const near_edge = maker_below(&seed, 3), off = maker_below(&seed, 3) - 1;
-                int32_t const begin = near_edge ? maker_below(&seed, nx / 64 + 1) * 64 + off : maker_below(&seed, nx);
-                int32_t const end = begin + (near_edge ? (1 + maker_below(&seed, 4)) * 64 + maker_below(&seed, 3) - 1 : maker_below(&seed, 300));
+                int32_t const begin = near_edge ? maker_below(&seed, nx / 64 + 1) * 64 + off
+                                                : maker_below(&seed, nx);
+                int32_t const end = begin +
+                                    (near_edge ? (1 + maker_below(&seed, 4)) * 64 + maker_below(&seed, 3) - 1
+                                               : maker_below(&seed, 300));
                 int32_t const value = maker_below(&seed, 4) != 0, some = maker_below(&seed, 4) == 0;
                 for (int32_t row = 0; row < ny * nz; row++)
-                    for (int32_t x = begin < 0 ? 0 : begin; x < end && x < nx && !(some && maker_below(&seed, 300) == 0); x++)
+                    for (int32_t x = begin < 0 ? 0 : begin;
+                         x < end && x < nx && !(some && maker_below(&seed, 300) == 0); x++)
                         bvx_grid_set(&grid, x, row % ny, row / ny, value);
             }
             assert_is_oracle(&o);
@@ -304,6 +332,7 @@ static void test_runs_at_the_edges_of_words(void)
 static void test_noise_in_many_pieces(void)
 {
     static const int32_t sizes[][3] = {{300, 40, 37}, {70, 130, 150}};
+
     for (int32_t s = 0; s < (quick ? 1 : 2); s++) {
         bvx_extract_options o = extract_options();
         open_grid(odd_origin, odd_spacing, sizes[s][0], sizes[s][1], sizes[s][2], 0);
@@ -322,6 +351,7 @@ static void assert_certified(const bvx_extract_options *o)
     bvx_mesh m = surface_by(ctx, o);
     bvx_mesh_view view;
     uint64_t voxels;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_count(ctx, &grid, &voxels));
     bvx_mesh_view_of(&m, &view);
     for (int32_t weld = 0; weld < 2; weld++) {
@@ -349,7 +379,9 @@ static void assert_certified(const bvx_extract_options *o)
 
 static void test_noise_is_closed_and_manifold(void)
 {
-    static const int32_t sizes[][3] = {{1, 1, 1}, {63, 7, 8}, {64, 8, 7}, {65, 20, 20}, {129, 9, 10}, {4, 40, 40}, {30, 30, 30}};
+    static const int32_t sizes[][3] = {{1, 1, 1},    {63, 7, 8},  {64, 8, 7},  {65, 20, 20},
+                                       {129, 9, 10}, {4, 40, 40}, {30, 30, 30}};
+
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t density = 0; density <= 16; density += quick ? 4 : 1)
             for (int32_t rule = 0; rule < 2; rule++) {
@@ -385,6 +417,7 @@ static void test_keys_are_in_order_and_belong_to_the_lattice(void)
 {
     bvx_extract_options o = extract_options();
     bvx_mesh m;
+
     o.keys = 1;
     open_grid(odd_origin, odd_spacing, 70, 6, 7, 3);
     sprinkle(7);
@@ -393,7 +426,8 @@ static void test_keys_are_in_order_and_belong_to_the_lattice(void)
     TEST_ASSERT_NOT_NULL(m.vertex_keys);
     TEST_ASSERT_NOT_NULL(m.triangle_keys);
     for (uint64_t i = 1; i < m.vertex_count; i++) TEST_ASSERT_TRUE(m.vertex_keys[i - 1] < m.vertex_keys[i]);
-    for (uint64_t i = 1; i < m.triangle_count; i++) TEST_ASSERT_TRUE(m.triangle_keys[i - 1] <= m.triangle_keys[i]);
+    for (uint64_t i = 1; i < m.triangle_count; i++)
+        TEST_ASSERT_TRUE(m.triangle_keys[i - 1] <= m.triangle_keys[i]);
     bvx_mesh_free(ctx, &m);
 }
 
@@ -401,6 +435,7 @@ static void test_keys_are_in_order_and_belong_to_the_lattice(void)
 static void test_keys_have_a_limit(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+
     for (int a = 0; a < 3; a++)
         for (int32_t over = 0; over < 2; over++) {
             int32_t dims[3] = {2, 2, 2};
@@ -419,7 +454,8 @@ static void test_keys_have_a_limit(void)
             sprinkle(16);
             status = bvx_extract_surface(ctx, &grid, &o, &m);
             TEST_ASSERT_EQUAL_INT32_MESSAGE(over ? BVX_ERR_RANGE : BVX_OK, status, bvx_last_message(ctx));
-            for (uint64_t i = 1; i < m.vertex_count; i++) TEST_ASSERT_TRUE(m.vertex_keys[i - 1] < m.vertex_keys[i]);
+            for (uint64_t i = 1; i < m.vertex_count; i++)
+                TEST_ASSERT_TRUE(m.vertex_keys[i - 1] < m.vertex_keys[i]);
             bvx_mesh_free(ctx, &m);
         }
 }
@@ -466,6 +502,7 @@ static void test_f32_is_refused_where_it_is_too_coarse(void)
     static const double origin[3] = {500000, 5000000, 100}, spacing[3] = {0.01, 0.01, 0.01};
     bvx_extract_options o = extract_options();
     uint64_t vertices, triangles;
+
     open_grid(origin, spacing, 20, 21, 22, 0);
     sprinkle(8);
     assert_refused(BVX_ERR_RANGE, &o, "f64");
@@ -509,6 +546,7 @@ static void test_f32_is_accepted_to_the_last_step(void)
 static void test_f32_at_other_scales(void)
 {
     static const int scales[6] = {-100, -90, -30, 30, 90, 110};
+
     for (int i = 0; i < 6; i++) {
         double const origin[3] = {0, 0, 0}, step = ldexp(1, scales[i]), spacing[3] = {step, step, step};
         bvx_extract_options const o = extract_options();
@@ -546,7 +584,8 @@ static void test_callers_arrays(void)
         tri = maker_grow(NULL, (size_t)(triangles + 40) * 12);
         vertex_keys = maker_grow(NULL, (size_t)(vertices + 40) * 8);
         triangle_keys = maker_grow(NULL, (size_t)(triangles + 40) * 8);
-        for (int32_t more = -2; more <= 40; more += more < 1 ? 1 : 13) { /* -2: a vertex short, -1: a triangle short */
+        /* -2: a vertex short, -1: a triangle short */
+        for (int32_t more = -2; more <= 40; more += more < 1 ? 1 : 13) {
             bvx_mesh m;
             bvx_status status;
             uint64_t const room = more > 0 ? (uint64_t)more : 0;
@@ -567,7 +606,8 @@ static void test_callers_arrays(void)
             if (more < 0) {
                 char text[40];
                 TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, status);
-                snprintf(text, sizeof text, "%lu vertices and %lu triangles", (unsigned long)vertices, (unsigned long)triangles);
+                snprintf(text, sizeof text, "%lu vertices and %lu triangles", (unsigned long)vertices,
+                         (unsigned long)triangles);
                 TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), text), bvx_last_message(ctx));
                 TEST_ASSERT_EACH_EQUAL_HEX8(0xEE, positions, (size_t)(vertices + 40) * point);
                 TEST_ASSERT_EACH_EQUAL_HEX8(0xEE, tri, (size_t)(triangles + 40) * 12);
@@ -580,8 +620,10 @@ static void test_callers_arrays(void)
             assert_mesh_is(&s, &o, &m);
             TEST_ASSERT_EACH_EQUAL_HEX8(0xEE, positions + vertices * point, 40 * point);
             TEST_ASSERT_EACH_EQUAL_HEX8(0xEE, tri + triangles * 12, 40 * 12);
-            TEST_ASSERT_EACH_EQUAL_HEX64(UINT64_C(0xEEEEEEEEEEEEEEEE), vertex_keys + (o.keys ? vertices : 0), 40);
-            TEST_ASSERT_EACH_EQUAL_HEX64(UINT64_C(0xEEEEEEEEEEEEEEEE), triangle_keys + (o.keys ? triangles : 0), 40);
+            TEST_ASSERT_EACH_EQUAL_HEX64(UINT64_C(0xEEEEEEEEEEEEEEEE), vertex_keys + (o.keys ? vertices : 0),
+                                         40);
+            TEST_ASSERT_EACH_EQUAL_HEX64(UINT64_C(0xEEEEEEEEEEEEEEEE),
+                                         triangle_keys + (o.keys ? triangles : 0), 40);
         }
         free(positions);
         free(tri);
@@ -597,6 +639,7 @@ static void test_callers_arrays_that_do_not_fit_the_request(void)
     uint32_t triangles[300];
     bvx_extract_options o = extract_options();
     bvx_mesh m = {0}, before;
+
     open_grid(odd_origin, odd_spacing, 3, 3, 3, 0);
     bvx_grid_set(&grid, 1, 1, 1, 1);
     m.positions = positions;
@@ -624,6 +667,7 @@ static void test_a_mesh_is_used_again(void)
     bvx_extract_options const o = extract_options();
     oracle_surface s;
     bvx_mesh m;
+
     open_grid(odd_origin, odd_spacing, 66, 7, 8, 1);
     sprinkle(8);
     m = surface_by(ctx, &o);
@@ -645,6 +689,7 @@ static void test_refusals_of_arguments(void)
     bvx_extract_options o = extract_options();
     uint64_t vertices, triangles;
     bvx_mesh m = {0};
+
     open_grid(odd_origin, odd_spacing, 5, 5, 5, 0);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_surface(NULL, &grid, NULL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_surface(ctx, NULL, NULL, &m));
@@ -693,11 +738,13 @@ static void test_refusals_of_arguments(void)
     }
 }
 
-/* Bits past a row's end cannot be counted and placed alike, so words that hold one are refused wherever it is. */
+/* Bits past a row's end cannot be counted and placed alike, so words that
+ * hold one are refused wherever it is. */
 static void test_bits_past_the_rows_are_refused(void)
 {
     static const int32_t widths[4] = {5, 63, 65, 130};
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+
     for (int32_t w = 0; w < 4; w++) {
         open_grid(origin, spacing, widths[w], 4, 3, 0);
         for (uint64_t row = 0; row < 12; row++)
@@ -710,7 +757,8 @@ static void test_bits_past_the_rows_are_refused(void)
                 TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_surface(ctx, &grid, &o, &mesh));
                 TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bits set past the"));
                 TEST_ASSERT_NULL(mesh.positions);
-                TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_count(ctx, &grid, &o, &vertices, &triangles));
+                TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                                        bvx_extract_count(ctx, &grid, &o, &vertices, &triangles));
                 *word &= ~(UINT64_C(1) << bit);
             }
         bvx_grid_free(ctx, &grid);

@@ -1,5 +1,5 @@
-/* test_surface_sampled.c - the sampled surface against all points of the subdivision, one by one; its connectedness; the
- * report; and the lists of attached triangles of all three definitions. */
+/* test_surface_sampled.c - the sampled surface against all points of the subdivision, one by one; its
+ * connectedness; the report; and the lists of attached triangles of all three definitions. */
 #include "surface_voxels_support.h"
 
 static void test_small_triangles_mark_their_points(void)
@@ -32,7 +32,9 @@ static void test_huge_triangles(void)
         for (int i = 0; i < 3; i++) {
             uint32_t v[3];
             for (int c = 0; c < 3; c++)
-                v[c] = maker_vertex(&mesh, 435 + maker_below(&seed, 2000) - 1000, 320 + maker_below(&seed, 2000) - 1000, 515 + maker_below(&seed, 2000) - 1000);
+                v[c] = maker_vertex(&mesh, 435 + maker_below(&seed, 2000) - 1000,
+                                    320 + maker_below(&seed, 2000) - 1000,
+                                    515 + maker_below(&seed, 2000) - 1000);
             maker_triangle(&mesh, v[0], v[1], v[2]);
         }
         assert_surface(ctx, &l, &w, SAMPLED, "huge");
@@ -48,10 +50,13 @@ static uint64_t components26(const bvx_grid *g)
     int32_t *const stack = maker_grow(NULL, n * sizeof *stack);
     uint8_t *const seen = maker_grow(NULL, n);
     uint64_t count = 0;
+
     memset(seen, 0, n);
     for (size_t start = 0; start < n; start++) {
         size_t depth = 0;
-        if (seen[start] || !bvx_grid_get(g, (int32_t)start % nx, (int32_t)start / nx % ny, (int32_t)start / nx / ny)) continue;
+        if (seen[start] ||
+            !bvx_grid_get(g, (int32_t)start % nx, (int32_t)start / nx % ny, (int32_t)start / nx / ny))
+            continue;
         count++;
         stack[depth++] = (int32_t)start;
         seen[start] = 1;
@@ -60,7 +65,9 @@ static uint64_t components26(const bvx_grid *g)
             for (int d = 0; d < 27; d++) {
                 int32_t const u = x + d % 3 - 1, v = y + d / 3 % 3 - 1, w = z + d / 9 - 1;
                 size_t const next = ((size_t)w * (size_t)ny + (size_t)v) * (size_t)nx + (size_t)u;
-                if (u < 0 || v < 0 || w < 0 || u >= nx || v >= ny || w >= nz || seen[next] || !bvx_grid_get(g, u, v, w)) continue;
+                if (u < 0 || v < 0 || w < 0 || u >= nx || v >= ny || w >= nz || seen[next] ||
+                    !bvx_grid_get(g, u, v, w))
+                    continue;
                 seen[next] = 1;
                 stack[depth++] = (int32_t)next;
             }
@@ -74,19 +81,25 @@ static uint64_t components26(const bvx_grid *g)
 static void test_connected_meshes_are_26_connected(void)
 {
     for (int32_t trial = 0; trial < (quick ? 6 : 60); trial++) {
-        int32_t const n[3] = {20 + maker_below(&seed, 60), 20 + maker_below(&seed, 30), 20 + maker_below(&seed, 30)};
+        int32_t const n[3] = {20 + maker_below(&seed, 60), 20 + maker_below(&seed, 30),
+                              20 + maker_below(&seed, 30)};
         bvx_lattice const l = lattice_of(n[0], n[1], n[2]);
         bvx_grid g;
         maker_clear(&mesh);
         if (trial % 3 != 0) {
-            double const centre[3] = {n[0] * 0.5, n[1] * 0.5, n[2] * 0.5}, radius[3] = {n[0] * 0.45, n[1] * 0.45, n[2] * 0.45};
-            maker_star(&mesh, &seed, centre, radius, 0.5, 3 + maker_below(&seed, 20), 3 + maker_below(&seed, 20), trial % 3 == 1 ? 65536 : 2);
+            double const centre[3] = {n[0] * 0.5, n[1] * 0.5, n[2] * 0.5};
+            double const radius[3] = {n[0] * 0.45, n[1] * 0.45, n[2] * 0.45};
+            maker_star(&mesh, &seed, centre, radius, 0.5, 3 + maker_below(&seed, 20),
+                       3 + maker_below(&seed, 20), trial % 3 == 1 ? 65536 : 2);
         } else { /* a strip of long triangles */
             uint32_t v[3];
-            for (int c = 0; c < 3; c++) v[c] = maker_vertex(&mesh, maker_below(&seed, n[0]), maker_below(&seed, n[1]), maker_below(&seed, n[2]));
+            for (int c = 0; c < 3; c++)
+                v[c] = maker_vertex(&mesh, maker_below(&seed, n[0]), maker_below(&seed, n[1]),
+                                    maker_below(&seed, n[2]));
             for (int i = 0; i < 12; i++) {
                 maker_triangle(&mesh, v[0], v[1], v[2]);
-                v[i % 3] = maker_vertex(&mesh, maker_below(&seed, n[0]), maker_below(&seed, n[1]), maker_below(&seed, n[2]));
+                v[i % 3] = maker_vertex(&mesh, maker_below(&seed, n[0]), maker_below(&seed, n[1]),
+                                        maker_below(&seed, n[2]));
             }
         }
         g = surface_of(&l, SAMPLED);
@@ -145,7 +158,8 @@ static void test_counts_what_it_did(void)
 
 /* ---- Attached triangles ---- */
 
-/* The lists are, voxel by voxel in the order of the bits, the triangles that the oracle has touch it, ascending. */
+/* The lists are, voxel by voxel in the order of the bits, the triangles
+ * that the oracle has touch it, ascending. */
 static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_window *w, int32_t mode)
 {
     size_t const voxels = (size_t)w->size[0] * (size_t)w->size[1] * (size_t)w->size[2];
@@ -156,6 +170,7 @@ static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_wind
     bvx_surface_options o;
     bvx_grid g = {0};
     uint64_t rank = 0, at = 0;
+
     memset(marks, 0, mesh.triangles * voxels + 1);
     for (size_t t = 0; t < mesh.triangles; t++) {
         touch_oracle const tri = triangle_oracle(q, t, l);
@@ -168,7 +183,8 @@ static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_wind
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_surface(c, &view, l, &o, &g), bvx_last_message(c));
     TEST_ASSERT_EQUAL_UINT64(set_voxels(&g), attached.voxel_count);
     for (size_t i = 0; i < voxels; i++) {
-        int32_t const x = (int32_t)(i % (size_t)w->size[0]), y = (int32_t)(i / (size_t)w->size[0] % (size_t)w->size[1]);
+        int32_t const x = (int32_t)(i % (size_t)w->size[0]);
+        int32_t const y = (int32_t)(i / (size_t)w->size[0] % (size_t)w->size[1]);
         int32_t const z = (int32_t)(i / (size_t)w->size[0] / (size_t)w->size[1]);
         uint64_t const before = at;
         for (uint32_t t = 0; t < mesh.triangles; t++) {
@@ -194,6 +210,7 @@ static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_wind
 static void test_attached_triangles_are_those_that_touch(void)
 {
     static const int32_t shapes[][3] = {{20, 12, 13}, {130, 5, 4}, {66, 9, 1}, {1, 20, 20}, {2, 1, 60}};
+
     for (int32_t trial = 0; trial < (quick ? 15 : 120); trial++) {
         const int32_t *const s = shapes[trial % 5];
         bvx_lattice const l = lattice_of(s[0], s[1], s[2]);
@@ -215,6 +232,7 @@ static void test_nothing_is_attached_to_nothing(void)
 {
     bvx_lattice const l = lattice_of(9, 9, 9);
     double const low[3] = {20, 20, 20}, high[3] = {30, 30, 30};
+
     for (int i = 0; i < SURFACE_CONTEXTS; i++) {
         bvx_context *const c = surface_context(i);
         for (int32_t mode = 0; mode < MODES; mode++) {

@@ -1,4 +1,5 @@
-/* test_surface_thin.c - the thin surface against its definition, and what it is for: it keeps apart what a solid is and is not. */
+/* test_surface_thin.c - the thin surface against its definition, and what
+ * it is for: it keeps apart what a solid is and is not. */
 #include "surface_voxels_support.h"
 
 static void test_small_triangles_meet_axis_crosses(void)
@@ -37,7 +38,8 @@ static void make_closed(int32_t kind, const int32_t n[3])
                 radius[a] = n[a] * (kind == STAR ? 0.42 : 0.2 + 0.05 * i);
                 centre[a] = n[a] * 0.5 + (kind == STAR ? 0 : maker_below(&seed, 7) - 3);
             }
-            maker_star(&mesh, &seed, centre, radius, 0.4, 5 + maker_below(&seed, 20), 7 + maker_below(&seed, 20), maker_below(&seed, 2) ? 65536 : 2);
+            maker_star(&mesh, &seed, centre, radius, 0.4, 5 + maker_below(&seed, 20),
+                       7 + maker_below(&seed, 20), maker_below(&seed, 2) ? 65536 : 2);
         }
         break;
     case CUBES: { /* faces on lattice planes, or on planes of centres */
@@ -54,7 +56,8 @@ static void make_closed(int32_t kind, const int32_t n[3])
         for (int i = 0; i < 6; i++) {
             uint32_t v[4];
             for (int c = 0; c < 4; c++) {
-                double const x = maker_between(&seed, 1, n[0] - 1, 8), y = maker_between(&seed, 1, n[1] - 1, 8);
+                double const x = maker_between(&seed, 1, n[0] - 1, 8);
+                double const y = maker_between(&seed, 1, n[1] - 1, 8);
                 v[c] = maker_vertex(&mesh, x, y, maker_between(&seed, 1, n[2] - 1, 8));
             }
             maker_tetrahedron(&mesh, v[0], v[1], v[2], v[3]);
@@ -78,6 +81,7 @@ static void make_closed(int32_t kind, const int32_t n[3])
 static void assert_separates(const bvx_grid *solid, const bvx_grid *thin)
 {
     uint64_t pairs = 0;
+
     for (int32_t z = 0; z < solid->size[2]; z++)
         for (int32_t y = 0; y < solid->size[1]; y++)
             for (int32_t x = 0; x < solid->size[0]; x++)
@@ -91,27 +95,37 @@ static void assert_separates(const bvx_grid *solid, const bvx_grid *thin)
     TEST_ASSERT_TRUE(pairs > 0);
 }
 
-/* A flood across faces from the lattice's sides over unmarked voxels stays outside the solid, one from an inner voxel inside. */
+/* A flood across faces from the lattice's sides over unmarked voxels stays
+ * outside the solid, one from an inner voxel inside. */
 static void assert_floods_stay(const bvx_grid *solid, const bvx_grid *thin)
 {
     int32_t const nx = solid->size[0], ny = solid->size[1], nz = solid->size[2];
     size_t const n = (size_t)nx * (size_t)ny * (size_t)nz;
     int32_t *const stack = maker_grow(NULL, n * sizeof *stack);
     uint8_t *const seen = maker_grow(NULL, n);
+
     memset(seen, 0, n);
     for (size_t start = 0; start < n; start++) {
         size_t depth = 0;
-        int const side = bvx_grid_get(solid, (int32_t)start % nx, (int32_t)start / nx % ny, (int32_t)start / nx / ny);
-        if (seen[start] || bvx_grid_get(thin, (int32_t)start % nx, (int32_t)start / nx % ny, (int32_t)start / nx / ny)) continue;
+        int const side = bvx_grid_get(solid, (int32_t)start % nx, (int32_t)start / nx % ny,
+                                      (int32_t)start / nx / ny);
+        if (seen[start] ||
+            bvx_grid_get(thin, (int32_t)start % nx, (int32_t)start / nx % ny, (int32_t)start / nx / ny))
+            continue;
         stack[depth++] = (int32_t)start;
         seen[start] = 1;
         while (depth > 0) {
             int32_t const at = stack[--depth], x = at % nx, y = at / nx % ny, z = at / nx / ny;
             TEST_ASSERT_EQUAL_INT(side, bvx_grid_get(solid, x, y, z));
             for (int d = 0; d < 6; d++) {
-                int32_t const s = d % 2 == 0 ? 1 : -1, u = x + (d / 2 == 0 ? s : 0), v = y + (d / 2 == 1 ? s : 0), w = z + (d / 2 == 2 ? s : 0);
+                int32_t const s = d % 2 == 0 ? 1 : -1;
+                int32_t const u = x + (d / 2 == 0 ? s : 0);
+                int32_t const v = y + (d / 2 == 1 ? s : 0);
+                int32_t const w = z + (d / 2 == 2 ? s : 0);
                 size_t const next = ((size_t)w * (size_t)ny + (size_t)v) * (size_t)nx + (size_t)u;
-                if (u < 0 || v < 0 || w < 0 || u >= nx || v >= ny || w >= nz || seen[next] || bvx_grid_get(thin, u, v, w)) continue;
+                if (u < 0 || v < 0 || w < 0 || u >= nx || v >= ny || w >= nz || seen[next] ||
+                    bvx_grid_get(thin, u, v, w))
+                    continue;
                 seen[next] = 1;
                 stack[depth++] = (int32_t)next;
             }
@@ -124,7 +138,8 @@ static void assert_floods_stay(const bvx_grid *solid, const bvx_grid *thin)
 static void test_separates_what_parity_tells_apart(void)
 {
     for (int32_t trial = 0; trial < (quick ? 10 : 100); trial++) {
-        int32_t const n[3] = {12 + maker_below(&seed, 70), 12 + maker_below(&seed, 20), 12 + maker_below(&seed, 20)};
+        int32_t const n[3] = {12 + maker_below(&seed, 70), 12 + maker_below(&seed, 20),
+                              12 + maker_below(&seed, 20)};
         bvx_lattice const l = lattice_of(n[0], n[1], n[2]);
         bvx_grid solid, thin;
         make_closed(trial % CLOSED_KINDS, n);

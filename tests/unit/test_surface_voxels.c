@@ -1,4 +1,5 @@
-/* test_surface_voxels.c - the conservative surface against separating axes, voxel by voxel; what a call refuses. */
+/* test_surface_voxels.c - the conservative surface against separating axes,
+ * voxel by voxel; what a call refuses. */
 #include "surface_voxels_support.h"
 
 static void test_small_triangles_touch_what_no_axis_separates(void)
@@ -21,11 +22,12 @@ static void test_contexts_and_windows_agree(void)
     check_contexts(CONSERVATIVE);
 }
 
-/* Triangles of up to 2^31 steps whose planes pass near a window: two corners anywhere, the third one such that some point
- * of the window lies near the plane. */
+/* Triangles of up to 2^31 steps whose planes pass near a window: two corners anywhere, the third one such
+ * that some point of the window lies near the plane. */
 static void make_far(int32_t count, const bvx_window *w, int32_t f)
 {
     double const most = (double)((1 << 30) - 1) / (1 << f);
+
     maker_clear(&mesh);
     for (int32_t i = 0; i < count; i++) {
         uint32_t v[3];
@@ -33,7 +35,9 @@ static void make_far(int32_t count, const bvx_window *w, int32_t f)
         for (int a = 0; a < 3; a++) {
             double const target = w->low[a] + maker_between(&seed, 0, w->size[a], 1 << f);
             double const reach = i % 3 == 0 ? most : i % 3 == 1 ? 40 : most / 50;
-            for (int c = 0; c < 2; c++) p[c][a] = maker_between(&seed, target - reach / 2, target + reach / 2, i % 2 == 0 ? 1 << f : 1);
+            for (int c = 0; c < 2; c++)
+                p[c][a] = maker_between(&seed, target - reach / 2, target + reach / 2,
+                                        i % 2 == 0 ? 1 << f : 1);
             p[2][a] = i % 5 == 0 ? 2 * target - p[0][a] : 3 * target - p[0][a] - p[1][a];
             for (int c = 0; c < 3; c++) p[c][a] = p[c][a] > most ? most : p[c][a] < -most ? -most : p[c][a];
         }
@@ -46,6 +50,7 @@ static void make_far(int32_t count, const bvx_window *w, int32_t f)
 static void test_huge_triangles_in_small_windows(void)
 {
     static const int32_t sides[] = {8192, 5000, 1 << 14, 1 << 17, 1 << 20, 1 << 25, 9, 300};
+
     surface_set = surface_clear = 0;
     for (int32_t n = 0; n < (quick ? 16 : 240); n++) {
         int32_t const side = sides[n % 8];
@@ -62,13 +67,15 @@ static void test_huge_triangles_in_small_windows(void)
         assert_surface(c, &l, &w, THIN, "huge, thin");
         bvx_context_destroy(c);
     }
-    TEST_ASSERT_TRUE(surface_set > surface_clear / 20 && surface_clear > surface_set); /* it was about something */
+    /* it was about something */
+    TEST_ASSERT_TRUE(surface_set > surface_clear / 20 && surface_clear > surface_set);
 }
 
 /* The bit budgets at their ends: corners at the extremes of the fixed point. */
 static void test_extreme_corners(void)
 {
     static const int32_t sides[] = {8192, 1 << 14, 1 << 25};
+
     for (int32_t n = 0; n < (quick ? 30 : 300); n++) {
         int32_t const side = sides[n % 3];
         bvx_lattice const l = lattice_of(side, side, side);
@@ -79,7 +86,10 @@ static void test_extreme_corners(void)
         maker_clear(&mesh);
         for (int i = 0; i < 3; i++) {
             double p[3];
-            for (int a = 0; a < 3; a++) p[a] = maker_below(&seed, 3) == 0 ? maker_below(&seed, side) : maker_below(&seed, 2) ? most : -most;
+            for (int a = 0; a < 3; a++)
+                p[a] = maker_below(&seed, 3) == 0 ? maker_below(&seed, side)
+                       : maker_below(&seed, 2)    ? most
+                                                  : -most;
             v[i] = maker_vertex(&mesh, p[0], p[1], p[2]);
         }
         maker_triangle(&mesh, v[0], v[1], v[2]);
@@ -93,14 +103,16 @@ static void test_extreme_corners(void)
     }
 }
 
-/* Slivers whose projection along x has an area of one half step: from row to row their planes leap by so many voxels that doubles
- * say nothing of them. Seen along x a corner lies (n + 1, n) steps from the first one, another (n + 2, n + 1). */
+/* Slivers whose projection along x has an area of one half step: from row to row
+ * their planes leap by so many voxels that doubles say nothing of them. Seen along
+ * x a corner lies (n + 1, n) steps from the first one, another (n + 2, n + 1). */
 static void test_planes_too_steep_for_doubles(void)
 {
     for (int32_t n = 0; n < (quick ? 8 : 40); n++) {
         bvx_lattice const l = lattice_of(8192, 40, 40);
         bvx_context *const c = surface_context(n);
-        int32_t const long_steps = 1 + maker_below(&seed, n % 2 == 0 ? 1 << 19 : 1 << 10), reach = 1 + maker_below(&seed, 1 << 29);
+        int32_t const long_steps = 1 + maker_below(&seed, n % 2 == 0 ? 1 << 19 : 1 << 10);
+        int32_t const reach = 1 + maker_below(&seed, 1 << 29);
         bvx_window w = {{0, 12, 15}, {70, 13, 11}};
         int32_t p[3][3];
         uint32_t v[3];
@@ -114,7 +126,8 @@ static void test_planes_too_steep_for_doubles(void)
         p[2][2] = p[0][2] + long_steps + 1;
         if (p[1][0] > (1 << 30) - 1) p[1][0] = (1 << 30) - 1;
         maker_clear(&mesh);
-        for (int i = 0; i < 3; i++) v[i] = maker_vertex(&mesh, p[i][0] / 65536.0, p[i][1] / 65536.0, p[i][2] / 65536.0);
+        for (int i = 0; i < 3; i++)
+            v[i] = maker_vertex(&mesh, p[i][0] / 65536.0, p[i][1] / 65536.0, p[i][2] / 65536.0);
         if (n % 4 < 2) maker_triangle(&mesh, v[0], v[1], v[2]);
         else maker_triangle(&mesh, v[0], v[2], v[1]);
         assert_surface(c, &l, &w, CONSERVATIVE, "steep");
@@ -132,7 +145,8 @@ static void test_triangles_over_very_many_rows(void)
         for (int32_t i = 0; i < 3; i++) {
             uint32_t v[3];
             for (int k = 0; k < 3; k++)
-                v[k] = maker_vertex(&mesh, maker_between(&seed, -2, 11, 65536), maker_between(&seed, -20, 720, 65536),
+                v[k] = maker_vertex(&mesh, maker_between(&seed, -2, 11, 65536),
+                                    maker_between(&seed, -20, 720, 65536),
                                     maker_between(&seed, -1, 5, 65536));
             maker_triangle(&mesh, v[0], v[1], v[2]);
         }
@@ -148,12 +162,14 @@ static void test_a_box_on_lattice_planes_touches_both_sides(void)
     bvx_lattice const l = lattice_of(8, 8, 8);
     double const low[3] = {2, 2, 2}, high[3] = {5, 5, 5};
     bvx_grid g;
+
     maker_box(&mesh, low, high);
     g = surface_of(&l, CONSERVATIVE);
     for (int32_t z = 0; z < 8; z++)
         for (int32_t y = 0; y < 8; y++)
             for (int32_t x = 0; x < 8; x++) {
-                int const inside = x >= 1 && x <= 5 && y >= 1 && y <= 5 && z >= 1 && z <= 5, core = x == 3 && y == 3 && z == 3;
+                int const inside = x >= 1 && x <= 5 && y >= 1 && y <= 5 && z >= 1 && z <= 5;
+                int const core = x == 3 && y == 3 && z == 3;
                 TEST_ASSERT_EQUAL_INT(inside && !core, bvx_grid_get(&g, x, y, z));
             }
     TEST_ASSERT_EQUAL_UINT64(124, set_voxels(&g));
@@ -179,7 +195,8 @@ static void test_thin_lies_in_conservative(void)
 
 /* ---- Refusals ---- */
 
-static void assert_refused(const bvx_mesh_view *view, const bvx_lattice *l, const bvx_surface_options *o, bvx_status want, const char *word)
+static void assert_refused(const bvx_mesh_view *view, const bvx_lattice *l, const bvx_surface_options *o,
+                           bvx_status want, const char *word)
 {
     bvx_grid g = {0};
     TEST_ASSERT_EQUAL_INT32(want, bvx_voxelize_surface(ctx, view, l, o, &g));
@@ -195,6 +212,7 @@ static void test_refuses_what_it_cannot_do(void)
     bvx_attached attached = {0};
     bvx_mesh_view view;
     uint32_t lone = 0;
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t mode = -1; mode <= 3; mode += 4) {
@@ -246,6 +264,7 @@ static void test_fills_the_callers_words(void)
     bvx_surface_options o;
     bvx_mesh_view view;
     bvx_grid g, own;
+
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t mode = 0; mode < MODES; mode++) {

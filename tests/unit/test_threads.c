@@ -1,5 +1,5 @@
-/* test_threads.c - helpers of a context: every task once, none where they would not help, none left behind; and the
- * processors that a process may use. */
+/* test_threads.c - helpers of a context: every task once, none where they would not help, none left behind;
+ * and the processors that a process may use. */
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
@@ -22,8 +22,12 @@
 #endif
 #endif
 
-void setUp(void) {}
-void tearDown(void) {}
+void setUp(void)
+{
+}
+void tearDown(void)
+{
+}
 
 #if defined(HAVE_UNIX) && defined(__GNUC__)
 
@@ -137,7 +141,8 @@ static void test_helpers_take_tasks_and_each_runs_once(void)
     TEST_ASSERT_TRUE(are_gone(at_first));
 }
 
-/* Less than a fifth of a millisecond in all: nobody is started for it. A machine that stops between makes it look longer. */
+/* Less than a fifth of a millisecond in all: nobody is started for it. A
+ * machine that stops between makes it look longer. */
 /* Tasks have scratch for as many workers as there are tasks, where these are fewer than threads. */
 static void record_highest(void *user, int32_t index, int32_t worker)
 {
@@ -146,7 +151,8 @@ static void record_highest(void *user, int32_t index, int32_t worker)
 
     (void)index;
     nanosleep(&nap, NULL);
-    if (worker > __atomic_load_n(highest, __ATOMIC_RELAXED)) __atomic_store_n(highest, worker, __ATOMIC_RELAXED);
+    if (worker > __atomic_load_n(highest, __ATOMIC_RELAXED))
+        __atomic_store_n(highest, worker, __ATOMIC_RELAXED);
 }
 
 static void test_workers_are_fewer_than_tasks(void)
@@ -168,7 +174,8 @@ static void test_small_work_starts_no_helper(void)
     int const at_first = threads_now();
     int started = 0;
 
-    if (at_first == 0 || bvxi_pool_size(2) == 0) TEST_IGNORE_MESSAGE("threads cannot be counted, or there are none");
+    if (at_first == 0 || bvxi_pool_size(2) == 0)
+        TEST_IGNORE_MESSAGE("threads cannot be counted, or there are none");
     for (int i = 0; i < 40; i++) {
         bvx_context *const ctx = context_of(4);
         work_record r = {.seconds = 0};
@@ -259,7 +266,8 @@ static void test_forked_child_works_alone(void)
         int ok;
 
         alarm(60);
-        ok = bvxi_parallel(ctx, "tasks", 0, 1, TASKS, record_work, &in_child) == BVX_OK && workers_seen(&in_child) == 1;
+        ok = bvxi_parallel(ctx, "tasks", 0, 1, TASKS, record_work, &in_child) == BVX_OK &&
+             workers_seen(&in_child) == 1;
         for (int i = 0; i < TASKS; i++) ok = ok && in_child.runs[i] == 1;
         bvx_context_destroy(ctx);
         _exit(ok ? 0 : 3);
@@ -357,7 +365,8 @@ static void test_quota_of_control_groups(void)
     char deep[900] = "0::/";
 
     if (bvxi_pool_size(2) == 0) TEST_IGNORE_MESSAGE("no threads are built in");
-    snprintf(place, sizeof place, "%s/bitvox-threads-%ld", getenv("TMPDIR") != NULL ? getenv("TMPDIR") : "/tmp", (long)getpid());
+    snprintf(place, sizeof place, "%s/bitvox-threads-%ld",
+             getenv("TMPDIR") != NULL ? getenv("TMPDIR") : "/tmp", (long)getpid());
     put_file("groups", "other", "");
     TEST_ASSERT_EQUAL_INT32(0, quota_of(""));
     TEST_ASSERT_EQUAL_INT32(0, quota_of("0::/\n"));

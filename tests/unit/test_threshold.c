@@ -1,4 +1,5 @@
-/* test_threshold.c - ranges of volumes to bits, held against a comparison of every sample by itself; label lists. */
+/* test_threshold.c - ranges of volumes to bits, held against a comparison
+ * of every sample by itself; label lists. */
 #include "volume_support.h"
 
 static const int x_first[3] = {0, 1, 2}, z_first[3] = {2, 1, 0}, y_first[3] = {1, 2, 0};
@@ -10,6 +11,7 @@ static void check_threshold(const test_volume *t, double low, double high)
     bvx_volume_report r, expected;
     bvx_grid grid = {0}, plain = {0};
     int any = 0;
+
     memset(&expected, 0, sizeof expected);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold(ctx, &t->view, low, high, &r, &grid));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold(ctx, &t->view, low, high, NULL, &plain));
@@ -44,6 +46,7 @@ static void check_type(int32_t type, double least, double most)
     static const int32_t sizes[4][3] = {{130, 3, 5}, {64, 2, 70}, {63, 66, 2}, {1, 7, 65}};
     const int *const orders[3] = {x_first, z_first, y_first};
     double const middle = 0.5 * (least + most);
+
     for (int i = 0; i < 4; i++)
         for (int o = 0; o < 3; o++) {
             test_volume t;
@@ -88,6 +91,7 @@ static void test_threshold_ends_between_floats(void)
     float const one = 1.0f, next = nextafterf(one, 2.0f), before = nextafterf(one, 0.0f);
     double const between = 0.5 * ((double)one + (double)next), under = 0.5 * ((double)one + (double)before);
     test_volume t;
+
     make_volume(&t, BVX_SAMPLE_F32, size, 0, x_first, 0, 0);
     set_value(&t, 0, 0, 0, (double)before);
     set_value(&t, 1, 0, 0, (double)one);
@@ -114,6 +118,7 @@ static void test_threshold_of_64_bit_ends(void)
     test_volume t;
     bvx_grid g = {0};
     static const int32_t size[3] = {4, 1, 1};
+
     make_volume(&t, BVX_SAMPLE_U64, size, 0, x_first, 0, 0);
     memcpy(t.memory + 1, u, sizeof u);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold(ctx, &t.view, 9223372036854775808.0, INFINITY, NULL, &g));
@@ -134,13 +139,15 @@ static void test_threshold_leaves_nan_and_infinity_out_and_counts_them(void)
 {
     static const int32_t size[3] = {200, 3, 2};
     int32_t const types[2] = {BVX_SAMPLE_F32, BVX_SAMPLE_F64};
+
     for (int i = 0; i < 4; i++) {
         test_volume t;
         make_volume(&t, types[i & 1], size, 1, i < 2 ? x_first : z_first, i, 0);
         fill_noise(&t, -3, 3);
         for (int n = 0; n < 40; n++) {
             double const odd[3] = {NAN, INFINITY, -INFINITY};
-            set_value(&t, (int32_t)maker_below(&seed, 200), (int32_t)maker_below(&seed, 3), (int32_t)maker_below(&seed, 2), odd[n % 3]);
+            set_value(&t, (int32_t)maker_below(&seed, 200), (int32_t)maker_below(&seed, 3),
+                      (int32_t)maker_below(&seed, 2), odd[n % 3]);
         }
         check_threshold(&t, -INFINITY, INFINITY);
         check_threshold(&t, 0, INFINITY);
@@ -158,9 +165,12 @@ static void test_threshold_refusals(void)
     uint64_t words[15];
     test_volume t;
     bvx_grid g = {0};
+
     make_volume(&t, BVX_SAMPLE_U8, size, 0, x_first, 0, 0);
     bvx_volume_view const good = t.view;
-#define REFUSED(status) TEST_ASSERT_EQUAL_INT32(status, bvx_threshold(ctx, &t.view, 0, 1, NULL, &g)); t.view = good
+#define REFUSED(status)                                                           \
+    TEST_ASSERT_EQUAL_INT32(status, bvx_threshold(ctx, &t.view, 0, 1, NULL, &g)); \
+    t.view = good
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_threshold(ctx, NULL, 0, 1, NULL, &g));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_threshold(ctx, &t.view, 0, 1, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_threshold(NULL, &t.view, 0, 1, NULL, &g));
@@ -203,6 +213,7 @@ static void test_threshold_refusals(void)
 static void test_labels_of_every_whole_type(void)
 {
     static const int32_t size[3] = {67, 5, 4};
+
     for (int32_t type = BVX_SAMPLE_U8; type <= BVX_SAMPLE_I64; type++) {
         int const is_signed = type % 2 == 0;
         double const least = is_signed ? -100 : 0;
@@ -213,7 +224,9 @@ static void test_labels_of_every_whole_type(void)
         fill_noise(&t, least, 100);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_list_labels(ctx, &t.view, NULL, 0, &count));
         TEST_ASSERT_TRUE(count > 50 && count <= 200);
-        if (count > 0) TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_list_labels(ctx, &t.view, labels, count - 1, &found));
+        if (count > 0)
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY,
+                                    bvx_list_labels(ctx, &t.view, labels, count - 1, &found));
         TEST_ASSERT_EQUAL_UINT64(count, found);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_list_labels(ctx, &t.view, labels, 256, &found));
         for (double v = least; v <= 100; v++) {
@@ -247,6 +260,7 @@ static void test_labels_of_many_large_values(void)
     test_volume t;
     bvx_label *labels = malloc(11200 * sizeof *labels);
     uint64_t count, all = 0;
+
     TEST_ASSERT_NOT_NULL(labels);
     make_volume(&t, BVX_SAMPLE_I64, size, 0, x_first, 0, 0);
     for (int32_t n = 0; n < 11200; n++)
@@ -264,7 +278,8 @@ static void test_labels_of_many_large_values(void)
     free_volume(&t);
 }
 
-/* Values that all want one place of the table, so that it would look at every one before: one in seven stands twice. */
+/* Values that all want one place of the table, so that it would look at
+ * every one before: one in seven stands twice. */
 static void test_labels_made_against_the_hash(void)
 {
     enum { SIDE = 400, VALUES = SIDE * SIDE };
@@ -274,9 +289,11 @@ static void test_labels_made_against_the_hash(void)
     bvx_volume_view view;
     uint64_t voxels = 0;
     TEST_ASSERT_TRUE(value != NULL && labels != NULL);
-    for (int i = 0; i < 5; i++) inverse *= 2 - UINT64_C(0x9e3779b97f4a7c15) * inverse; /* Newton, modulo 2^64 */
+    /* Newton, modulo 2^64 */
+    for (int i = 0; i < 5; i++) inverse *= 2 - UINT64_C(0x9e3779b97f4a7c15) * inverse;
     for (uint64_t n = 0; n < VALUES; n++) {
-        uint64_t const mixed = (n % 7 == 6 ? n : n + 1) * inverse; /* the table's hash of it is below 2^29, so its place is 0 */
+        /* the table's hash of it is below 2^29, so its place is 0 */
+        uint64_t const mixed = (n % 7 == 6 ? n : n + 1) * inverse;
         value[n] = mixed ^ mixed >> 32;
     }
     memset(&view, 0, sizeof view);
@@ -301,6 +318,7 @@ static void test_labels_of_nothing(void)
     static const int32_t size[3] = {5, 5, 5};
     test_volume t;
     uint64_t count = 9;
+
     make_volume(&t, BVX_SAMPLE_U32, size, 0, x_first, 0, 0);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_list_labels(ctx, &t.view, NULL, 0, &count));
     TEST_ASSERT_EQUAL_UINT64(0, count);

@@ -1,5 +1,5 @@
-/* test_tree_file.c - octrees as .bvx files: against a plain walk of the layout, read back, damaged in every byte, and with damage
- * whose checksums are right. */
+/* test_tree_file.c - octrees as .bvx files: against a plain walk of the layout, read back, damaged in every
+ * byte, and with damage whose checksums are right. */
 #include "refine_oracle.h"
 
 static bvx_context *ctx;
@@ -28,12 +28,16 @@ enum { WHOLE, WINDOW, TOLERANCE, TWO_SHELLS, BASE_ALONE, FAR_WINDOW, KINDS };
 
 static bvx_octree *tree_of(int kind, int32_t levels)
 {
-    static const double origin[3] = {1, -2, 3}, spacing[3] = {0.5, 0.25, 1}, centre[3] = {3, -1, 5}, radius[3] = {1.7, 0.8, 1.6};
+    static const double origin[3] = {1, -2, 3};
+    static const double spacing[3] = {0.5, 0.25, 1};
+    static const double centre[3] = {3, -1, 5};
+    static const double radius[3] = {1.7, 0.8, 1.6};
     static const int32_t dims[3] = {9, 7, 5};
     bvx_lattice base;
     bvx_refine_options o;
     bvx_octree *tree = NULL;
     uint64_t seed = 3;
+
     maker_clear(&mesh);
     maker_star(&mesh, &seed, centre, radius, 0.05, 7, 9, 1024);
     if (kind == TWO_SHELLS) {
@@ -57,7 +61,8 @@ static bvx_octree *tree_of(int kind, int32_t levels)
 static bvx_buffer file_of(const bvx_octree *tree)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &b),
+                                    bvx_last_message(ctx));
     return b;
 }
 
@@ -99,13 +104,16 @@ static const uint8_t *level_at(const uint8_t *file, int32_t level)
 static int bit_at(const uint8_t *level, int array, size_t bit)
 {
     size_t const n = (size_t)get_bytes(level + 16, 8) * 8;
-    if (array == 2 && get_bytes(level + 12, 4) < 2) return get_bytes(level + 12, 4) == 1 ? bit_at(level, 0, bit) : 0;
+    if (array == 2 && get_bytes(level + 12, 4) < 2)
+        return get_bytes(level + 12, 4) == 1 ? bit_at(level, 0, bit) : 0;
     return level[LEVEL + (size_t)array * n + bit / 8] >> bit % 8 & 1;
 }
 
-static void walk_voxel(const uint8_t *file, int32_t level, size_t bit, const int32_t v[3], const bvx_octree_leaf *leaves, uint64_t *n)
+static void walk_voxel(const uint8_t *file, int32_t level, size_t bit, const int32_t v[3],
+                       const bvx_octree_leaf *leaves, uint64_t *n)
 {
     const uint8_t *const p = level_at(file, level);
+
     if (bit_at(p, 2, bit)) {
         size_t octet = 0;
         for (size_t i = 0; i < bit; i++) octet += (size_t)bit_at(p, 2, i);
@@ -118,12 +126,16 @@ static void walk_voxel(const uint8_t *file, int32_t level, size_t bit, const int
     const bvx_octree_leaf *const leaf = &leaves[(*n)++];
     TEST_ASSERT_EQUAL_INT32(level, leaf->level);
     TEST_ASSERT_EQUAL_INT32_ARRAY(v, leaf->ijk, 3);
-    TEST_ASSERT_EQUAL_INT32(bit_at(p, 0, bit) ? BVX_STATE_SURFACE : bit_at(p, 1, bit) ? BVX_STATE_OUTSIDE : BVX_STATE_INSIDE, leaf->state);
+    TEST_ASSERT_EQUAL_INT32(bit_at(p, 0, bit)   ? BVX_STATE_SURFACE
+                            : bit_at(p, 1, bit) ? BVX_STATE_OUTSIDE
+                                                : BVX_STATE_INSIDE,
+                            leaf->state);
 }
 
 static void test_files_hold_the_leaves(void)
 {
     static const uint8_t magic[8] = {0x89, 0x42, 0x56, 0x4f, 0x0d, 0x0a, 0x1a, 0x0a};
+
     for (int kind = 0; kind < KINDS; kind++) {
         bvx_octree *const tree = tree_of(kind, 2);
         bvx_buffer b = file_of(tree);
@@ -140,7 +152,8 @@ static void test_files_hold_the_leaves(void)
                     walk_voxel(b.bytes, 0, (size_t)(z * 7 + y) * 64 + (size_t)x, v, leaves, &n);
                 }
         TEST_ASSERT_EQUAL_UINT64(count, n);
-        TEST_ASSERT_EQUAL_UINT64(b.size, (uint64_t)(level_at(b.bytes, bvx_octree_levels(tree) + 1) - b.bytes));
+        TEST_ASSERT_EQUAL_UINT64(b.size,
+                                 (uint64_t)(level_at(b.bytes, bvx_octree_levels(tree) + 1) - b.bytes));
         free(leaves);
         bvx_buffer_free(ctx, &b);
         bvx_octree_free(ctx, tree);
@@ -155,6 +168,7 @@ static void assert_same_tree(const bvx_octree *a, const bvx_octree *b)
     bvx_octree_level counts[2][26];
     bvx_lattice lattice[2];
     int32_t const levels = bvx_octree_levels(a);
+
     TEST_ASSERT_EQUAL_INT32(levels, bvx_octree_levels(b));
     for (int32_t l = 0; l <= levels; l++) {
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, a, l, &lattice[0]));
@@ -178,7 +192,8 @@ static void test_trees_come_back(void)
             bvx_octree *const tree = tree_of(kind, levels);
             bvx_octree *back = NULL;
             bvx_buffer b = file_of(tree);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_octree(ctx, b.bytes, b.size, &back), bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_octree(ctx, b.bytes, b.size, &back),
+                                            bvx_last_message(ctx));
             assert_same_tree(tree, back);
             bvx_buffer again = file_of(back);
             TEST_ASSERT_EQUAL_UINT64(b.size, again.size);
@@ -197,6 +212,7 @@ static void test_threads_do_not_show(void)
     bvx_buffer b = file_of(tree), other = {0};
     bvx_context_options o;
     bvx_context *many;
+
     bvx_context_options_init(&o, sizeof o);
     o.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &many));
@@ -221,6 +237,7 @@ static bvx_octree *read_exact(const uint8_t *bytes, size_t size)
     uint8_t *const exact = maker_grow(NULL, size > 0 ? size : 1);
     bvx_octree *tree = NULL;
     uint64_t const used = bvx_memory_used(ctx);
+
     memcpy(exact, bytes, size);
     bvx_memory_reset_peak(ctx);
     bvx_status const status = bvx_read_octree(ctx, exact, size, &tree);
@@ -237,6 +254,7 @@ static bvx_octree *read_exact(const uint8_t *bytes, size_t size)
 static void test_every_cut_and_every_bit(void)
 {
     static const int kinds[3] = {WHOLE, TOLERANCE, FAR_WINDOW};
+
     for (int k = 0; k < 3; k++) {
         bvx_octree *const tree = tree_of(kinds[k], 2);
         bvx_buffer b = file_of(tree);
@@ -261,11 +279,13 @@ static void test_every_cut_and_every_bit(void)
 static void seal(uint8_t *file, size_t size)
 {
     size_t at = HEAD;
+
     put_bytes(file + 120, bvx_hash(file, 120, 0), 8);
     while (size - at >= LEVEL) {
         uint64_t const words = get_bytes(file + at + 16, 8);
         if (words > (size - at) / 16 || level_size(file + at) > size - at) return;
-        put_bytes(file + at, bvx_hash(file + at + 8, level_size(file + at) - 8, bvx_hash(file + 16, 104, 0)), 8);
+        put_bytes(file + at, bvx_hash(file + at + 8, level_size(file + at) - 8, bvx_hash(file + 16, 104, 0)),
+                  8);
         at += level_size(file + at);
     }
 }
@@ -278,13 +298,16 @@ static void use_tree(const bvx_octree *tree, const uint8_t *bytes, size_t size)
     uint64_t count;
     bvx_octree_hit hit;
     bvx_grid grid = {0};
+
     TEST_ASSERT_EQUAL_UINT64(size, b.size);
     TEST_ASSERT_EQUAL_MEMORY(bytes, b.bytes, size);
     bvx_buffer_free(ctx, &b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_leaves(ctx, tree, 7, NULL, 0, &count));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, ray, 1, 100, &hit));
-    bvx_status const status = bvx_octree_expand(ctx, tree, bvx_octree_levels(tree) < 3 ? bvx_octree_levels(tree) : 3, 5, NULL, &grid);
-    TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_RANGE || status == BVX_ERR_ARGUMENT); /* a coarser level's lattice */
+    bvx_status const status = bvx_octree_expand(
+        ctx, tree, bvx_octree_levels(tree) < 3 ? bvx_octree_levels(tree) : 3, 5, NULL, &grid);
+    /* a coarser level's lattice */
+    TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_RANGE || status == BVX_ERR_ARGUMENT);
     bvx_grid_free(ctx, &grid);
 }
 
@@ -292,6 +315,7 @@ static void test_sealed_damage(void)
 {
     static const int kinds[3] = {WHOLE, TOLERANCE, BASE_ALONE};
     int read = 0, refused = 0;
+
     for (int k = 0; k < 3; k++) {
         bvx_octree *const tree = tree_of(kinds[k], 2);
         bvx_buffer b = file_of(tree);
@@ -322,6 +346,7 @@ static void refuse_number(size_t at, uint64_t value, int n, const char *words)
 {
     bvx_octree *const tree = tree_of(TOLERANCE, 2);
     bvx_buffer b = file_of(tree);
+
     put_bytes(b.bytes + at, value, n);
     seal(b.bytes, (size_t)b.size);
     TEST_ASSERT_NULL(read_exact(b.bytes, (size_t)b.size));
@@ -361,7 +386,9 @@ static void test_refusals(void)
     bvx_octree *back = NULL;
     bvx_buffer b = {0}, grid_file = {0};
     bvx_grid grid = {0}, no_grid = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_octree(ctx, tree, BVX_STATE_INSIDE, BVX_FORMAT_BVX, &b));
+
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_write_octree(ctx, tree, BVX_STATE_INSIDE, BVX_FORMAT_BVX, &b));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "the whole tree"));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_NPY, &b));
     b = file_of(tree);
@@ -370,8 +397,10 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_octree(ctx, b.bytes, b.size, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_read_octree(ctx, b.bytes, 0, &back));
     TEST_ASSERT_NULL(back);
+
     /* grids and trees have one ending, and are told apart */
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_read_grid(ctx, b.bytes, b.size, BVX_FORMAT_BVX, NULL, &no_grid));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT,
+                            bvx_read_grid(ctx, b.bytes, b.size, BVX_FORMAT_BVX, NULL, &no_grid));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_read_octree"));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_expand(ctx, tree, 1, 0, NULL, &grid));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &grid, BVX_FORMAT_BVX, &grid_file));

@@ -41,10 +41,12 @@ static void make_random(uint64_t vertex_count, uint64_t triangle_count)
 
 /* A view of the truth with the given types, strides (0 packed) and bytes off alignment. */
 static bvx_mesh_view make_view(uint64_t vertex_count, uint64_t triangle_count, uint32_t position_type,
-                               uint32_t position_stride, uint32_t index_type, uint32_t index_stride, size_t shift)
+                               uint32_t position_stride, uint32_t index_type, uint32_t index_stride,
+                               size_t shift)
 {
     bvx_mesh_view v;
     unsigned char *p = position_bytes_of + shift, *q = index_bytes_of + shift;
+
     memset(&v, 0, sizeof v);
     memset(position_bytes_of, 0xee, sizeof position_bytes_of);
     memset(index_bytes_of, 0xee, sizeof index_bytes_of);
@@ -81,6 +83,7 @@ static bvx_mesh_view make_view(uint64_t vertex_count, uint64_t triangle_count, u
 static void expect_bounds(const bvx_mesh_view *view, int indexed)
 {
     double low[3], high[3], want_low[3], want_high[3];
+
     for (int a = 0; a < 3; a++) {
         want_low[a] = HUGE_VAL;
         want_high[a] = -HUGE_VAL;
@@ -106,6 +109,7 @@ static void test_getters_read_every_type_stride_and_alignment(void)
 {
     static const uint32_t index_types[4] = {0, BVX_U16, BVX_U32, BVX_U64};
     uint64_t const n = 60, m = 20;
+
     make_random(n, m);
     for (uint32_t p = BVX_F32; p <= BVX_F64; p++)
         for (int i = 0; i < 4; i++)
@@ -132,6 +136,7 @@ static void test_getters_read_every_type_stride_and_alignment(void)
 static void test_an_index_beyond_the_vertices_is_not_accepted(void)
 {
     uint32_t c[3];
+
     make_random(10, 3);
     for (uint32_t type = BVX_U16; type <= BVX_U64; type++)
         for (int k = 0; k < 3; k++) {
@@ -153,6 +158,7 @@ static void test_a_64_bit_index_is_not_cut_short(void)
     bvx_mesh_view v;
     double low[3], high[3];
     uint32_t c[3];
+
     memset(&v, 0, sizeof v);
     v.positions = p;
     v.indices = t;
@@ -175,7 +181,8 @@ static void test_bounds_equal_a_plain_loop_at_every_size(void)
         bvx_mesh_view v;
         make_random(n, m);
         if (round % 3 == 0) /* one corner of the bounds lies alone at the first, the last or any vertex */
-            positions[round % 2 == 0 ? n - 1 : random_below((uint32_t)n)][round % 3] = round % 5 == 0 ? 7.0 : -7.0;
+            positions[round % 2 == 0 ? n - 1 : random_below((uint32_t)n)][round % 3] = round % 5 == 0 ? 7.0
+                                                                                                      : -7.0;
         v = make_view(n, m, BVX_F32, 0, BVX_U32, 0, (size_t)round % 8);
         expect_bounds(&v, 1);
     }
@@ -184,6 +191,7 @@ static void test_bounds_equal_a_plain_loop_at_every_size(void)
 static void test_bounds_leave_out_unused_vertices(void)
 {
     double low[3], high[3];
+
     for (uint32_t type = BVX_F32; type <= BVX_F64; type++) {
         bvx_mesh_view v;
         make_random(1000, 500);
@@ -201,6 +209,7 @@ static void test_bounds_leave_out_unused_vertices(void)
 static void test_bounds_give_zero_for_minus_zero(void)
 {
     double low[3], high[3], zero = 0.0;
+
     for (uint32_t type = BVX_F32; type <= BVX_F64; type++) {
         bvx_mesh_view v;
         memset(positions, 0, sizeof positions);
@@ -221,6 +230,7 @@ static void test_bounds_name_a_vertex_that_is_not_finite(void)
 {
     static const double bad[3] = {HUGE_VAL, -HUGE_VAL, NAN};
     double low[3], high[3];
+
     for (int round = 0; round < 120; round++) {
         uint32_t const n = 3 + random_below(1500), at = round < 3 ? (uint32_t)round : random_below(n);
         uint32_t const type = round % 2 == 0 ? BVX_F32 : BVX_F64;
@@ -239,6 +249,7 @@ static void test_bounds_name_a_vertex_that_is_not_finite(void)
 static void test_bounds_name_the_first_triangle_with_a_bad_index(void)
 {
     double low[3], high[3];
+
     for (int round = 0; round < 60; round++) {
         uint32_t const m = 1 + random_below(MAX_TRIANGLES - 1), at = random_below(m);
         char want[96];
@@ -259,6 +270,7 @@ static void test_bounds_of_nothing_are_refused(void)
 {
     double low[3], high[3];
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     v.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_view_check(ctx, "test", &v));
@@ -277,6 +289,7 @@ static void expect_refusal(const bvx_mesh_view *v, bvx_status status, const char
 static void test_check_names_the_field_that_is_wrong(void)
 {
     bvx_mesh_view good, v;
+
     make_random(30, 10);
     good = make_view(30, 10, BVX_F64, 0, BVX_U32, 0, 0);
     expect_refusal(NULL, BVX_ERR_ARGUMENT, "mesh is NULL");
@@ -293,8 +306,10 @@ static void test_check_names_the_field_that_is_wrong(void)
     v = good, v.index_type = 0, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_type");
     v = good, v.index_type = 4, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_type");
     v = good, v.index_stride = 11, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
-    v = good, v.index_type = BVX_U16, v.index_stride = 5, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
-    v = good, v.index_type = BVX_U64, v.index_stride = 23, expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
+    v = good, v.index_type = BVX_U16, v.index_stride = 5,
+    expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
+    v = good, v.index_type = BVX_U64, v.index_stride = 23,
+    expect_refusal(&v, BVX_ERR_ARGUMENT, "index_stride");
     v = good, v.reserved = 1, expect_refusal(&v, BVX_ERR_ARGUMENT, "reserved");
     v = good, v.indices = NULL, v.triangle_count = 11, expect_refusal(&v, BVX_ERR_RANGE, "indices is NULL");
 }
@@ -302,6 +317,7 @@ static void test_check_names_the_field_that_is_wrong(void)
 static void test_check_accepts_the_least_strides_and_ignores_the_index_type_without_indices(void)
 {
     bvx_mesh_view v;
+
     make_random(30, 10);
     v = make_view(30, 10, BVX_F32, 12, BVX_U16, 6, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_view_check(ctx, "test", &v));
@@ -321,6 +337,7 @@ static void test_view_of_a_mesh_shows_its_arrays(void)
     bvx_mesh mesh;
     bvx_mesh_view v;
     uint32_t c[3];
+
     memcpy(q, p, sizeof q);
     memset(&mesh, 0, sizeof mesh);
     bvx_mesh_view_of(&mesh, &v);

@@ -1,4 +1,5 @@
-/* test_vox.c - MagicaVoxel files: written ones taken apart, hand-made ones of other makers, windows, damage. */
+/* test_vox.c - MagicaVoxel files: written ones taken apart, hand-made ones of other makers, windows,
+ * damage. */
 #include "packed_support.h"
 
 /* ---- files put together chunk by chunk ---- */
@@ -75,8 +76,10 @@ static void check_file(int32_t nx, int32_t ny, int32_t nz, int kind)
     bvx_grid g, back;
     bvx_buffer b = {0};
     uint32_t n = 0;
+
     grid_of(&g, &l, NULL, kind, 3);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b),
+                                    bvx_last_message(ctx));
     uint8_t *const want = malloc(60 + 4 * (size_t)(nx * ny * nz));
     memcpy(want, "VOX \x96\0\0\0MAIN\0\0\0\0\0\0\0\0SIZE\14\0\0\0\0\0\0\0", 32);
     put_u32(want + 32, (uint32_t)nx, 0);
@@ -95,7 +98,8 @@ static void check_file(int32_t nx, int32_t ny, int32_t nz, int kind)
     put_u32(want + 56, n, 0);
     TEST_ASSERT_EQUAL_UINT64(60 + 4 * n, b.size);
     TEST_ASSERT_EQUAL_MEMORY(want, b.bytes, (size_t)b.size);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_VOX, NULL, &back), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_VOX, NULL, &back),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_MEMORY(g.words, back.words, 8 * grid_words(&g));
     for (int a = 0; a < 3; a++) {
         TEST_ASSERT_EQUAL_INT32(g.size[a], back.lattice.dims[a]);
@@ -126,6 +130,7 @@ static void test_vox_of_a_window(void)
     bvx_window const w = window_of(700, 3, 999, 256, 1, 1);
     bvx_grid g, back;
     bvx_buffer b = {0};
+
     grid_of(&g, &l, &w, KIND_NOISE, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_packed(b.bytes, (size_t)b.size, BVX_FORMAT_VOX, NULL, &back));
@@ -139,6 +144,7 @@ static void test_vox_of_a_window(void)
 static void test_vox_refuses_to_write(void)
 {
     static const char *const words[3] = {"257 voxels along x", "257 voxels along y", "257 voxels along z"};
+
     for (int a = 0; a < 3; a++) {
         bvx_lattice const l = lattice_of(a == 0 ? 257 : 1, a == 1 ? 257 : 1, a == 2 ? 257 : 1, 0, 1, 1, 1);
         bvx_grid g;
@@ -146,7 +152,8 @@ static void test_vox_refuses_to_write(void)
         grid_of(&g, &l, NULL, KIND_EMPTY, 1);
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
         TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), words[a]));
-        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "holds 256 a side: write windows of the grid, or take another format"));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx),
+                                    "holds 256 a side: write windows of the grid, or take another format"));
         TEST_ASSERT_NULL(b.bytes);
         bvx_grid_free(ctx, &g);
     }
@@ -157,6 +164,7 @@ static void test_vox_limits_and_cancel(void)
     bvx_lattice const l = lattice_of(70, 30, 20, 0, 1, 1, 1);
     bvx_grid g;
     bvx_buffer b = {0};
+
     grid_of(&g, &l, NULL, KIND_NOISE, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
     check_memory_limits(&g, &b, BVX_FORMAT_VOX);
@@ -171,23 +179,29 @@ static void test_vox_limits_and_cancel(void)
 static void check_three(vox_file *f)
 {
     bvx_grid g;
+
     finish(f);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f->bytes, f->size, BVX_FORMAT_VOX, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f->bytes, f->size, BVX_FORMAT_VOX, NULL, &g),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(g.size[0] == 4 && g.size[1] == 5 && g.size[2] == 6);
     for (int32_t z = 0; z < 6; z++)
         for (int32_t y = 0; y < 5; y++)
             for (int32_t x = 0; x < 4; x++)
-                TEST_ASSERT_EQUAL_INT((x == 0 && y == 0 && z == 0) || (x == 3 && y == 4 && z == 5) || (x == 1 && y == 2 && z == 3),
+                TEST_ASSERT_EQUAL_INT((x == 0 && y == 0 && z == 0) || (x == 3 && y == 4 && z == 5) ||
+                                          (x == 1 && y == 2 && z == 3),
                                       bvx_grid_get(&g, x, y, z));
     bvx_grid_free(ctx, &g);
 }
 
-static const char three[] = "\0\0\0\1" "\3\4\5\377" "\1\2\3\0";
+static const char three[] = "\0\0\0\1"
+                            "\3\4\5\377"
+                            "\1\2\3\0";
 
 static void test_vox_files_of_others(void)
 {
     vox_file f;
     uint8_t palette[1024];
+
     memset(palette, 7, sizeof palette);
     start(&f, 150); /* as MagicaVoxel wrote them first */
     add_chunk(&f, "PACK", "\1\0\0\0", 4, 0);
@@ -207,7 +221,12 @@ static void test_vox_files_of_others(void)
     add_chunk(&f, "zzzz", "abc", 3, 16);
     add_chunk(&f, "SIZE", "\0\0\0\0", 4, 0);
     add_size(&f, 4, 5, 6);
-    add_voxels(&f, "\0\0\0\1" "\3\4\5\377" "\1\2\3\0" "\0\0\0\2", 4);
+    add_voxels(&f,
+               "\0\0\0\1"
+               "\3\4\5\377"
+               "\1\2\3\0"
+               "\0\0\0\2",
+               4);
     check_three(&f);
     start(&f, 150); /* MAIN with content of its own */
     put_u32(f.bytes + 12, 5, 0);
@@ -216,7 +235,8 @@ static void test_vox_files_of_others(void)
     add_voxels(&f, three, 3);
     put_u32(f.bytes + 16, (uint32_t)f.size - 25, 0);
     bvx_grid g;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f.bytes, f.size, BVX_FORMAT_VOX, NULL, &g), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_packed(f.bytes, f.size, BVX_FORMAT_VOX, NULL, &g),
+                                    bvx_last_message(ctx));
     bvx_grid_free(ctx, &g);
 }
 
@@ -224,6 +244,7 @@ static void test_vox_refuses(void)
 {
     vox_file f;
     bvx_status const format = BVX_ERR_FORMAT;
+
     start(&f, 150);
     f.bytes[3] = 'x';
     check_vox_refused(&f, format, "does not begin with \"VOX \"");
@@ -264,11 +285,14 @@ static void test_vox_refuses(void)
     add_voxels(&f, three, 3);
     finish(&f);
     f.bytes[f.size] = 0;
-    check_packed_refused(f.bytes, f.size + 1, BVX_FORMAT_VOX, format, "byte 12: MAIN holds 52 bytes, the file has 53");
+    check_packed_refused(f.bytes, f.size + 1, BVX_FORMAT_VOX, format,
+                         "byte 12: MAIN holds 52 bytes, the file has 53");
     f.size++;
     check_vox_refused(&f, format, "the file ends in a chunk's head");
     for (int a = 0; a < 3; a++) {
-        static const char *const words[3] = {"voxel 1 has x = 3, SIZE says 3", "voxel 1 has y = 4, SIZE says 4", "voxel 1 has z = 5, SIZE says 5"};
+        static const char *const words[3] = {"voxel 1 has x = 3, SIZE says 3",
+                                             "voxel 1 has y = 4, SIZE says 4",
+                                             "voxel 1 has z = 5, SIZE says 5"};
         start(&f, 150);
         add_size(&f, a == 0 ? 3 : 4, a == 1 ? 4 : 5, a == 2 ? 5 : 6);
         add_voxels(&f, three, 3);
@@ -281,6 +305,7 @@ static void test_vox_numbers_replaced(void)
 {
     static const uint32_t numbers[] = {0, 1, 0xffffffffu, 0x80000000u, 0x7fffffffu, 256, 257, 3, 15};
     vox_file f;
+
     start(&f, 150);
     add_chunk(&f, "PACK", "\1\0\0\0", 4, 0);
     add_size(&f, 4, 5, 6);
@@ -306,6 +331,7 @@ static void test_vox_cut(void)
     bvx_lattice const l = lattice_of(20, 6, 7, 0, 1, 1, 1);
     bvx_grid g;
     bvx_buffer b = {0};
+
     grid_of(&g, &l, NULL, KIND_SPARSE, 4);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VOX, &b));
     check_every_cut(&b, BVX_FORMAT_VOX);

@@ -13,6 +13,7 @@ static void test_voxel_normal_sums_the_ball(void)
 {
     static const int32_t widths[5] = {1, 7, 64, 65, 133};
     static const double spacing[3] = {1, 0.5, 0.25};
+
     random_state = 1;
     for (int w = 0; w < 5; w++)
         for (int two = 0; two < 2; two++) {
@@ -26,7 +27,8 @@ static void test_voxel_normal_sums_the_ball(void)
                         for (int32_t c = -3; c <= 3; c++)
                             for (int32_t b = -3; b <= 3; b++)
                                 for (int32_t a = -3; a <= 3; a++)
-                                    if (a * a + b * b + c * c <= 13 && is_set(&g, two ? &h : &g, x + a, y + b, z + c)) {
+                                    if (a * a + b * b + c * c <= 13 &&
+                                        is_set(&g, two ? &h : &g, x + a, y + b, z + c)) {
                                         sum[0] -= a;
                                         sum[1] -= b;
                                         sum[2] -= c;

@@ -14,8 +14,8 @@ static void check_made(double x, double y, double z, double sx, double sy, doubl
     bvx_grid g;
     read_good_grid(made.bytes, made.size, BVX_FORMAT_VTI, NULL, &g);
     check_file_box(&g, x, y, z, sx, sy, sz, 3, 2, 2);
-    for (int i = 0; i < 12; i++) TEST_ASSERT_EQUAL_INT(wanted(i % 3, i / 3 % 2, i / 6), bvx_grid_get(&g, i % 3, i / 3 % 2,
-                                                                                i / 6));
+    for (int i = 0; i < 12; i++)
+        TEST_ASSERT_EQUAL_INT(wanted(i % 3, i / 3 % 2, i / 6), bvx_grid_get(&g, i % 3, i / 3 % 2, i / 6));
     check_windows(made.bytes, made.size, BVX_FORMAT_VTI, &g, 8);
     bvx_grid_free(ctx, &g);
 }
@@ -24,8 +24,11 @@ static void check_made(double x, double y, double z, double sx, double sy, doubl
 static void make_vti(const char *root, const char *image, const char *extent, const char *piece)
 {
     made.size = 0;
-    hand_text(&made, "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" %s>\n<ImageData WholeExtent=\"0 9 0 9 0 9\" %s>\n"
-                     "<Piece Extent=\"%s\">\n%s</Piece></ImageData>", root, image, extent, piece);
+    hand_text(
+        &made,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" %s>\n<ImageData WholeExtent=\"0 9 0 9 0 9\" %s>\n"
+        "<Piece Extent=\"%s\">\n%s</Piece></ImageData>",
+        root, image, extent, piece);
 }
 
 static void end_vti(void)
@@ -33,9 +36,11 @@ static void end_vti(void)
     hand_text(&made, "</VTKFile>\n");
 }
 
-#define VTI_OLD "version=\"0.1\" byte_order=\"LittleEndian\""
+#define VTI_OLD        "version=\"0.1\" byte_order=\"LittleEndian\""
 #define VTI_ASCII_DATA "1 0 1 0 0 1\n0 1 0 1 1 0\n"
-#define VTI_CELLS "<CellData Scalars=\"a\"><DataArray type=\"UInt8\" Name=\"a\" format=\"ascii\">" VTI_ASCII_DATA "</DataArray></CellData>"
+#define VTI_CELLS                                                                                   \
+    "<CellData Scalars=\"a\"><DataArray type=\"UInt8\" Name=\"a\" format=\"ascii\">" VTI_ASCII_DATA \
+    "</DataArray></CellData>"
 
 static void test_vti_rounds(void)
 {
@@ -56,10 +61,12 @@ static void test_vti_writes(void)
     static const char tail[] = "\n  </AppendedData>\n</VTKFile>\n";
     bvx_buffer b = {0};
     bvx_grid g = random_grid(origin, spacing, dims, &window, 3);
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, &g, BVX_FORMAT_VTI, &b));
     TEST_ASSERT_EQUAL_UINT64(sizeof want + 6 + sizeof tail - 1, b.size);
     TEST_ASSERT_EQUAL_MEMORY(want, b.bytes, sizeof want); /* its last 0 is the length's last byte */
-    for (int i = 0; i < 6; i++) TEST_ASSERT_EQUAL_UINT8(bvx_grid_get(&g, i % 3, i / 3, 0), b.bytes[sizeof want + (size_t)i]);
+    for (int i = 0; i < 6; i++)
+        TEST_ASSERT_EQUAL_UINT8(bvx_grid_get(&g, i % 3, i / 3, 0), b.bytes[sizeof want + (size_t)i]);
     TEST_ASSERT_EQUAL_MEMORY(tail, b.bytes + b.size - (sizeof tail - 1), sizeof tail - 1);
     bvx_buffer_free(ctx, &b);
     bvx_grid_free(ctx, &g);
@@ -67,21 +74,26 @@ static void test_vti_writes(void)
 
 static void test_vti_places(void)
 {
-    static const char points[] = "<PointData Scalars=\"p\"><DataArray type=\"Float32\" Name=\"p\" format=\"ascii\"> 1 0 nan 0 -0 1e9 "
-                                 "0 0.5 0e3 -1 1 0 </DataArray></PointData><CellData/>";
+    static const char points[] =
+        "<PointData Scalars=\"p\"><DataArray type=\"Float32\" Name=\"p\" format=\"ascii\"> 1 0 nan 0 -0 1e9 "
+        "0 0.5 0e3 -1 1 0 </DataArray></PointData><CellData/>";
+
     make_vti(VTI_OLD, "", "0 3 0 2 0 2", VTI_CELLS);
     end_vti();
     check_made(0, 0, 0, 1, 1, 1);
     make_vti(VTI_OLD, "Origin=\"1 2 3\" Spacing='0.5 2 4'", "0 3 0 2 0 2", VTI_CELLS);
     end_vti();
     check_made(1, 2, 3, 0.5, 2, 4);
-    make_vti(VTI_OLD, "Origin=\"1 2 3\" Spacing=\"0.5 2 4\" Direction=\"1 0 0 0 1 0 -0 0 1.0\"", "4 7 -3 -1 1 3", VTI_CELLS);
+    make_vti(VTI_OLD, "Origin=\"1 2 3\" Spacing=\"0.5 2 4\" Direction=\"1 0 0 0 1 0 -0 0 1.0\"",
+             "4 7 -3 -1 1 3", VTI_CELLS);
     end_vti();
     check_made(3, -4, 7, 0.5, 2, 4);
-    make_vti("version=\"2.2\" header_type=\"UInt64\"", "Origin=\"1 2 3\" Spacing=\"0.5 2 4\"", "0 2 0 1 0 1", points);
+    make_vti("version=\"2.2\" header_type=\"UInt64\"", "Origin=\"1 2 3\" Spacing=\"0.5 2 4\"", "0 2 0 1 0 1",
+             points);
     end_vti();
     check_made(0.75, 1, 1, 0.5, 2, 4);
-    make_vti("version=\"1.0\" header_type=\"UInt64\"", "Origin=\"1 2 3\" Spacing=\"0.5 2 4\"", "4 6 -3 -2 1 2", points);
+    make_vti("version=\"1.0\" header_type=\"UInt64\"", "Origin=\"1 2 3\" Spacing=\"0.5 2 4\"",
+             "4 6 -3 -2 1 2", points);
     end_vti();
     check_made(2.75, -5, 5, 0.5, 2, 4);
 }
@@ -125,29 +137,41 @@ static void test_vti_encodings(void)
         const char *name;
         int size;
         uint64_t one;
-    } types[] = {{"UInt8", 1, 1}, {"Int8", 1, 0x80}, {"UInt16", 2, 0x100}, {"Int16", 2, 0x8000}, {"UInt32", 4, 1}, {"Int32", 4,
-                                                                                0x80000000u},
-                 {"Float32", 4, 0x3f800000}, {"UInt64", 8, 1}, {"Int64", 8, UINT64_C(1) << 63}, {"Float64", 8,
-                                                                                UINT64_C(0x3ff) << 52}};
+    } types[] = {{"UInt8", 1, 1},
+                 {"Int8", 1, 0x80},
+                 {"UInt16", 2, 0x100},
+                 {"Int16", 2, 0x8000},
+                 {"UInt32", 4, 1},
+                 {"Int32", 4, 0x80000000u},
+                 {"Float32", 4, 0x3f800000},
+                 {"UInt64", 8, 1},
+                 {"Int64", 8, UINT64_C(1) << 63},
+                 {"Float64", 8, UINT64_C(0x3ff) << 52}};
     char root[100], piece[300];
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int big = 0; big < 2; big++)
             for (int header = 4; header <= 8; header += 4) {
                 int const size = types[i].size;
-                sprintf(root, "version=\"1.0\" byte_order=\"%s\" header_type=\"UInt%d\"", big ? "BigEndian" : "LittleEndian",
-                        8 * header);
+                sprintf(root, "version=\"1.0\" byte_order=\"%s\" header_type=\"UInt%d\"",
+                        big ? "BigEndian" : "LittleEndian", 8 * header);
                 for (int apart = 0; apart < 2; apart++) {
-                    sprintf(piece, "<CellData Scalars=\"a\"><DataArray type=\"%s\" Name=\"a\" format=\"binary\">\n  ",
-                            types[i].name);
+                    sprintf(
+                        piece,
+                        "<CellData Scalars=\"a\"><DataArray type=\"%s\" Name=\"a\" format=\"binary\">\n  ",
+                        types[i].name);
                     make_vti(root, "", "0 3 0 2 0 2", piece);
                     made.size -= strlen("</Piece></ImageData>");
                     put_array_base64(size, big, header, types[i].one, apart);
-                    hand_text(&made, "\n<InformationKey name=\"x\"><Value index=\"0\"> 1 </Value></InformationKey></DataArray>"
-                                     "</CellData></Piece></ImageData>");
+                    hand_text(
+                        &made,
+                        "\n<InformationKey name=\"x\"><Value index=\"0\"> 1 </Value></InformationKey></DataArray>"
+                        "</CellData></Piece></ImageData>");
                     end_vti();
                     check_made(0, 0, 0, 1, 1, 1);
-                    sprintf(piece, "<CellData><DataArray type=\"%s\" Name=\"a\" format=\"appended\" offset=\"5\"/></CellData>",
-                            types[i].name);
+                    sprintf(
+                        piece,
+                        "<CellData><DataArray type=\"%s\" Name=\"a\" format=\"appended\" offset=\"5\"/></CellData>",
+                        types[i].name);
                     make_vti(root, "", "0 3 0 2 0 2", piece);
                     hand_text(&made, "<AppendedData encoding=\"base64\">\n _AAAA=");
                     put_array_base64(size, big, header, types[i].one, apart);
@@ -166,7 +190,8 @@ static void test_vti_encodings(void)
 
 /* ---- which array ---- */
 
-#define VTI_ARRAY(name, type, data) "<DataArray type=\"" type "\" Name=\"" name "\" format=\"ascii\">" data "</DataArray>"
+#define VTI_ARRAY(name, type, data) \
+    "<DataArray type=\"" type "\" Name=\"" name "\" format=\"ascii\">" data "</DataArray>"
 #define VTI_ZEROS "0 0 0 0 0 0 0 0 0 0 0 0"
 
 static void check_piece(const char *piece)
@@ -178,30 +203,37 @@ static void check_piece(const char *piece)
 
 static void test_vti_arrays(void)
 {
-    check_piece("<CellData Scalars=\"b\">" VTI_ARRAY("a", "UInt8", VTI_ZEROS) VTI_ARRAY("b", "UInt8", VTI_ASCII_DATA)
-                "</CellData>");
-    check_piece("<CellData>" VTI_ARRAY("a", "UInt8", VTI_ASCII_DATA) VTI_ARRAY("b", "UInt8", VTI_ZEROS) "</CellData>");
-    check_piece("<CellData Vectors=\"v\"><DataArray type=\"Float32\" Name=\"v\" NumberOfComponents=\"3\" format=\"ascii\"/>"
-                "<DataArray type=\"String\" Name=\"s\" format=\"ascii\"> x </DataArray>" VTI_ARRAY("a", "Int8", VTI_ASCII_DATA)
-                    "</CellData>");
-    check_piece("<PointData Scalars=\"p\">" VTI_ARRAY("p", "UInt8", "1") "</PointData><CellData Scalars=\"a\">"
-                VTI_ARRAY("a", "UInt8", VTI_ASCII_DATA) "</CellData>");
-    check_piece("<PointData>" VTI_ARRAY("p", "UInt8", "1") "</PointData><CellData>" VTI_ARRAY("a", "UInt8", VTI_ASCII_DATA)
-                "</CellData>");
+    check_piece("<CellData Scalars=\"b\">" VTI_ARRAY("a", "UInt8", VTI_ZEROS)
+                    VTI_ARRAY("b", "UInt8", VTI_ASCII_DATA) "</CellData>");
+    check_piece("<CellData>" VTI_ARRAY("a", "UInt8", VTI_ASCII_DATA)
+                    VTI_ARRAY("b", "UInt8", VTI_ZEROS) "</CellData>");
+    check_piece(
+        "<CellData Vectors=\"v\"><DataArray type=\"Float32\" Name=\"v\" NumberOfComponents=\"3\" format=\"ascii\"/>"
+        "<DataArray type=\"String\" Name=\"s\" format=\"ascii\"> x </DataArray>" VTI_ARRAY(
+            "a", "Int8", VTI_ASCII_DATA) "</CellData>");
+    check_piece("<PointData Scalars=\"p\">" VTI_ARRAY(
+        "p", "UInt8", "1") "</PointData><CellData Scalars=\"a\">" VTI_ARRAY("a", "UInt8",
+                                                                            VTI_ASCII_DATA) "</CellData>");
+    check_piece("<PointData>" VTI_ARRAY("p", "UInt8", "1") "</PointData><CellData>" VTI_ARRAY(
+        "a", "UInt8", VTI_ASCII_DATA) "</CellData>");
+
     /* names as VTK writes them, and escaped in one place alone */
     check_piece("<CellData Scalars=\"x & <y>\">" VTI_ARRAY("a", "UInt8", VTI_ZEROS)
-                VTI_ARRAY("x &amp; &lt;y&gt;", "UInt8", VTI_ASCII_DATA) "</CellData>");
+                    VTI_ARRAY("x &amp; &lt;y&gt;", "UInt8", VTI_ASCII_DATA) "</CellData>");
     check_piece("<CellData Scalars='\"&apos;'>" VTI_ARRAY("a", "UInt8", VTI_ZEROS)
-                VTI_ARRAY("&quot;'", "UInt8", VTI_ASCII_DATA) "</CellData>");
+                    VTI_ARRAY("&quot;'", "UInt8", VTI_ASCII_DATA) "</CellData>");
+
     /* comments, and arrays elsewhere */
-    check_piece("<!-- <CellData> --><?pi <a ?><CellData Scalars=\"a\" ><!--x-->" VTI_ARRAY("a", "UInt8", VTI_ASCII_DATA)
-                "</CellData>");
+    check_piece("<!-- <CellData> --><?pi <a ?><CellData Scalars=\"a\" ><!--x-->" VTI_ARRAY(
+        "a", "UInt8", VTI_ASCII_DATA) "</CellData>");
     make_vti(VTI_OLD, "><FieldData>" VTI_ARRAY("a", "UInt8", "7") "</FieldData><Other x='1'",
              "0 3 0 2 0 2\"></Piece></Other><Piece Extent=\"0 3 0 2 0 2", VTI_CELLS);
     end_vti();
     check_made(0, 0, 0, 1, 1, 1);
-    make_vti(VTI_OLD, "", "0 2 0 1 0 1", "<PointData Scalars=\"p\">" VTI_ARRAY("p", "UInt8", VTI_ASCII_DATA)
-             "</PointData><CellData>" VTI_ARRAY("c", "UInt8", "1 1") "</CellData>");
+    make_vti(VTI_OLD, "", "0 2 0 1 0 1",
+             "<PointData Scalars=\"p\">" VTI_ARRAY(
+                 "p", "UInt8", VTI_ASCII_DATA) "</PointData><CellData>" VTI_ARRAY("c", "UInt8",
+                                                                                  "1 1") "</CellData>");
     end_vti();
     check_made(-0.5, -0.5, -0.5, 1, 1, 1); /* active points before cells that are not */
 }
@@ -213,8 +245,8 @@ static void check_made_refused(bvx_status status, const char *words)
     check_grid_refused(made.bytes, made.size, BVX_FORMAT_VTI, status, words);
 }
 
-static void check_vti_refused(const char *root, const char *image, const char *extent, const char *piece, bvx_status status,
-                              const char *words)
+static void check_vti_refused(const char *root, const char *image, const char *extent, const char *piece,
+                              bvx_status status, const char *words)
 {
     make_vti(root, image, extent, piece);
     end_vti();
@@ -237,9 +269,12 @@ static void check_text_refused(const char *text, bvx_status status, const char *
 static void test_vti_refuses(void)
 {
     static const char good[] = "0 3 0 2 0 2";
+
     check_vti_refused("version=\"3.0\"", "", good, VTI_CELLS, BVX_ERR_UNSUPPORTED, "line 2: a version other");
-    check_vti_refused("version=\"1.0\" header_type=\"UInt16\"", "", good, VTI_CELLS, BVX_ERR_FORMAT, "UInt32 or UInt64");
-    check_vti_refused("version=\"1.0\" byte_order=\"Middle\"", "", good, VTI_CELLS, BVX_ERR_FORMAT, "LittleEndian or BigEndian");
+    check_vti_refused("version=\"1.0\" header_type=\"UInt16\"", "", good, VTI_CELLS, BVX_ERR_FORMAT,
+                      "UInt32 or UInt64");
+    check_vti_refused("version=\"1.0\" byte_order=\"Middle\"", "", good, VTI_CELLS, BVX_ERR_FORMAT,
+                      "LittleEndian or BigEndian");
     check_vti_refused(VTI_OLD " compressor=\"vtkZLibDataCompressor\"", "", good,
                       "<CellData><DataArray type=\"UInt8\" format=\"binary\">AQAAAA==</DataArray></CellData>",
                       BVX_ERR_UNSUPPORTED, "SetCompressorTypeToNone");
@@ -249,24 +284,36 @@ static void test_vti_refuses(void)
     check_vti_refused(VTI_OLD, "Spacing=\"1 0 1\"", good, VTI_CELLS, BVX_ERR_FORMAT, "spacing along y is 0");
     check_vti_refused(VTI_OLD, "Spacing=\"1 1\"", good, VTI_CELLS, BVX_ERR_FORMAT, "expected a number");
     check_vti_refused(VTI_OLD, "Spacing=\"1 1 1 1\"", good, VTI_CELLS, BVX_ERR_FORMAT, "no further number");
-    check_vti_refused(VTI_OLD, "Origin=\"1 1 inf\"", good, VTI_CELLS, BVX_ERR_FORMAT, "origin is not finite along z");
-    check_vti_refused(VTI_OLD, "Origin=\"1 1 1\" Origin=\"1 1 1\"", good, VTI_CELLS, BVX_ERR_FORMAT, "each attribute once");
+    check_vti_refused(VTI_OLD, "Origin=\"1 1 inf\"", good, VTI_CELLS, BVX_ERR_FORMAT,
+                      "origin is not finite along z");
+    check_vti_refused(VTI_OLD, "Origin=\"1 1 1\" Origin=\"1 1 1\"", good, VTI_CELLS, BVX_ERR_FORMAT,
+                      "each attribute once");
     check_vti_refused(VTI_OLD, "", "0 3 0 2 2 2", VTI_CELLS, BVX_ERR_FORMAT, "no voxels along z");
     check_vti_refused(VTI_OLD, "", "0 3 0 2 2 0", VTI_CELLS, BVX_ERR_FORMAT, "no voxels along z");
     check_vti_refused(VTI_OLD, "", "0 3 0 2 0 2.5", VTI_CELLS, BVX_ERR_FORMAT, "whole numbers");
     check_vti_refused(VTI_OLD, "", "0 3 0 2 0 4294967296", VTI_CELLS, BVX_ERR_FORMAT, "whole numbers");
-    check_vti_refused(VTI_OLD, "", "-2147483648 2147483647 0 1 0 1", VTI_CELLS, BVX_ERR_RANGE, "4294967295 voxels along x");
-    check_vti_refused(VTI_OLD, "", "0 4194304 0 4194304 0 4194304", VTI_CELLS, BVX_ERR_FORMAT, "more than any file");
+    check_vti_refused(VTI_OLD, "", "-2147483648 2147483647 0 1 0 1", VTI_CELLS, BVX_ERR_RANGE,
+                      "4294967295 voxels along x");
+    check_vti_refused(VTI_OLD, "", "0 4194304 0 4194304 0 4194304", VTI_CELLS, BVX_ERR_FORMAT,
+                      "more than any file");
     check_vti_refused(VTI_OLD, "", "0 3 0 2 0 30", VTI_CELLS, BVX_ERR_FORMAT, "180 values in 24 bytes");
-    check_vti_refused(VTI_OLD, "", "0 3 0 2 0 1", VTI_CELLS, BVX_ERR_FORMAT, "expected the end of the array, found '0'");
-    check_vti_refused(VTI_OLD, "", good, "<CellData><DataArray type=\"UInt8\" format=\"ascii\">1 0 1 0 0 1 0 1 0 1 1      </DataArray></CellData>", BVX_ERR_FORMAT, "the samples end behind 11 of 3 x 2 x 2");
-    check_vti_refused(VTI_OLD, "", good, VTI_CELLS "</Piece><Piece Extent=\"0 3 0 2 2 4\">", BVX_ERR_UNSUPPORTED,
-                      "a second piece");
+    check_vti_refused(VTI_OLD, "", "0 3 0 2 0 1", VTI_CELLS, BVX_ERR_FORMAT,
+                      "expected the end of the array, found '0'");
+    check_vti_refused(
+        VTI_OLD, "", good,
+        "<CellData><DataArray type=\"UInt8\" format=\"ascii\">1 0 1 0 0 1 0 1 0 1 1      </DataArray></CellData>",
+        BVX_ERR_FORMAT, "the samples end behind 11 of 3 x 2 x 2");
+    check_vti_refused(VTI_OLD, "", good, VTI_CELLS "</Piece><Piece Extent=\"0 3 0 2 2 4\">",
+                      BVX_ERR_UNSUPPORTED, "a second piece");
     check_vti_refused(VTI_OLD, "", good, "", BVX_ERR_FORMAT, "array of cells or points");
-    check_vti_refused(VTI_OLD, "", good, "<CellData Scalars=\"v\"><DataArray type=\"UInt8\" Name=\"v\" "
-                      "NumberOfComponents=\"3\" format=\"ascii\"/></CellData>", BVX_ERR_UNSUPPORTED, "active scalars");
-    check_vti_refused(VTI_OLD, "", good, "<CellData Scalars=\"v\"><DataArray type=\"Bit\" Name=\"v\" format=\"ascii\"/>"
-                      "</CellData>", BVX_ERR_UNSUPPORTED, "active scalars");
+    check_vti_refused(VTI_OLD, "", good,
+                      "<CellData Scalars=\"v\"><DataArray type=\"UInt8\" Name=\"v\" "
+                      "NumberOfComponents=\"3\" format=\"ascii\"/></CellData>",
+                      BVX_ERR_UNSUPPORTED, "active scalars");
+    check_vti_refused(VTI_OLD, "", good,
+                      "<CellData Scalars=\"v\"><DataArray type=\"Bit\" Name=\"v\" format=\"ascii\"/>"
+                      "</CellData>",
+                      BVX_ERR_UNSUPPORTED, "active scalars");
     check_array_refused("format=\"hex\"/>", "ascii, binary or appended");
     check_array_refused("/>", "no format");
     check_array_refused("format=\"appended\"/>", "no offset");
@@ -276,14 +323,18 @@ static void test_vti_refuses(void)
     check_array_refused("format=\"binary\">DAAAAAEAAQAAAQABAAEBAAAA</DataArray>", "the end of the array");
     check_array_refused("format=\"binary\">DAAAAAEAAQ*AAQABAAEBAA==</DataArray>", "not all there");
     check_array_refused("format=\"binary\">DAAAAAEAAQAAAQABAAEBAA=A</DataArray>", "not all there");
-    check_array_refused("format=\"binary\">DQAAAAEAAQAAAQABAAEBAA==</DataArray>", "13 bytes, its extent asks for 12");
-    make_vti(VTI_OLD, "", good, "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"1000\"/></CellData>");
+    check_array_refused("format=\"binary\">DQAAAAEAAQAAAQABAAEBAA==</DataArray>",
+                        "13 bytes, its extent asks for 12");
+    make_vti(VTI_OLD, "", good,
+             "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"1000\"/></CellData>");
     hand_text(&made, "<AppendedData encoding=\"raw\">_");
     check_made_refused(BVX_ERR_FORMAT, "not all there");
-    make_vti(VTI_OLD, "", good, "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></CellData>");
+    make_vti(VTI_OLD, "", good,
+             "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></CellData>");
     hand_text(&made, "<AppendedData encoding=\"hex\">_");
     check_made_refused(BVX_ERR_FORMAT, "no encoding");
-    make_vti(VTI_OLD, "", good, "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></CellData>");
+    make_vti(VTI_OLD, "", good,
+             "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></CellData>");
     hand_text(&made, "<AppendedData encoding=\"raw\"> x");
     check_made_refused(BVX_ERR_FORMAT, "'_'");
 }
@@ -291,14 +342,19 @@ static void test_vti_refuses(void)
 static void test_vti_refuses_bad_xml(void)
 {
     char deep[200] = "";
+
     check_text_refused("VTKFile", BVX_ERR_FORMAT, "no element VTKFile");
-    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"/>", BVX_ERR_FORMAT, "no element ImageData");
-    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"/><b/>", BVX_ERR_FORMAT, "a second element");
+    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"/>", BVX_ERR_FORMAT,
+                       "no element ImageData");
+    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"/><b/>", BVX_ERR_FORMAT,
+                       "a second element");
     check_text_refused("<VTKFile type=\"PolyData\" version=\"1.0\"/>", BVX_ERR_UNSUPPORTED, "not ImageData");
     check_text_refused("<html></html>", BVX_ERR_FORMAT, "not a VTKFile");
     check_text_refused("<!DOCTYPE a><VTKFile/>", BVX_ERR_FORMAT, "elements and comments alone");
-    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFiles>", BVX_ERR_FORMAT, "the closing tag");
-    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFile></VTKFile>", BVX_ERR_FORMAT, "the closing tag");
+    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFiles>", BVX_ERR_FORMAT,
+                       "the closing tag");
+    check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFile></VTKFile>", BVX_ERR_FORMAT,
+                       "the closing tag");
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"><!-- ", BVX_ERR_FORMAT, "-->");
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0>", BVX_ERR_FORMAT, "ends with its quote");
     check_text_refused("<VTKFile type=ImageData>", BVX_ERR_FORMAT, "a value in quotes");

@@ -27,6 +27,7 @@ void tearDown(void)
 static bvx_mesh_view view_of(uint64_t n, uint32_t type)
 {
     bvx_mesh_view v;
+
     memset(&v, 0, sizeof v);
     for (uint64_t i = 0; i < n; i++)
         for (int a = 0; a < 3; a++) floats[i][a] = (float)positions[i][a];
@@ -40,6 +41,7 @@ static void expect_weld(uint64_t n, uint32_t type)
 {
     bvx_mesh_view const v = view_of(n, type);
     uint64_t different = 0, want_different = 0;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_weld(ctx, &v, representative, &different));
     for (uint64_t i = 0; i < n; i++) {
         uint64_t k = 0;
@@ -56,6 +58,7 @@ static void expect_weld(uint64_t n, uint32_t type)
 static void test_weld_finds_the_least_vertex_at_each_position(void)
 {
     uint64_t seed = 3;
+
     for (int round = 0; round < 60; round++) {
         int32_t const sides = 1 + maker_below(&seed, 9);
         uint64_t const n = round < 4 ? (uint64_t)round : (uint64_t)maker_below(&seed, MOST);
@@ -73,6 +76,7 @@ static void test_weld_finds_the_least_vertex_at_each_position(void)
 static void test_weld_joins_nothing_that_differs(void)
 {
     double x = 1.0;
+
     for (int i = 0; i < MOST; i++) {
         positions[i][0] = x;
         positions[i][1] = 1.0 - x;
@@ -113,6 +117,7 @@ static void test_many_vertices_can_be_cancelled(void)
     bvx_mesh_view v;
     uint64_t different;
     int asked = 0;
+
     bvx_context_options_init(&o, sizeof o);
     o.progress = stop_at_once;
     o.progress_user = &asked;
@@ -148,10 +153,13 @@ static uint64_t inverse_of(uint64_t odd)
 /* Positions 0, 0, z whose hashes are in the same few thousand of 2^31: the hash of weld.c run backwards. */
 static void make_flood(void)
 {
-    uint64_t const last = inverse_of(UINT64_C(0xbf58476d1ce4e5b9)), first = inverse_of(UINT64_C(0x9e3779b97f4a7c15));
+    uint64_t const last = inverse_of(UINT64_C(0xbf58476d1ce4e5b9));
+    uint64_t const first = inverse_of(UINT64_C(0x9e3779b97f4a7c15));
     uint64_t n = 0;
+
     for (uint64_t i = 0; n < FLOOD; i++) {
-        uint64_t const mixed = (UINT64_C(5) << 33 | i) * last, plain = (mixed ^ mixed >> 29 ^ mixed >> 58) * first;
+        uint64_t const mixed = (UINT64_C(5) << 33 | i) * last;
+        uint64_t const plain = (mixed ^ mixed >> 29 ^ mixed >> 58) * first;
         double z;
         memcpy(&z, &plain, sizeof z);
         if (!(z > -1e100 && z < 1e100) || (z < 1e-100 && z > -1e-100)) continue;
@@ -171,10 +179,12 @@ static bvx_status weld_flood(void *user, bvx_context *context)
     return bvxi_weld(context, &v, flood_numbers, &different);
 }
 
-/* The table gives up, which is the second allocation; each vertex comes twice. Searched to its end the table would take 10^10 steps. */
+/* The table gives up, which is the second allocation; each vertex comes
+ * twice. Searched to its end the table would take 10^10 steps. */
 static void test_positions_made_against_the_hash(void)
 {
     uint64_t allocations = 0, count = FLOOD;
+
     flood = malloc(sizeof *flood * FLOOD);
     flood_numbers = malloc(sizeof *flood_numbers * FLOOD);
     TEST_ASSERT_TRUE(flood != NULL && flood_numbers != NULL);
@@ -200,12 +210,14 @@ static void key_of(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORD
     memcpy(key, ((const keyed *)user)[number].key, 12);
 }
 
-/* Keys that share ever longer beginnings lie deepest: no search looks at more nodes than a key of three words has bits, and one. */
+/* Keys that share ever longer beginnings lie deepest: no search looks at
+ * more nodes than a key of three words has bits, and one. */
 static void test_no_key_lies_deep(void)
 {
     static keyed k[4000];
     bvxi_key_tree tree;
     uint64_t seed = 5;
+
     memset(k, 0, sizeof k);
     for (int i = 0; i < 4000; i++) {
         if (i < 96) k[i].key[i / 32] = UINT32_C(1) << i % 32; /* nested beginnings of zeros */

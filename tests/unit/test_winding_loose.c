@@ -1,5 +1,6 @@
-/* test_winding_loose.c - meshes whose triangles hang loose, so that each is a hole of its own: the rules against the sum of all
- * triangles' angles, bricks against single centres, bounds of what is summed in cells. */
+/* test_winding_loose.c - meshes whose triangles hang loose, so that each is a hole of its own: the rules
+ * against the sum of all triangles' angles, bricks against single centres, bounds of what is summed in
+ * cells. */
 #include "solid_support.h"
 #include "tools/fill_oracle.h"
 #include "voxelize/sheet_tree.h"
@@ -16,7 +17,9 @@ static void tear(double most, int32_t steps)
     for (size_t i = 0, n = 3 * mesh.triangles; i < n; i++) {
         double p[3];
         for (int a = 0; a < 3; a++)
-            p[a] = maker_step(mesh.p[3 * (size_t)mesh.t[i] + (size_t)a] + most * (maker_below(&seed, 2001) - 1000) / 1000.0, steps);
+            p[a] = maker_step(mesh.p[3 * (size_t)mesh.t[i] + (size_t)a] +
+                                  most * (maker_below(&seed, 2001) - 1000) / 1000.0,
+                              steps);
         mesh.t[i] = maker_vertex(&mesh, p[0], p[1], p[2]);
     }
 }
@@ -26,6 +29,7 @@ static void make_loose(int32_t trial, const bvx_lattice *l)
 {
     int32_t const steps = trial % 5 == 4 ? 2 : 65536;
     double centre[3], radius[3];
+
     maker_clear(&mesh);
     if (trial % 7 == 6) {
         make_random(trial % 2 ? SOUP : MIXED, 400, l->dims, 12);
@@ -70,6 +74,7 @@ static void close_loose(loose_sheet *s)
 static void test_sums_of_all_angles(void)
 {
     uint64_t asked = 0, inside = 0, halfway = 0;
+
     for (int32_t trial = quick ? 2 : 0; trial < (quick ? 3 : 7); trial++) {
         bvx_lattice l = lattice_of(34 + trial, 40, 36);
         int64_t *q;
@@ -81,7 +86,8 @@ static void test_sums_of_all_angles(void)
         for (int a = 0; a < 3; a++) scale[a] = l.spacing[a] / (1 << l.fraction_bits);
         g = solid_by(ctx, &l, NULL, BVX_FILL_WINDING, NULL);
         for (int32_t n = 0; n < (quick ? 600 : 1500); n++) {
-            int32_t const v[3] = {maker_below(&seed, l.dims[0]), maker_below(&seed, l.dims[1]), maker_below(&seed, l.dims[2])};
+            int32_t const v[3] = {maker_below(&seed, l.dims[0]), maker_below(&seed, l.dims[1]),
+                                  maker_below(&seed, l.dims[2])};
             int64_t c[3];
             double turns;
             int clear;
@@ -90,7 +96,8 @@ static void test_sums_of_all_angles(void)
             asked++;
             inside += turns > 0.5;
             halfway += fabs(turns - floor(turns + 0.5)) > 0.25;
-            if (clear && fabs(turns - 0.5) > 1e-7) TEST_ASSERT_EQUAL_INT(turns > 0.5, bvx_grid_get(&g, v[0], v[1], v[2]));
+            if (clear && fabs(turns - 0.5) > 1e-7)
+                TEST_ASSERT_EQUAL_INT(turns > 0.5, bvx_grid_get(&g, v[0], v[1], v[2]));
         }
         bvx_grid_free(ctx, &g);
         free(q);
@@ -103,6 +110,7 @@ static void assert_block_is_its_centres(const bvx_lattice *l, int is_signed)
     loose_sheet s;
     bvxi_turns_block *const b = maker_grow(NULL, sizeof *b);
     int64_t const step = (int64_t)1 << l->fraction_bits;
+
     memset(b, 0, sizeof *b);
     open_loose(l, is_signed, &s);
     b->sheet = &s.sheet;
@@ -114,12 +122,14 @@ static void assert_block_is_its_centres(const bvx_lattice *l, int is_signed)
         b->low[a] = maker_below(&seed, l->dims[a]);
         b->size[a] = l->dims[a] - b->low[a] < BVXI_TURNS_SIDE ? l->dims[a] - b->low[a] : BVXI_TURNS_SIDE;
     }
-    for (uint32_t i = 0; i < BVXI_TURNS_ROWS; i++) b->open[i] = b->all_open ? UINT32_MAX : (uint32_t)maker_random(&seed);
+    for (uint32_t i = 0; i < BVXI_TURNS_ROWS; i++)
+        b->open[i] = b->all_open ? UINT32_MAX : (uint32_t)maker_random(&seed);
     bvxi_sheet_block(b);
     for (int32_t z = 0; z < b->size[2]; z++)
         for (int32_t y = 0; y < b->size[1]; y++)
             for (int32_t x = 0; x < b->size[0]; x++) {
-                int64_t const p[3] = {(b->low[0] + x) * step + step / 2, (b->low[1] + y) * step + step / 2, (b->low[2] + z) * step + step / 2};
+                int64_t const p[3] = {(b->low[0] + x) * step + step / 2, (b->low[1] + y) * step + step / 2,
+                                      (b->low[2] + z) * step + step / 2};
                 uint32_t const row = bvxi_turns_row(y, z);
                 int32_t const turns = b->turns[row * BVXI_TURNS_SIDE + (uint32_t)x];
                 bvxi_sheet_answer a;
@@ -149,6 +159,7 @@ static void test_cells_keep_their_bounds(void)
 {
     double const q[4] = {0.8, 0.45, 0.2, 0.02};
     int32_t used[4] = {0, 0, 0, 0};
+
     for (int32_t trial = 0; trial < (quick ? 1 : 7); trial++) {
         bvx_lattice l = lattice_of(44, 50, 39);
         loose_sheet s;
@@ -159,7 +170,8 @@ static void test_cells_keep_their_bounds(void)
             int32_t const reach = n % 3 == 0 ? 1000 : 60;
             int64_t p[3];
             double exact;
-            for (int a = 0; a < 3; a++) p[a] = oracle_centre(maker_below(&seed, reach) - reach / 8, l.fraction_bits);
+            for (int a = 0; a < 3; a++)
+                p[a] = oracle_centre(maker_below(&seed, reach) - reach / 8, l.fraction_bits);
             exact = bvxi_sheet_angle(&s.sheet, p, -1);
             for (int i = 0; i < 4; i++) {
                 double error;
@@ -177,6 +189,7 @@ static void test_cells_keep_their_bounds(void)
 static void test_windows_threads_and_code_paths_change_nothing(void)
 {
     static const int32_t rules[3] = {BVX_FILL_WINDING, BVX_FILL_VOTE, BVX_FILL_WINDING};
+
     for (int32_t trial = 0; trial < (quick ? 1 : 3); trial++) {
         bvx_lattice const l = lattice_of(75, 40, 38);
         bvx_window w;
@@ -198,7 +211,8 @@ static void test_windows_threads_and_code_paths_change_nothing(void)
         for (int32_t z = 0; z < w.size[2]; z++)
             for (int32_t y = 0; y < w.size[1]; y++)
                 for (int32_t x = 0; x < w.size[0]; x++)
-                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z), bvx_grid_get(&part, x, y, z));
+                    TEST_ASSERT_EQUAL_INT(bvx_grid_get(&whole, w.low[0] + x, w.low[1] + y, w.low[2] + z),
+                                          bvx_grid_get(&part, x, y, z));
         bvx_grid_free(ctx, &part);
         bvx_grid_free(ctx, &whole);
     }

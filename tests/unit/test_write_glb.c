@@ -1,5 +1,5 @@
-/* test_write_glb.c - meshes written to binary glTF, taken apart (glb_support.h): chunks, description, arrays, and what
- * a viewer would make of them. */
+/* test_write_glb.c - meshes written to binary glTF, taken apart (glb_support.h):
+ * chunks, description, arrays, and what a viewer would make of them. */
 #include "glb_support.h"
 
 #include "io/glb.h"
@@ -14,6 +14,7 @@ static void check_nodes(const glb_file *f, double centre[3])
     const char *const matrix = json_member(json_item(nodes, 0), "matrix");
     const char *const scene = json_item(json_member(f->json, "scenes"), 0);
     double const v[4] = {2, 3, 5, 1}, turned[3] = {2, 5, -3};
+
     TEST_ASSERT_EQUAL_INT(0, (int)json_number_in(json_member(scene, "nodes"), 0));
     TEST_ASSERT_EQUAL_INT(1, (int)json_number_in(json_member(json_item(nodes, 0), "children"), 0));
     TEST_ASSERT_EQUAL_INT('0', *json_member(json_item(nodes, 1), "mesh"));
@@ -23,7 +24,8 @@ static void check_nodes(const glb_file *f, double centre[3])
         for (int c = 0; c < 4; c++) sum += json_number_in(matrix, 4 * c + row) * v[c];
         TEST_ASSERT_TRUE(sum == turned[row]);
     }
-    for (int a = 0; a < 3; a++) centre[a] = json_number_in(json_member(json_item(nodes, 1), "translation"), a);
+    for (int a = 0; a < 3; a++)
+        centre[a] = json_number_in(json_member(json_item(nodes, 1), "translation"), a);
 }
 
 /* ---- tests ---- */
@@ -34,6 +36,7 @@ static void check_positions(const bvx_mesh *m)
     glb_array const positions = take_array(&f, "POSITION"), index = take_array(&f, NULL);
     double centre[3], low[3], high[3], p[3];
     float least[3], most[3];
+
     check_nodes(&f, centre);
     world_of(m, m->triangles[0], low);
     world_of(m, m->triangles[0], high);
@@ -51,7 +54,8 @@ static void check_positions(const bvx_mesh *m)
     for (uint32_t v = 0; v < positions.count; v++) {
         world_of(m, v, p);
         for (uint32_t a = 0; a < 3; a++) {
-            float const f32 = take_f32(positions.at + 12 * (size_t)v + 4 * a), want = (float)(p[a] - centre[a]);
+            float const f32 = take_f32(positions.at + 12 * (size_t)v + 4 * a);
+            float const want = (float)(p[a] - centre[a]);
             TEST_ASSERT_EQUAL_MEMORY(&want, &f32, 4);
             if (v == 0 || f32 < least[a]) least[a] = f32;
             if (v == 0 || f32 > most[a]) most[a] = f32;
@@ -85,15 +89,19 @@ static void test_write_glb_description(void)
     glb_file f = write_glb(&m);
     const char *const material = json_item(json_member(f.json, "materials"), 0);
     const char *const surface = json_member(material, "pbrMetallicRoughness");
-    const char *const primitive = json_item(json_member(json_item(json_member(f.json, "meshes"), 0), "primitives"), 0);
-    TEST_ASSERT_EQUAL_INT(0, strncmp("{\"version\":\"2.0\",\"generator\":\"bitvox\"}", json_member(f.json, "asset"), 38));
+    const char *const primitive = json_item(
+        json_member(json_item(json_member(f.json, "meshes"), 0), "primitives"), 0);
+
+    TEST_ASSERT_EQUAL_INT(
+        0, strncmp("{\"version\":\"2.0\",\"generator\":\"bitvox\"}", json_member(f.json, "asset"), 38));
     TEST_ASSERT_EQUAL_INT('0', *json_member(f.json, "scene"));
     TEST_ASSERT_EQUAL_INT(0, strncmp("true", json_member(material, "doubleSided"), 4));
     TEST_ASSERT_EQUAL_INT('0', *json_member(surface, "metallicFactor"));
     TEST_ASSERT_EQUAL_INT('1', *json_member(surface, "roughnessFactor"));
     TEST_ASSERT_EQUAL_INT('4', *json_member(primitive, "mode"));
     TEST_ASSERT_EQUAL_INT('0', *json_member(primitive, "material"));
-    TEST_ASSERT_TRUE(strtoul(json_member(json_item(json_member(f.json, "buffers"), 0), "byteLength"), NULL, 10) == 6 * 24 + 48);
+    TEST_ASSERT_TRUE(strtoul(json_member(json_item(json_member(f.json, "buffers"), 0), "byteLength"), NULL,
+                             10) == 6 * 24 + 48);
     TEST_ASSERT_NULL(json_item(json_member(f.json, "buffers"), 1));
     TEST_ASSERT_NULL(json_item(json_member(f.json, "accessors"), 3));
     TEST_ASSERT_EQUAL_UINT32(0, take_array(&f, "COLOR_0").count);
@@ -105,6 +113,7 @@ static void test_write_glb_description(void)
 static void test_write_glb_padding(void)
 {
     int json_padding = 0, binary_padding = 0;
+
     for (int i = 0; i < 64; i++) {
         bvx_mesh m = octahedron(BVX_F64);
         m.triangle_count = (uint64_t)(i % 8 + 1);
@@ -130,6 +139,7 @@ static void check_normals(const bvx_mesh *m)
 {
     glb_file f = write_glb(m);
     glb_array const normals = take_array(&f, "NORMAL");
+
     TEST_ASSERT_EQUAL_UINT64(m->vertex_count, normals.count);
     for (uint32_t v = 0; v < normals.count; v++) {
         double sum[3] = {0, 0, 0}, length2 = 0, dot = 0, size;
@@ -139,7 +149,8 @@ static void check_normals(const bvx_mesh *m)
             for (int k = 0; k < 3; k++)
                 for (int a = 0; m->triangles[3 * t + (uint64_t)k] == v && a < 3; a++) {
                     int const b = (a + 1) % 3, c = (a + 2) % 3;
-                    sum[a] += (p[1][b] - p[0][b]) * (p[2][c] - p[0][c]) - (p[1][c] - p[0][c]) * (p[2][b] - p[0][b]);
+                    sum[a] += (p[1][b] - p[0][b]) * (p[2][c] - p[0][c]) -
+                              (p[1][c] - p[0][c]) * (p[2][b] - p[0][b]);
                 }
         }
         size = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
@@ -159,6 +170,7 @@ static void test_write_glb_normals(void)
     bvx_mesh m = octahedron(BVX_F64);
     glb_file f = write_glb(&m);
     glb_array const normals = take_array(&f, "NORMAL");
+
     TEST_ASSERT_TRUE(take_f32(normals.at + 4) == 0 && take_f32(normals.at) > 0.5f); /* by symmetry in y */
     TEST_ASSERT_TRUE(take_f32(normals.at + 4 * 12 + 8) == 1 && take_f32(normals.at + 5 * 12 + 8) == -1);
     free_file(&f);
@@ -180,6 +192,7 @@ static void test_write_glb_normals_of_any_size(void)
     double p[9];
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = {0};
+
     m.positions = p;
     m.triangles = t;
     m.vertex_count = 3;
@@ -192,7 +205,8 @@ static void test_write_glb_normals_of_any_size(void)
         glb_array const normals = take_array(&f, "NORMAL");
         for (uint32_t v = 0; v < 3; v++) {
             TEST_ASSERT_TRUE(take_f32(normals.at + 12 * v) == 1.0f);
-            TEST_ASSERT_TRUE(take_f32(normals.at + 12 * v + 4) == 0.0f && take_f32(normals.at + 12 * v + 8) == 0.0f);
+            TEST_ASSERT_TRUE(take_f32(normals.at + 12 * v + 4) == 0.0f &&
+                             take_f32(normals.at + 12 * v + 8) == 0.0f);
         }
         free_file(&f);
     }
@@ -204,8 +218,10 @@ static void test_write_glb_colours(void)
     static uint8_t c[256 * 4];
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = {0};
+
     for (int i = 0; i < 256; i++)
-        for (int k = 0; k < 4; k++) c[4 * i + k] = (uint8_t)(k == 0 ? i : k == 1 ? 255 - i : k == 2 ? i ^ 85 : i);
+        for (int k = 0; k < 4; k++)
+            c[4 * i + k] = (uint8_t)(k == 0 ? i : k == 1 ? 255 - i : k == 2 ? i ^ 85 : i);
     m.positions = p;
     m.triangles = t;
     m.vertex_count = 256;
@@ -214,7 +230,8 @@ static void test_write_glb_colours(void)
     m.colours = c;
     glb_file f = write_glb(&m);
     glb_array const a = take_array(&f, "COLOR_0");
-    const char *const accessor = strstr(f.json, "\"componentType\":5123,\"normalized\":true,\"count\":256,\"type\":\"VEC4\"");
+    const char *const accessor = strstr(
+        f.json, "\"componentType\":5123,\"normalized\":true,\"count\":256,\"type\":\"VEC4\"");
     TEST_ASSERT_NOT_NULL(accessor);
     TEST_ASSERT_EQUAL_UINT32(5123, a.component);
     TEST_ASSERT_EQUAL_UINT32(4, a.components);
@@ -231,6 +248,7 @@ static void test_write_glb_texture_coordinates_of_vertices(void)
 {
     bvx_mesh m = octahedron(BVX_F32);
     float uv[16] = {0, 0, 1, 0, 0.25f, 0.75f, -2, 3, 1e-20f, 1e-20f, 7, 1, 9, 9};
+
     m.uvs = uv;
     m.uv_count = 8; /* a capacity beyond the vertices */
     glb_file f = write_glb(&m);
@@ -245,8 +263,8 @@ static void test_write_glb_texture_coordinates_of_vertices(void)
     free_file(&f);
 }
 
-/* Every corner keeps its position, colour, normal and texture coordinate; no vertex is there twice; vertices are in the
- * order of their first use. */
+/* Every corner keeps its position, colour, normal and texture coordinate;
+ * no vertex is there twice; vertices are in the order of their first use. */
 static void test_write_glb_splits_at_seams(void)
 {
     for (uint64_t seed = 1; seed < 10; seed++) {
@@ -257,7 +275,8 @@ static void test_write_glb_splits_at_seams(void)
         for (int i = 0; i < UVS * 2; i++) uvs[i] = (float)(next_random(&state) >> 40) * 0.001f;
         for (int i = 0; i < TRIANGLES * 3; i++) { /* few texture coordinates a vertex, some the same */
             if (i >= 900) triangles[i] = (uint32_t)(next_random(&state) % 40);
-            uv_triangles[i] = seed % 2 ? triangles[i] : (triangles[i] + (uint32_t)(next_random(&state) % 3)) % UVS;
+            uv_triangles[i] = seed % 2 ? triangles[i]
+                                       : (triangles[i] + (uint32_t)(next_random(&state) % 3)) % UVS;
         }
         for (int i = 0; i < TRIANGLES * 3; i++) {
             int k = 0;
@@ -269,7 +288,9 @@ static void test_write_glb_splits_at_seams(void)
         m.uv_triangles = NULL;
         m.uv_count = 0;
         glb_file whole = write_glb(&m); /* without seams: vertices are those of the mesh */
-        glb_array const at = take_array(&f, "POSITION"), normal = take_array(&f, "NORMAL"), colour = take_array(&f, "COLOR_0");
+        glb_array const at = take_array(&f, "POSITION");
+        glb_array const normal = take_array(&f, "NORMAL");
+        glb_array const colour = take_array(&f, "COLOR_0");
         glb_array const uv = take_array(&f, "TEXCOORD_0"), index = take_array(&f, NULL);
         glb_array const at0 = take_array(&whole, "POSITION"), normal0 = take_array(&whole, "NORMAL"),
                         colour0 = take_array(&whole, "COLOR_0");
@@ -284,7 +305,8 @@ static void test_write_glb_splits_at_seams(void)
             TEST_ASSERT_EQUAL_MEMORY(normal0.at + 12 * v0, normal.at + 12 * v, 12);
             TEST_ASSERT_EQUAL_MEMORY(colour0.at + 8 * v0, colour.at + 8 * v, 8);
             TEST_ASSERT_TRUE(take_f32(uv.at + 8 * v) == uvs[2 * uv_triangles[i]]);
-            TEST_ASSERT_TRUE(take_f32(uv.at + 8 * v + 4) == (float)(1.0 - (double)uvs[2 * uv_triangles[i] + 1]));
+            TEST_ASSERT_TRUE(take_f32(uv.at + 8 * v + 4) ==
+                             (float)(1.0 - (double)uvs[2 * uv_triangles[i] + 1]));
         }
         TEST_ASSERT_EQUAL_UINT32(pairs, used);
         free_file(&f);
@@ -314,7 +336,9 @@ static void test_write_glb_workers(void)
 {
     bvx_mesh m = make_strip(9999);
     uint32_t *const corners = malloc((size_t)m.triangle_count * 12);
-    for (size_t i = 0; i < m.triangle_count * 3; i++) corners[i] = (m.triangles[i] + (uint32_t)(i % 2)) % 9999;
+
+    for (size_t i = 0; i < m.triangle_count * 3; i++)
+        corners[i] = (m.triangles[i] + (uint32_t)(i % 2)) % 9999;
     check_workers_change_nothing(&m, BVX_FORMAT_GLB);
     m.uv_triangles = corners;
     check_workers_change_nothing(&m, BVX_FORMAT_GLB);
@@ -337,6 +361,7 @@ static void test_write_glb_refuses_what_floats_cannot_hold(void)
     double p[9] = {-2, 0, 0, 2, 0, 0, 0, 3.4028235677973366e38, -1}; /* twice what fits, once halved */
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = {0};
+
     m.positions = p;
     m.triangles = t;
     m.vertex_count = 3;
@@ -360,6 +385,7 @@ static void test_write_glb_refuses_files_beyond_the_format(void)
     static float some_uvs[2];
     bvx_mesh m = {0};
     bvxi_glb glb = {0};
+
     glb.mesh = &m;
     m.triangle_count = 200000000;
     glb.vertices = 78000000;

@@ -1,12 +1,12 @@
-/* test_write_levels.c - levels of detail in one binary glTF file: nodes and what hangs on them, arrays of each level beside those
- * of a file of its own, and what is refused. */
+/* test_write_levels.c - levels of detail in one binary glTF file: nodes and what hangs on them, arrays of
+ * each level beside those of a file of its own, and what is refused. */
 #include "glb_support.h"
 
 static bvx_mesh level[3];
 static uint32_t corners[300];
 
-/* An octahedron with an odd count of 16-bit indices; a strip with colours and texture coordinates; one with seams and without colours.
- * All are far from the origin. */
+/* An octahedron with an odd count of 16-bit indices; a strip with colours and texture coordinates; one with
+ * seams and without colours. All are far from the origin. */
 static void make_levels(void)
 {
     level[0] = octahedron(BVX_F64);
@@ -32,7 +32,8 @@ static void free_levels(void)
 static bvx_buffer write_levels(const bvx_mesh *levels, uint64_t count)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_levels(ctx, levels, count, BVX_FORMAT_GLB, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_levels(ctx, levels, count, BVX_FORMAT_GLB, &b),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
     return b;
 }
@@ -69,14 +70,16 @@ static void test_write_levels_description(void)
     TEST_ASSERT_EQUAL_INT(1, json_item(json_member(f.json, "materials"), 1) == NULL);
 
     /* 7, 4 and 3 triangles */
-    const char *const coverage = json_member(json_member(json_item(nodes, 0), "extras"), "MSFT_screencoverage");
+    const char *const coverage = json_member(json_member(json_item(nodes, 0), "extras"),
+                                             "MSFT_screencoverage");
     TEST_ASSERT_TRUE(json_number_in(coverage, 0) == 4.0 / 7 && json_number_in(coverage, 1) == 3.0 / 7);
     TEST_ASSERT_TRUE(json_number_in(coverage, 2) == 0);
     TEST_ASSERT_NULL(json_item(coverage, 3));
 
     const char *const last = json_member(json_item(json_member(f.json, "buffers"), 0), "byteLength");
     glb_array const index = take_array_of(&f, 2, NULL);
-    TEST_ASSERT_EQUAL_UINT32((uint32_t)(index.at - f.binary) + 2 * index.count, (uint32_t)strtoul(last, NULL, 10));
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)(index.at - f.binary) + 2 * index.count,
+                             (uint32_t)strtoul(last, NULL, 10));
     free_file(&f);
     free_levels();
 }
@@ -87,13 +90,15 @@ static void test_write_levels_coverage_never_grows(void)
     static const uint64_t triangles_of[5] = {4, 8, 2, 3, 1};
     static const double want[5] = {1, 0.5, 0.5, 0.25, 0};
     bvx_mesh many[5];
+
     for (int i = 0; i < 5; i++) {
         many[i] = octahedron(BVX_F32);
         many[i].triangle_count = triangles_of[i];
     }
     glb_file f = take_file(write_levels(many, 5));
     const char *const extras = json_member(json_item(json_member(f.json, "nodes"), 0), "extras");
-    for (int i = 0; i < 5; i++) TEST_ASSERT_TRUE(json_number_in(json_member(extras, "MSFT_screencoverage"), i) == want[i]);
+    for (int i = 0; i < 5; i++)
+        TEST_ASSERT_TRUE(json_number_in(json_member(extras, "MSFT_screencoverage"), i) == want[i]);
     free_file(&f);
 }
 
@@ -121,7 +126,8 @@ static void test_write_levels_stand_where_they_are(void)
         for (uint32_t i = 0; i < index.count; i++) {
             double local[3], world[3];
             world_of(&level[l], level[l].triangles[i], p);
-            for (uint32_t a = 0; a < 3; a++) local[a] = (double)take_f32(at.at + 12 * (size_t)index_at(&index, i) + 4 * a);
+            for (uint32_t a = 0; a < 3; a++)
+                local[a] = (double)take_f32(at.at + 12 * (size_t)index_at(&index, i) + 4 * a);
             for (int row = 0; row < 3; row++) {
                 world[row] = json_number_in(matrix, 12 + row);
                 for (int c = 0; c < 3; c++) world[row] += json_number_in(matrix, 4 * c + row) * local[c];
@@ -132,7 +138,9 @@ static void test_write_levels_stand_where_they_are(void)
         }
         for (int a = 0; a < 3; a++) {
             double const middle = low[a] * 0.5 + high[a] * 0.5;
-            TEST_ASSERT_TRUE(json_number_in(matrix, a == 0 ? 12 : a == 1 ? 14 : 13) == (a == 1 ? -middle : middle));
+            TEST_ASSERT_TRUE(json_number_in(matrix, a == 0   ? 12
+                                                    : a == 1 ? 14
+                                                             : 13) == (a == 1 ? -middle : middle));
         }
     }
     free_file(&f);
@@ -143,6 +151,7 @@ static void test_write_levels_stand_where_they_are(void)
 static void test_write_levels_have_the_arrays_of_single_files(void)
 {
     static const char *const names[] = {"NORMAL", "COLOR_0", "TEXCOORD_0", NULL};
+
     make_levels();
     glb_file f = take_file(write_levels(level, 3));
     for (int l = 0; l < 3; l++) {
@@ -150,8 +159,10 @@ static void test_write_levels_have_the_arrays_of_single_files(void)
         TEST_ASSERT_EQUAL_UINT32(take_array(&own, "POSITION").count, take_array_of(&f, l, "POSITION").count);
         for (int i = 0; i < 4; i++) {
             glb_array const a = take_array_of(&f, l, names[i]), b = take_array(&own, names[i]);
-            TEST_ASSERT_TRUE(a.count == b.count && a.component == b.component && a.components == b.components);
-            if (b.count != 0) TEST_ASSERT_EQUAL_MEMORY(b.at, a.at, b.count * b.components * (b.component == 5123 ? 2 : 4));
+            TEST_ASSERT_TRUE(a.count == b.count && a.component == b.component &&
+                             a.components == b.components);
+            if (b.count != 0)
+                TEST_ASSERT_EQUAL_MEMORY(b.at, a.at, b.count * b.components * (b.component == 5123 ? 2 : 4));
         }
         TEST_ASSERT_EQUAL_INT(l == 1, take_array_of(&f, l, "COLOR_0").count != 0);
         TEST_ASSERT_EQUAL_INT(l != 0, take_array_of(&f, l, "TEXCOORD_0").count != 0);
@@ -179,6 +190,7 @@ static void test_write_levels_workers(void)
     bvx_mesh big[2] = {make_strip(9999), make_strip(3001)};
     bvx_context *const plain = ctx;
     bvx_buffer one = write_levels(big, 2);
+
     for (int way = 0; way < 2; way++) {
         bvx_context_options o;
         bvx_context_options_init(&o, sizeof o);
@@ -207,7 +219,8 @@ static void test_write_levels_golden(void)
     free_levels();
 }
 
-static void check_no_levels(const bvx_mesh *levels, uint64_t count, int32_t format, bvx_status status, const char *words)
+static void check_no_levels(const bvx_mesh *levels, uint64_t count, int32_t format, bvx_status status,
+                            const char *words)
 {
     bvx_buffer b = {0};
     TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_levels(ctx, levels, count, format, &b), words);
@@ -218,7 +231,8 @@ static void check_no_levels(const bvx_mesh *levels, uint64_t count, int32_t form
 
 static void test_write_levels_refuses(void)
 {
-    static const int32_t others[] = {BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF, BVX_FORMAT_PNG, 0, 99};
+    static const int32_t others[] = {
+        BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF, BVX_FORMAT_PNG, 0, 99};
     bvx_buffer none = {0};
     uint8_t byte = 0;
     bvx_buffer full = {&byte, 1, 0};
@@ -254,6 +268,7 @@ static void test_write_levels_refuses_what_floats_cannot_hold(void)
     double p[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh far[3] = {{0}, {0}, {0}};
+
     for (int i = 0; i < 3; i++) {
         far[i].positions = p;
         far[i].triangles = t;

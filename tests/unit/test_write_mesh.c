@@ -85,8 +85,14 @@ static void check_attributes_read_back(int32_t format, int alpha)
             }
 }
 
-static void test_write_ply_attributes_read_back(void) { check_attributes_read_back(BVX_FORMAT_PLY, 1); }
-static void test_write_obj_attributes_read_back(void) { check_attributes_read_back(BVX_FORMAT_OBJ, 0); }
+static void test_write_ply_attributes_read_back(void)
+{
+    check_attributes_read_back(BVX_FORMAT_PLY, 1);
+}
+static void test_write_obj_attributes_read_back(void)
+{
+    check_attributes_read_back(BVX_FORMAT_OBJ, 0);
+}
 
 /* Every value of a colour is a fraction that gives it back, whether a program rounds or cuts off. */
 static void test_write_obj_colours_are_exact(void)
@@ -96,6 +102,7 @@ static void test_write_obj_colours_are_exact(void)
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = {0};
     char *text, *line;
+
     for (int i = 0; i < 256; i++) memset(c + 4 * i, i, 4);
     m.positions = p;
     m.triangles = t;
@@ -128,6 +135,7 @@ static void test_write_stl_leaves_attributes_out(void)
 {
     bvx_mesh m = random_mesh(BVX_F32, WITH_COLOURS | WITH_CORNER_UVS, 3);
     bvx_buffer with = write_file(&m, BVX_FORMAT_STL);
+
     m = random_mesh(BVX_F32, 0, 3);
     bvx_buffer without = write_file(&m, BVX_FORMAT_STL);
     TEST_ASSERT_EQUAL_UINT64(without.size, with.size);
@@ -138,8 +146,10 @@ static void test_write_stl_leaves_attributes_out(void)
 
 static void test_workers_change_no_file(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF,
+                                      BVX_FORMAT_GLB};
     bvx_mesh m = make_strip(12345);
+
     for (int i = 0; i < 5; i++) check_workers_change_nothing(&m, formats[i]);
     for (int i = 0; i < 2; i++) { /* nothing lost where pieces meet */
         bvx_mesh back = write_and_read(&m, formats[i]);
@@ -147,7 +157,8 @@ static void test_workers_change_no_file(void)
         TEST_ASSERT_EQUAL_UINT64(m.triangle_count, back.triangle_count);
         TEST_ASSERT_EQUAL_MEMORY(m.triangles, back.triangles, (size_t)m.triangle_count * 12);
         for (size_t k = 0; k < m.vertex_count * 3; k++) {
-            double const v = back.position_type == BVX_F32 ? (double)((float *)back.positions)[k] : ((double *)back.positions)[k];
+            double const v = back.position_type == BVX_F32 ? (double)((float *)back.positions)[k]
+                                                           : ((double *)back.positions)[k];
             TEST_ASSERT_TRUE((double)((float *)m.positions)[k] == as_written(&m, v));
         }
         bvx_mesh_free(ctx, &back);
@@ -164,6 +175,7 @@ static bvx_mesh square(void)
 {
     static float copy[12];
     bvx_mesh m = {0};
+
     memcpy(copy, square_xyz, sizeof copy);
     m.positions = copy;
     m.triangles = square_triangles;
@@ -175,7 +187,8 @@ static bvx_mesh square(void)
 
 static void test_write_obj_bytes(void)
 {
-    static const char want[] = "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0.1 0\nv 0 0.1 -0\nf 1 2 3\nf 3 4 1\n";
+    static const char want[] =
+        "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0.1 0\nv 0 0.1 -0\nf 1 2 3\nf 3 4 1\n";
     bvx_mesh const m = square();
     bvx_buffer b = write_file(&m, BVX_FORMAT_OBJ);
     TEST_ASSERT_EQUAL_UINT64(strlen(want), b.size);
@@ -185,13 +198,16 @@ static void test_write_obj_bytes(void)
 
 static void test_write_ply_bytes(void)
 {
-    static const char header[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
-                                 "property float x\nproperty float y\nproperty float z\nelement face 2\n"
-                                 "property list uchar int vertex_indices\nend_header\n";
-    static const uint8_t faces[26] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 2, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0};
+    static const char header[] =
+        "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+        "property list uchar int vertex_indices\nend_header\n";
+    static const uint8_t faces[26] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0,
+                                      3, 2, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0};
     bvx_mesh const m = square();
     bvx_buffer b = write_file(&m, BVX_FORMAT_PLY);
     size_t const n = strlen(header);
+
     TEST_ASSERT_EQUAL_UINT64(n + 48 + 26, b.size);
     TEST_ASSERT_EQUAL_MEMORY(header, b.bytes, n);
     for (int i = 0; i < 12; i++) {
@@ -218,29 +234,35 @@ static void check_text(const bvx_mesh *m, int32_t format, const char *want)
 static void test_write_obj_bytes_of_attributes(void)
 {
     bvx_mesh m = square();
+
     m.uvs = square_uvs;
     m.uv_count = 5;
-    check_text(&m, BVX_FORMAT_OBJ, "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0.1 0\nv 0 0.1 -0\nvt 0 0\nvt 1 0\n"
-                                   "vt 1 0.5\nvt 0 1\nf 1/1 2/2 3/3\nf 3/3 4/4 1/1\n");
+    check_text(&m, BVX_FORMAT_OBJ,
+               "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0.1 0\nv 0 0.1 -0\nvt 0 0\nvt 1 0\n"
+               "vt 1 0.5\nvt 0 1\nf 1/1 2/2 3/3\nf 3/3 4/4 1/1\n");
     m.uv_triangles = square_uv_triangles;
     m.colours = square_colours;
-    check_text(&m, BVX_FORMAT_OBJ, "# OBJ written by bitvox\nv 0 0 0 1 0 0.004\nv 2 0 0 0.502 0.2 0.997\nv 2 0.1 0 0 0 0\n"
-                                   "v 0 0.1 -0 0.008 0.785 0.393\nvt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 1e-7\n"
-                                   "f 1/1 2/2 3/3\nf 3/3 4/4 1/5\n");
+    check_text(&m, BVX_FORMAT_OBJ,
+               "# OBJ written by bitvox\nv 0 0 0 1 0 0.004\nv 2 0 0 0.502 0.2 0.997\nv 2 0.1 0 0 0 0\n"
+               "v 0 0.1 -0 0.008 0.785 0.393\nvt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 1e-7\n"
+               "f 1/1 2/2 3/3\nf 3/3 4/4 1/5\n");
 }
 
 static void test_write_ply_bytes_of_attributes(void)
 {
-    static const char vertex_uvs[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
-                                     "property float x\nproperty float y\nproperty float z\n"
-                                     "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-                                     "property float s\nproperty float t\nelement face 2\n"
-                                     "property list uchar int vertex_indices\nend_header\n";
-    static const char corner_uvs[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
-                                     "property float x\nproperty float y\nproperty float z\nelement face 2\n"
-                                     "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
+    static const char vertex_uvs[] =
+        "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+        "property float s\nproperty float t\nelement face 2\n"
+        "property list uchar int vertex_indices\nend_header\n";
+    static const char corner_uvs[] =
+        "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 4\n"
+        "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+        "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
     uint8_t want[4];
     bvx_mesh m = square();
+
     m.colours = square_colours;
     m.uvs = square_uvs;
     m.uv_count = 5;
@@ -279,6 +301,7 @@ static void test_write_stl_bytes(void)
     bvx_mesh m = square();
     bvx_buffer b = write_file(&m, BVX_FORMAT_STL);
     uint8_t want[50] = {0};
+
     TEST_ASSERT_EQUAL_UINT64(84 + 100, b.size);
     TEST_ASSERT_TRUE(memcmp(b.bytes, "solid", 5) != 0);
     TEST_ASSERT_EQUAL_UINT8(2, b.bytes[80]);
@@ -300,11 +323,13 @@ static void test_write_stl_normals_are_unit(void)
 {
     bvx_mesh const m = random_mesh(BVX_F32, 0, 7); /* sizes from 1e-45 to 1e38 */
     bvx_buffer b = write_file(&m, BVX_FORMAT_STL);
+
     for (int t = 0; t < TRIANGLES; t++) {
         double n[3], length;
         for (int a = 0; a < 3; a++) {
             uint8_t const *const p = b.bytes + 84 + 50 * t + 4 * a;
-            uint32_t const bits = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+            uint32_t const bits = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 |
+                                  (uint32_t)p[3] << 24;
             float f;
             memcpy(&f, &bits, sizeof f);
             n[a] = (double)f;
@@ -321,6 +346,7 @@ static void test_write_adds_the_frame(void)
 {
     static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL};
     bvx_mesh m = square();
+
     m.frame[0] = 500000.125;
     m.frame[1] = -4649776.0625;
     for (int i = 0; i < 3; i++) {
@@ -348,7 +374,9 @@ static void test_write_adds_the_frame(void)
 
 static void test_write_refuses(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF,
+                                      BVX_FORMAT_GLB};
+
     for (int i = 0; i < 5; i++) {
         bvx_mesh m = square();
         float *const p = m.positions;
@@ -379,7 +407,8 @@ static void test_write_refuses(void)
         m.uv_triangles = square_uv_triangles;
         check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "uvs is NULL beside uv_triangles");
         m.uvs = square_uvs;
-        check_not_written(&m, formats[i], BVX_ERR_RANGE, "triangle 1 has texture coordinate number 4, there are 4");
+        check_not_written(&m, formats[i], BVX_ERR_RANGE,
+                          "triangle 1 has texture coordinate number 4, there are 4");
         m.uv_triangles = NULL;
         m.uv_count = 3;
         check_not_written(&m, formats[i], BVX_ERR_ARGUMENT, "uv_count is 3 for 4 vertices");
@@ -415,6 +444,7 @@ static void test_write_stl_refuses_what_floats_cannot_hold(void)
     double p[9] = {0, 0, 0, 1, 0, 0, 0, 3.4028235677973366e38, 0}; /* the least that rounds to infinity */
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = {0};
+
     m.positions = p;
     m.triangles = t;
     m.vertex_count = 3;
@@ -431,9 +461,11 @@ static void test_write_stl_refuses_what_floats_cannot_hold(void)
 
 static void test_write_keeps_to_the_limit(void)
 {
-    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF, BVX_FORMAT_GLB};
+    static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL, BVX_FORMAT_OFF,
+                                      BVX_FORMAT_GLB};
     bvx_mesh const m = square();
     bvx_context *const plain = ctx;
+
     for (int i = 0; i < 5; i++)
         for (uint64_t limit = 1; limit < 400; limit++) {
             bvx_context_options o;
@@ -457,6 +489,7 @@ static void test_a_locale_with_comma_changes_no_file(void)
 {
     bvx_mesh m = random_mesh(BVX_F64, 0, 3);
     bvx_buffer plain = write_file(&m, BVX_FORMAT_OBJ);
+
     if (!set_comma_locale()) {
         bvx_buffer_free(ctx, &plain);
         TEST_IGNORE_MESSAGE("no locale with a comma on this machine");
@@ -484,6 +517,7 @@ static void test_files_live_in_an_arena(void)
     bvx_context_options o;
     size_t const size = 200000;
     void *const arena = malloc(size);
+
     bvx_context_options_init(&o, sizeof o);
     o.arena = arena;
     o.arena_size = size;
@@ -496,7 +530,8 @@ static void test_files_live_in_an_arena(void)
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i % 3], &back),
                                         bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_UINT64(TRIANGLES, back.triangle_count);
-        TEST_ASSERT_TRUE((uint8_t *)back.positions >= (uint8_t *)arena && (uint8_t *)back.positions < (uint8_t *)arena + size);
+        TEST_ASSERT_TRUE((uint8_t *)back.positions >= (uint8_t *)arena &&
+                         (uint8_t *)back.positions < (uint8_t *)arena + size);
         bvx_buffer_free(ctx, &b);
         bvx_mesh_free(ctx, &back);
         TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));

@@ -1,5 +1,5 @@
-/* test_write_normals.c - meshes written with the normals of their vertices: bytes worked by hand, every attribute beside them, the
- * same numbers as bvx_mesh_normals, and formats without. */
+/* test_write_normals.c - meshes written with the normals of their vertices: bytes worked by hand, every
+ * attribute beside them, the same numbers as bvx_mesh_normals, and formats without. */
 #include "write_support.h"
 
 #include <stddef.h>
@@ -8,10 +8,12 @@ static bvx_buffer write_normals(const bvx_mesh *m, int32_t format)
 {
     bvx_write_options o;
     bvx_buffer b = {0};
+
     bvx_write_options_init(&o, sizeof o);
     TEST_ASSERT_TRUE(o.struct_size == sizeof o && o.normals == 0 && o.rounding == BVX_ROUNDING_REFUSE);
     o.normals = 1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
     return b;
 }
@@ -22,6 +24,7 @@ static bvx_mesh square(void)
     static float xyz[15] = {0, 0, 0, 2, 0, 0, 2, 0, 0.5f, 0, 0, 0.5f, 9, 9, 9};
     static uint32_t corner[6] = {0, 1, 2, 2, 3, 0};
     bvx_mesh m = {0};
+
     m.positions = xyz;
     m.triangles = corner;
     m.vertex_count = m.vertex_capacity = 5;
@@ -42,29 +45,34 @@ static void check_text(const bvx_mesh *m, const char *want)
 }
 
 #define VERTICES_TEXT "# OBJ written by bitvox\nv 0 0 0\nv 2 0 0\nv 2 0 0.5\nv 0 0 0.5\nv 9 9 9\n"
-#define NORMALS_TEXT "vn 0 -1 0\nvn 0 -1 0\nvn 0 -1 0\nvn 0 -1 0\nvn 0 0 1\n"
+#define NORMALS_TEXT  "vn 0 -1 0\nvn 0 -1 0\nvn 0 -1 0\nvn 0 -1 0\nvn 0 0 1\n"
 
 static void test_write_normals_obj_bytes(void)
 {
     static uint32_t corner_uvs[6] = {4, 1, 2, 2, 3, 0};
     bvx_mesh m = square();
+
     check_text(&m, VERTICES_TEXT NORMALS_TEXT "f 1//1 2//2 3//3\nf 3//3 4//4 1//1\n");
     m.uvs = square_uvs;
     m.uv_count = 5;
-    check_text(&m, VERTICES_TEXT "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 2\n" NORMALS_TEXT "f 1/1/1 2/2/2 3/3/3\nf 3/3/3 4/4/4 1/1/1\n");
+    check_text(&m, VERTICES_TEXT "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 2\n" NORMALS_TEXT
+                                 "f 1/1/1 2/2/2 3/3/3\nf 3/3/3 4/4/4 1/1/1\n");
     m.uv_triangles = corner_uvs;
-    check_text(&m, VERTICES_TEXT "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 2\n" NORMALS_TEXT "f 1/5/1 2/2/2 3/3/3\nf 3/3/3 4/4/4 1/1/1\n");
+    check_text(&m, VERTICES_TEXT "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 1\nvt -3 2\n" NORMALS_TEXT
+                                 "f 1/5/1 2/2/2 3/3/3\nf 3/3/3 4/4/4 1/1/1\n");
 }
 
 static void test_write_normals_ply_bytes(void)
 {
-    static const char header[] = "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 5\n"
-                                 "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
-                                 "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-                                 "property uchar alpha\nproperty float s\nproperty float t\nelement face 2\n"
-                                 "property list uchar int vertex_indices\nend_header\n";
+    static const char header[] =
+        "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex 5\n"
+        "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+        "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "property uchar alpha\nproperty float s\nproperty float t\nelement face 2\n"
+        "property list uchar int vertex_indices\nend_header\n";
     bvx_mesh m = square();
     size_t const n = strlen(header);
+
     m.uvs = square_uvs;
     m.uv_count = 5;
     m.colours = square_colours;
@@ -78,7 +86,9 @@ static void test_write_normals_ply_bytes(void)
             put_f32(want, ((float *)m.positions)[3 * v + a], 0);
             put_f32(want + 4, v < 4 ? a == 1 ? -1.0f : 0.0f : a == 2 ? 1.0f : 0.0f, 0);
             TEST_ASSERT_EQUAL_MEMORY(want, at + 4 * a, 4);
-            TEST_ASSERT_TRUE(memcmp(want + 4, at + 12 + 4 * a, 4) == 0 || (want[7] == 0 && at[15 + 4 * a] == 0x80)); /* -0 */
+            /* -0 */
+            TEST_ASSERT_TRUE(memcmp(want + 4, at + 12 + 4 * a, 4) == 0 ||
+                             (want[7] == 0 && at[15 + 4 * a] == 0x80));
         }
         TEST_ASSERT_EQUAL_MEMORY(square_colours + 4 * v, at + 24, 4);
     }
@@ -95,7 +105,8 @@ static void test_write_normals_keep_the_rest(void)
                 bvx_buffer b = write_normals(&m, format);
                 bvx_mesh back = {0}, plain = write_and_read(&m, format);
                 uint64_t hash = 1, want = 2;
-                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, &back), bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, &back),
+                                                bvx_last_message(ctx));
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &back, &hash));
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &plain, &want));
                 TEST_ASSERT_EQUAL_HEX64(want, hash);
@@ -115,7 +126,8 @@ static void test_write_normals_are_those_of_mesh_normals(void)
         uint64_t state = 4;
         bvx_mesh m = random_mesh(BVX_F64, 0, 1);
         bvx_mesh_view view;
-        for (int i = 0; i < VERTICES * 3; i++) xyz64[i] = ((double)(next_random(&state) >> 40) - 8e6) * 1e-7 * sizes[s];
+        for (int i = 0; i < VERTICES * 3; i++)
+            xyz64[i] = ((double)(next_random(&state) >> 40) - 8e6) * 1e-7 * sizes[s];
         bvx_mesh_view_of(&m, &view);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_normals(ctx, &view, 0, want, NULL));
         bvx_buffer b = write_normals(&m, BVX_FORMAT_PLY);
@@ -150,6 +162,7 @@ static void test_write_normals_workers(void)
 {
     bvx_mesh m = make_strip(9999);
     bvx_context *const plain = ctx;
+
     for (int32_t format = BVX_FORMAT_OBJ; format <= BVX_FORMAT_PLY; format++) {
         bvx_buffer one = write_normals(&m, format);
         bvx_context_options o;
@@ -173,6 +186,7 @@ static void test_write_normals_change_no_other_file(void)
 {
     bvx_mesh const m = square();
     bvx_write_options o;
+
     bvx_write_options_init(&o, sizeof o);
     for (int32_t format = BVX_FORMAT_STL; format <= BVX_FORMAT_GLB; format++) {
         if (bvx_format_of_name("a.npy") == format || bvx_format_of_name("a.png") == format) continue;
@@ -190,7 +204,8 @@ static void test_write_normals_change_no_other_file(void)
     }
 }
 
-static void check_not_written_with(const bvx_mesh *m, const bvx_write_options *o, int32_t format, bvx_status status, const char *words)
+static void check_not_written_with(const bvx_mesh *m, const bvx_write_options *o, int32_t format,
+                                   bvx_status status, const char *words)
 {
     bvx_buffer b = {0};
     TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh_with(ctx, m, o, format, &b), words);
@@ -211,8 +226,10 @@ static void test_write_normals_refuses(void)
 
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
-    check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED, "bvx_write_mesh_with: STL holds normals of triangles only");
-    check_not_written_with(&m, &o, BVX_FORMAT_OFF, BVX_ERR_UNSUPPORTED, "bvx_write_mesh_with: OFF is written without normals");
+    check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED,
+                           "bvx_write_mesh_with: STL holds normals of triangles only");
+    check_not_written_with(&m, &o, BVX_FORMAT_OFF, BVX_ERR_UNSUPPORTED,
+                           "bvx_write_mesh_with: OFF is written without normals");
     check_not_written_with(&m, &o, BVX_FORMAT_NPY, BVX_ERR_UNSUPPORTED, "format 4 holds no mesh");
     check_not_written_with(NULL, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "mesh is NULL");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, NULL));

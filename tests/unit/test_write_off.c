@@ -31,17 +31,20 @@ static void check_off(const bvx_mesh *m, const char *want)
 static void test_write_off_bytes(void)
 {
     bvx_mesh m = flat();
+
     check_off(&m, "OFF\n4 2 0\n0 0 0\n2 0 0\n2 0.1 0\n0 1e-7 -0\n3 0 1 2\n3 2 3 0\n");
     m.uvs = box_uvs; /* no place for them */
     m.uv_count = 4;
     check_off(&m, "OFF\n4 2 0\n0 0 0\n2 0 0\n2 0.1 0\n0 1e-7 -0\n3 0 1 2\n3 2 3 0\n");
     m.colours = box_colours;
-    check_off(&m, "COFF\n4 2 0\n0 0 0 255 0 1 255\n2 0 0 128 51 254 7\n2 0.1 0 0 0 0 0\n0 1e-7 -0 2 200 100 50\n"
-                  "3 0 1 2\n3 2 3 0\n");
+    check_off(&m,
+              "COFF\n4 2 0\n0 0 0 255 0 1 255\n2 0 0 128 51 254 7\n2 0.1 0 0 0 0 0\n0 1e-7 -0 2 200 100 50\n"
+              "3 0 1 2\n3 2 3 0\n");
     m.colours = NULL;
     m.frame[0] = 0.25; /* doubles from here on, of what the floats are */
-    check_off(&m, "OFF\n4 2 0\n0.25 0 0\n2.25 0 0\n2.25 0.10000000149011612 0\n0.25 1.0000000116860974e-7 -0\n"
-                  "3 0 1 2\n3 2 3 0\n");
+    check_off(&m,
+              "OFF\n4 2 0\n0.25 0 0\n2.25 0 0\n2.25 0.10000000149011612 0\n0.25 1.0000000116860974e-7 -0\n"
+              "3 0 1 2\n3 2 3 0\n");
 }
 
 static void test_write_off_reads_back(void)
@@ -68,6 +71,7 @@ static void test_write_off_reads_back(void)
 static void test_write_off_adds_the_frame(void)
 {
     bvx_mesh m = flat();
+
     m.frame[0] = 500000.125;
     m.frame[1] = -4649776.0625;
     bvx_mesh back = write_and_read(&m, BVX_FORMAT_OFF);
@@ -84,13 +88,15 @@ static void test_write_off_adds_the_frame(void)
 /* The longest numbers there are fit the room that is made for them. */
 static void test_write_off_longest_numbers(void)
 {
-    static const double longest[] = {-1.2345678901234567e-6, -2.2250738585072014e-308, -123456789012345680000.0,
-                                     -1.7976931348623157e308, -0.0000099999999999999991};
+    static const double longest[] = {-1.2345678901234567e-6, -2.2250738585072014e-308,
+                                     -123456789012345680000.0, -1.7976931348623157e308,
+                                     -0.0000099999999999999991};
     double p[9];
     float f[9];
     uint8_t white[12];
     uint32_t t[3] = {0, 1, 2};
     bvx_mesh m = flat();
+
     memset(white, 254, sizeof white); /* in OBJ 255 would be short */
     m.triangles = t;
     m.vertex_count = 3;
@@ -118,6 +124,7 @@ static void test_a_locale_with_comma_changes_no_off(void)
 {
     bvx_mesh m = random_mesh(BVX_F64, WITH_COLOURS, 3);
     bvx_buffer plain = write_file(&m, BVX_FORMAT_OFF), other = {0};
+
     if (!set_comma_locale()) {
         bvx_buffer_free(ctx, &plain);
         TEST_IGNORE_MESSAGE("no locale with a comma on this machine");

@@ -15,6 +15,7 @@ void setUp(void)
     bvx_lattice base;
     bvx_refine_options o;
     maker_mesh m = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
     for (int a = 0; a < 3; a++) {
@@ -62,6 +63,7 @@ static void test_each_leaf_has_its_corners(void)
     bvx_buffer file = {0};
     bvx_lattice lattice;
     uint64_t count = 0, cells, points;
+
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &file));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_leaves(ctx, tree, 0, NULL, 0, &count));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, tree, 3, &lattice));
@@ -92,13 +94,18 @@ static void test_each_leaf_has_its_corners(void)
             uint32_t const p = bvxi_load_u32(corners + 32 * n + 4 * c, 0);
             TEST_ASSERT_LESS_THAN(points, p);
             for (int a = 0; a < 3; a++) {
-                double const want = lattice.origin[a] + (double)((leaf[n].ijk[a] + (c >> a & 1)) * side) * lattice.spacing[a];
-                TEST_ASSERT_EQUAL_MEMORY(&want, &(double){bvxi_load_f64(at + 24 * (size_t)p + 8 * a, 0)}, sizeof want);
+                double const want = lattice.origin[a] +
+                                    (double)((leaf[n].ijk[a] + (c >> a & 1)) * side) * lattice.spacing[a];
+                TEST_ASSERT_EQUAL_MEMORY(&want, &(double){bvxi_load_f64(at + 24 * (size_t)p + 8 * a, 0)},
+                                         sizeof want);
             }
         }
     }
-    for (uint64_t p = 1; p < points; p++) TEST_ASSERT_NOT_EQUAL(0, memcmp(at + 24 * p, at + 24 * (p - 1), 24)); /* sorted: no two equal */
-    TEST_ASSERT_EQUAL_STRING("\n  </AppendedData>\n</VTKFile>\n", head + ((const uint8_t *)states + cells - file.bytes));
+    /* sorted: no two equal */
+    for (uint64_t p = 1; p < points; p++)
+        TEST_ASSERT_NOT_EQUAL(0, memcmp(at + 24 * p, at + 24 * (p - 1), 24));
+    TEST_ASSERT_EQUAL_STRING("\n  </AppendedData>\n</VTKFile>\n",
+                             head + ((const uint8_t *)states + cells - file.bytes));
     bvx_buffer_free(ctx, &file);
     free(head);
     free(leaf);
@@ -107,6 +114,7 @@ static void test_each_leaf_has_its_corners(void)
 static void test_refusals(void)
 {
     bvx_buffer file = {0};
+
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_octree(NULL, tree, 0, BVX_FORMAT_VTU, &file));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_octree(ctx, NULL, 0, BVX_FORMAT_VTU, &file));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, NULL));
@@ -115,7 +123,8 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_FORMAT_VTU, bvx_format_of_name("a.VTU"));
     TEST_ASSERT_NULL(file.bytes);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(ctx, tree, BVX_STATE_OUTSIDE, BVX_FORMAT_VTU, &file));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &file)); /* its bytes are made anew */
+    /* its bytes are made anew */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(ctx, tree, 0, BVX_FORMAT_VTU, &file));
     bvx_buffer_free(ctx, &file);
 }
 

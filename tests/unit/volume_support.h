@@ -1,4 +1,5 @@
-/* volume_support.h - volumes of any type and layout for tests, and slow answers to hold the library's against. */
+/* volume_support.h - volumes of any type and layout for tests, and slow
+ * answers to hold the library's against. */
 #ifndef VOLUME_SUPPORT_H
 #define VOLUME_SUPPORT_H
 
@@ -57,34 +58,65 @@ static inline void store_sample(void *at, int32_t type, double v)
     uint64_t u64 = 0;
     int64_t i64 = 0;
     float f32 = 0;
+
     switch (type) {
-    case BVX_SAMPLE_U8: u8 = (uint8_t)v; memcpy(at, &u8, 1); break;
-    case BVX_SAMPLE_I8: i8 = (int8_t)v; memcpy(at, &i8, 1); break;
-    case BVX_SAMPLE_U16: u16 = (uint16_t)v; memcpy(at, &u16, 2); break;
-    case BVX_SAMPLE_I16: i16 = (int16_t)v; memcpy(at, &i16, 2); break;
-    case BVX_SAMPLE_U32: u32 = (uint32_t)v; memcpy(at, &u32, 4); break;
-    case BVX_SAMPLE_I32: i32 = (int32_t)v; memcpy(at, &i32, 4); break;
-    case BVX_SAMPLE_U64: u64 = (uint64_t)v; memcpy(at, &u64, 8); break;
-    case BVX_SAMPLE_I64: i64 = (int64_t)v; memcpy(at, &i64, 8); break;
-    case BVX_SAMPLE_F32: f32 = (float)v; memcpy(at, &f32, 4); break;
+    case BVX_SAMPLE_U8:
+        u8 = (uint8_t)v;
+        memcpy(at, &u8, 1);
+        break;
+    case BVX_SAMPLE_I8:
+        i8 = (int8_t)v;
+        memcpy(at, &i8, 1);
+        break;
+    case BVX_SAMPLE_U16:
+        u16 = (uint16_t)v;
+        memcpy(at, &u16, 2);
+        break;
+    case BVX_SAMPLE_I16:
+        i16 = (int16_t)v;
+        memcpy(at, &i16, 2);
+        break;
+    case BVX_SAMPLE_U32:
+        u32 = (uint32_t)v;
+        memcpy(at, &u32, 4);
+        break;
+    case BVX_SAMPLE_I32:
+        i32 = (int32_t)v;
+        memcpy(at, &i32, 4);
+        break;
+    case BVX_SAMPLE_U64:
+        u64 = (uint64_t)v;
+        memcpy(at, &u64, 8);
+        break;
+    case BVX_SAMPLE_I64:
+        i64 = (int64_t)v;
+        memcpy(at, &i64, 8);
+        break;
+    case BVX_SAMPLE_F32:
+        f32 = (float)v;
+        memcpy(at, &f32, 4);
+        break;
     default: memcpy(at, &v, 8); break;
     }
 }
 
-/* A volume of its own memory, with gaps, odd addresses and axes that run either way, and its values as doubles. */
+/* A volume of its own memory, with gaps, odd addresses and axes that run
+ * either way, and its values as doubles. */
 typedef struct test_volume {
     bvx_volume_view view;
     double *value; /* packed, x fastest */
     uint8_t *memory;
 } test_volume;
 
-/* order: the axes from the fastest to the slowest as digits (12 = x, y, z is 012); flips: a bit for each axis; gap: bytes between
- * rows of the fastest axis. low: the window begins so far inside its lattice. */
-static inline void make_volume(test_volume *t, int32_t type, const int32_t size[3], int32_t low, const int order[3], int flips, int64_t gap)
+/* order: the axes from the fastest to the slowest as digits (12 = x, y, z is 012); flips: a bit for each
+ * axis; gap: bytes between rows of the fastest axis. low: the window begins so far inside its lattice. */
+static inline void make_volume(test_volume *t, int32_t type, const int32_t size[3], int32_t low,
+                               const int order[3], int flips, int64_t gap)
 {
     static const double origin[3] = {-3.25, 10.5, 0.0}, spacing[3] = {0.5, 0.75, 1.25};
     int32_t const dims[3] = {size[0] + 2 * low, size[1] + 2 * low, size[2] + 2 * low};
     int64_t step = (int64_t)type_size(type), first = 1;
+
     memset(t, 0, sizeof *t);
     t->view.sample_type = type;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &t->view.lattice));
@@ -129,7 +161,8 @@ static inline void fill_noise(test_volume *t, double least, double most)
     const int32_t *const n = t->view.size;
     for (int32_t z = 0; z < n[2]; z++)
         for (int32_t y = 0; y < n[1]; y++)
-            for (int32_t x = 0; x < n[0]; x++) set_value(t, x, y, z, least + (double)maker_below(&seed, (int32_t)(most - least) + 1));
+            for (int32_t x = 0; x < n[0]; x++)
+                set_value(t, x, y, z, least + (double)maker_below(&seed, (int32_t)(most - least) + 1));
 }
 
 #endif

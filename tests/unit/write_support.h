@@ -1,5 +1,5 @@
-/* write_support.h - what the tests of mesh writers share: meshes of random numbers, and files written by workers of all
- * kinds. */
+/* write_support.h - what the tests of mesh writers share: meshes of random
+ * numbers, and files written by workers of all kinds. */
 #ifndef TEST_WRITE_SUPPORT_H
 #define TEST_WRITE_SUPPORT_H
 
@@ -30,6 +30,7 @@ static inline bvx_mesh random_mesh(int32_t type, int with, uint64_t seed)
 {
     bvx_mesh m = {0};
     uint64_t state = seed * 77 + 1;
+
     for (int i = 0; i < VERTICES * 3; i++) {
         uint64_t const r = next_random(&state);
         xyz32[i] = any_float(&state);
@@ -71,7 +72,8 @@ static inline bvx_buffer write_rounded(const bvx_mesh *m, int32_t format)
     bvx_buffer b = {0};
     bvx_write_options_init(&o, sizeof o);
     o.rounding = BVX_ROUNDING_ALLOW;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
+                                    bvx_last_message(ctx));
     return b;
 }
 
@@ -82,9 +84,11 @@ static inline bvx_mesh write_and_read(const bvx_mesh *m, int32_t format)
     bvx_buffer b = write_file(m, format);
     uint8_t *const bytes = malloc((size_t)b.size);
     size_t const size = (size_t)b.size;
+
     memcpy(bytes, b.bytes, size);
     bvx_buffer_free(ctx, &b);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, bytes, size, format, &back), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, bytes, size, format, &back),
+                                    bvx_last_message(ctx));
     free(bytes);
     return back;
 }
@@ -102,7 +106,8 @@ static inline const float *uv_of(const bvx_mesh *m, uint64_t t, int k)
     return m->uvs + 2 * (size_t)number[t * 3 + (uint64_t)k];
 }
 
-/* Attributes of what was read are those of what was written, corner by corner; alpha where the format keeps it. */
+/* Attributes of what was read are those of what was written, corner by
+ * corner; alpha where the format keeps it. */
 static inline void check_same_attributes(const bvx_mesh *m, const bvx_mesh *back, int alpha)
 {
     TEST_ASSERT_EQUAL_INT(m->colours != NULL, back->colours != NULL);
@@ -137,6 +142,7 @@ static inline void check_workers_change_nothing(const bvx_mesh *m, int32_t forma
 {
     bvx_context *const plain = ctx;
     bvx_buffer one = write_file(m, format);
+
     for (int way = 0; way < 2; way++) {
         bvx_context_options o;
         bvx_context_options_init(&o, sizeof o);
@@ -153,11 +159,13 @@ static inline void check_workers_change_nothing(const bvx_mesh *m, int32_t forma
     bvx_buffer_free(ctx, &one);
 }
 
-/* Many vertices and triangles, so that files have many pieces: a strip with numbers of all lengths. Freed by free_strip. */
+/* Many vertices and triangles, so that files have many pieces: a strip with
+ * numbers of all lengths. Freed by free_strip. */
 static inline bvx_mesh make_strip(uint32_t vertices)
 {
     bvx_mesh m = {0};
     float *const p = malloc((size_t)vertices * 12);
+
     m.triangles = malloc((size_t)(vertices - 2) * 12);
     m.colours = malloc((size_t)vertices * 4);
     m.uvs = malloc((size_t)vertices * 8);

@@ -1,7 +1,7 @@
 /* bridge.c - what the JavaScript package needs beside bitvox.h: progress reports that reach JavaScript.
  *
- * All else is called as it is: the package fills the library's own structs, whose layouts build.mjs reads from the header and the
- * compiler confirms (layout.h, made by build.mjs). */
+ * All else is called as it is: the package fills the library's own structs, whose layouts build.mjs reads
+ * from the header and the compiler confirms (layout.h, made by build.mjs). */
 #include "bitvox.h"
 
 #include <stddef.h>
@@ -9,7 +9,8 @@
 #include "layout.h"
 
 /* Given by JavaScript: a result other than 0 cancels. */
-__attribute__((import_module("bitvox"), import_name("report"))) int32_t bridge_report(const char *stage, double fraction);
+__attribute__((import_module("bitvox"), import_name("report"))) int32_t bridge_report(const char *stage,
+                                                                                      double fraction);
 
 static int32_t forward(void *user, const char *stage, double fraction)
 {
