@@ -26,7 +26,7 @@ function readChoices(header) {
     for (const [, name, body] of header.matchAll(/#define (BVX_[A-Z]+)_LIST\(X\)((?:.*\\\n)*.*\n)/g)) {
         const prefix = name + '_';
         choices[prefix] = {};
-        for (const [, constant, value, text] of body.matchAll(/X\((BVX_[A-Z0-9_]+), (\d+), "([^"]*)"\)/g)) {
+        for (const [, constant, value, text] of body.matchAll(/X\((BVX_[A-Z0-9_]+), (\d+),[\s\\]*"([^"]*)"\)/g)) {
             const named =
                 prefix === 'BVX_STATUS_'
                     ? constant.replace(/^BVX_(ERR_)?/, '').toLowerCase()

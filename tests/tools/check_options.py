@@ -34,7 +34,7 @@ def wrong(where, what):
 
 LISTS = {}
 for found in re.finditer(r"#define BVX_(\w+)_LIST\(X\)(.*?)(?=\n\S|\n\n)", HEADER, re.S):
-    rows = re.findall(r'X\((BVX_\w+), (\d+), "([^"]*)"\)', found.group(2))
+    rows = re.findall(r'X\((BVX_\w+), (\d+),[\s\\]*"([^"]*)"\)', found.group(2))
     LISTS[found.group(1)] = {name: (int(number), text) for name, number, text in rows}
 NAMES = {name: value[0] for rows in LISTS.values() for name, value in rows.items()}
 NAMES |= {name: int(value) for name, value in re.findall(r"\b(BVX_[A-Z0-9_]+) = (-?\d+)\b", HEADER)}
