@@ -214,33 +214,49 @@ static bvx_status judge_result(boolean_job *job)
     return BVX_OK;
 }
 
-static bvx_status fill_boolean(boolean_job *job)
+/* Of the time that both meshes take: by their triangles, and by the lattice's rows of centres. */
+static double share_of_first(const boolean_job *job)
 {
-    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
-        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
-    bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
+    double const a = (double)(job->body[0].mesh->triangle_count + job->rows);
+    double const b = (double)(job->body[1].mesh->triangle_count + job->rows);
+
+    return a / (a + b);
+}
+
+static bvx_status fill_body(boolean_job *job, int32_t i)
+{
+    boolean_body *const b = &job->body[i];
     bvx_voxelize_options o;
 
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = job->options->fill;
     o.check_thin = 0; /* they are looked for below */
-    for (int32_t i = 0; i < 2; i++) {
-        o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
-        BVXI_TRY(BVXI_SHARE(
-            job->ctx, 0.4 * i, 0.4 * i + 0.1,
-            bvx_voxelize_solid(job->ctx, job->body[i].mesh, &job->lattice, &o, &job->body[i].solid)));
-        if (job->options->thin == BVX_THIN_KEEP || job->options->report != NULL)
-            BVXI_TRY(BVXI_SHARE(job->ctx, 0.4 * i + 0.1, 0.4 * (i + 1), keep_thin_walls(job, i)));
-    }
+    o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.0, 0.3, bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
 
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.8, 0.9, combine[job->operation](job->ctx, a, b, &job->inside)));
+    if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
+    return BVXI_SHARE(job->ctx, 0.3, 1.0, keep_thin_walls(job, i));
+}
+
+static bvx_status fill_boolean(boolean_job *job)
+{
+    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
+        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
+    bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
+    double const first = 0.94 * share_of_first(job);
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, first, fill_body(job, 0)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, first, 0.94, fill_body(job, 1)));
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.94, 0.96, combine[job->operation](job->ctx, a, b, &job->inside)));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
 
     BVXI_TRY(judge_body(job, 0, job->report.voxels_a));
     BVXI_TRY(judge_body(job, 1, job->report.voxels_b));
-    return BVXI_SHARE(job->ctx, 0.9, 1.0, judge_result(job));
+    return BVXI_SHARE(job->ctx, 0.96, 1.0, judge_result(job));
 }
 
 /* ---- Small parts ---- */
@@ -406,17 +422,21 @@ static bvx_status choose_boolean_sharp(boolean_job *job)
 static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 {
     bvx_context *const ctx = job->ctx;
+    double flat, measured;
 
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.12, fill_boolean(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.12, 0.28, drop_boolean_parts(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.28, 0.29, choose_boolean_sharp(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.29, 0.52, measure_body(job, &job->body[0])));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.52, 0.74, measure_body(job, &job->body[1])));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.74, 0.97, extract_boolean(job, result)));
-    return BVXI_SHARE(ctx, 0.97, 1.0, flatten_boolean(job, result));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, fill_boolean(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, drop_boolean_parts(job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.61, choose_boolean_sharp(job)));
+    measured = 0.61 + 0.18 * share_of_first(job);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.61, measured, measure_body(job, &job->body[0])));
+    BVXI_TRY(BVXI_SHARE(ctx, measured, 0.79, measure_body(job, &job->body[1])));
+
+    flat = job->report.thin_kept != 0 ? 0.89 : 0.98;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.79, flat, extract_boolean(job, result)));
+    return BVXI_SHARE(ctx, flat, 1.0, flatten_boolean(job, result));
 }
 
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,

@@ -162,7 +162,7 @@ enum {
 
 /* Where each step ends in the call, by the time that each takes, in thousandths of a
  * millisecond for a triangle of the input or a cell that the surface crosses, about.
- * What is known of the mesh after the first step counts for those that follow. */
+ * What is known of the mesh after the first step, and of thin walls after the fill, counts for those that follow. */
 static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR_STEPS])
 {
     const bvx_repair_options *const o = job->options;
@@ -180,7 +180,7 @@ static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR
     weight[REPAIR_NEEDS] = (o->report != NULL || o->if_needed) && sound ? n : 0.0;
     weight[REPAIR_INSIDE] = n + 0.2 * cells + (sound ? 0.0 : n + 2.0 * cells);
     weight[REPAIR_SURFACE] = 0.1 * n + (o->sharp != 0 ? 1.6 : 0.7) * cells;
-    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells;
+    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells + 4.0 * (double)job->thin.values;
     if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 5.0 * weight[REPAIR_INSIDE];
     if (o->report != NULL) weight[REPAIR_MEASURE] = 0.25 * cells + (o->measure ? 300e3 + 5.0 * n : 0.0);
 
@@ -227,6 +227,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
                              ? "every part is below least_part"
                              : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
+    plan_repair(job, REPAIR_SURFACE, end);
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_INSIDE], end[REPAIR_SURFACE], bvxi_repair_surface(job, repaired)));
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], flatten_repaired(job, repaired)));
     if (job->options->report == NULL) return BVX_OK;
