@@ -734,8 +734,8 @@ typedef struct bvx_voxelize_options {
                               [Default: -infinity, all of the lattice] */
     const bvx_mesh_view *second; /**< below: fill between mesh and this, where both exist [Default: NULL] */
     int32_t check_thin; /**< look for walls that the voxels lose, for the report's thin_...: 0 never, 1 always
-                             (not for below), -1 in a whole lattice with a report [Limit: -1..1]
-                             [Default: -1] */
+                             (not for below), -1 in a whole lattice with a report, as far as the
+                             memory limit allows [Limit: -1..1] [Default: -1] */
     int32_t reserved2;
 } bvx_voxelize_options;
 

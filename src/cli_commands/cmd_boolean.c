@@ -300,6 +300,28 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
     cli_text_add(t, "}");
 }
 
+/* A union has no more parts than its meshes have together. They are counted only where that is in question. */
+static void warn_of_broken_union(cli_run *run, const boolean_run *b)
+{
+    uint64_t const parts = run->report.mesh[0].certificate.components;
+    uint64_t own = 0;
+
+    if (!b->by_mesh || b->operation != BVX_BOOLEAN_UNION || parts <= 2) return;
+    for (int i = 0; i < 2; i++) {
+        bvx_certificate c;
+        bvx_mesh_view view;
+
+        bvx_mesh_view_of(&b->in[i].mesh, &view);
+        if (bvx_mesh_check(run->context, &view, 1, &c) != BVX_OK) return;
+        own += c.components;
+    }
+    if (parts > own)
+        cli_warn(run,
+                 "the result has %" PRIu64 " parts, the meshes %" PRIu64
+                 ": what is thinner than voxels came apart; take a higher --resolution, or --thin drop",
+                 parts, own);
+}
+
 static void warn_of_boolean(cli_run *run, const boolean_run *b)
 {
     static const char *const what[3] = {"A", "B", "the result"};
@@ -327,6 +349,7 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
         if ((b->few >> i & 1) != 0)
             cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
                      i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
+    warn_of_broken_union(run, b);
 }
 
 static void tell_boolean(cli_run *run, const boolean_run *b)

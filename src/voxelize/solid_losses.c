@@ -197,6 +197,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
                       solid->size[2] == l->dims[2];
     int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
+    bvx_status status;
     loss_sums sums;
     uint64_t voxels;
 
@@ -208,5 +209,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
         BVXI_TRY(sum_mesh(ctx, mesh, &sums));
         report->mesh_volume = comparable_volume(&sums, mesh, solid);
     }
-    return look ? BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
+    if (!look) return BVX_OK;
+
+    /* A solid that the memory limit allows is not refused for a look that nobody asked for. */
+    status = BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report));
+    return status == BVX_ERR_BUDGET && o->check_thin == -1 ? BVX_OK : status;
 }

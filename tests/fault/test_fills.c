@@ -124,6 +124,7 @@ static bvx_status losses(void *user, bvx_context *ctx)
     (void)user;
     bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
+    o.check_thin = 1;
     bvx_status const status = fill_by(ctx, &shell_view, &o);
     if (status == BVX_OK) assert_true(report.thin_voxels > 0);
     return status;

@@ -148,6 +148,7 @@ static bvx_status voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t 
     bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     o.report = &report;
+    if (fill != BVX_FILL_BELOW) o.check_thin = 1; /* by default it is left out under a limit */
     status = bvx_voxelize_solid(ctx, view, &lattice, &o, &grid);
     if (status != BVX_OK) note_left(&report, &empty, sizeof empty);
     else assert_true((report.unbalanced_rows != 0) == (view == &holes_view));

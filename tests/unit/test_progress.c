@@ -319,7 +319,7 @@ static void test_steps_begin_where_their_time_does(void)
         {repair, "vertices", 0.5, 0.9, TO_MESH},
         {measured_repair, "vertices", 0.01, 0.2, TO_MESH},
         {measured_repair, "distance", 0.02, 0.3, TO_MESH},
-        {boolean, "measure", 0.05, 0.4, TO_MESH},
+        {boolean, "measure", 0.3, 0.8, TO_MESH},
         {boolean, "vertices", 0.5, 0.9, TO_MESH},
         {build_levels, "collapse", 0.1, 0.6, TO_MESH},
         {measured_levels, "collapse", 0.1, 0.5, TO_MESH},

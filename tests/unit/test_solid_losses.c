@@ -237,6 +237,40 @@ static void test_walls_are_not_looked_for_below_a_terrain(void)
     bvx_grid_free(ctx, &g);
 }
 
+/* A solid that the limit allows is made; nobody has asked for the look that it does not. */
+static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
+{
+    bvx_context_options o;
+    bvx_context *limited = NULL;
+    bvx_voxelize_options v;
+    bvx_mesh_view view;
+    bvx_grid g = {0};
+    uint64_t without, voxels;
+
+    make_shell(0.5, 48);
+    bvx_memory_reset_peak(ctx);
+    voxels = voxels_at(ctx, 48, 0);
+    without = bvx_memory_peak(ctx);
+    bvx_memory_reset_peak(ctx);
+    voxels_at(ctx, 48, 1);
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) > without);
+
+    bvx_context_options_init(&o, sizeof o);
+    o.threads = 1;
+    o.memory_limit = without;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &limited));
+    TEST_ASSERT_EQUAL_UINT64(voxels, voxels_at(limited, 48, -1));
+    TEST_ASSERT_TRUE(report.thin_checked == 0 && report.thin_voxels == 0 && report.volume > 0);
+
+    view = maker_view(&mesh);
+    bvx_voxelize_options_init(&v, sizeof v);
+    v.report = &report;
+    v.check_thin = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_voxelize_solid(limited, &view, &lattice, &v, &g));
+    TEST_ASSERT_NULL(g.words);
+    bvx_context_destroy(limited);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -247,5 +281,6 @@ int main(void)
     RUN_TEST(test_volumes_are_compared_where_they_can_be);
     RUN_TEST(test_what_is_told_depends_on_mesh_and_lattice);
     RUN_TEST(test_walls_are_not_looked_for_below_a_terrain);
+    RUN_TEST(test_a_limit_leaves_the_look_out_unless_asked_for);
     return UNITY_END();
 }
