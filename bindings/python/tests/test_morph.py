@@ -97,9 +97,12 @@ def test_hollow():
 
 def test_what_is_refused():
     grid = Grid.from_numpy(np.ones((3, 3, 3), bool), spacing=(1, 1, 2))
-    for wrong in (lambda: grid.dilate(neighbourhood=7), lambda: grid.erode(0), lambda: grid.open(2, radius=1.0),
+    for wrong in (lambda: grid.dilate(neighbourhood=7), lambda: grid.open(2, radius=1.0),
                   lambda: grid.close(radius=-1.0), lambda: grid.hollow(0.0), lambda: grid.hollow(1.0, drain_side="top"),
                   lambda: grid.hollow(1.0, drain_at=(1, 2, 3)), lambda: grid.distance("up"), lambda: grid.distance(dtype="int32"),
                   lambda: grid.distance(squares=True), lambda: grid.distance(beyond="full")):
         with pytest.raises(bitvox.ArgumentError):
             wrong()
+    for steps in (0, 65537):
+        with pytest.raises(bitvox.RangeError, match="1 to 65536"):
+            grid.erode(steps)
