@@ -114,7 +114,28 @@ static void say_thin(cli_run *run, const bvx_repair_report *r)
             r->thin_kept ? ": kept" : "");
 }
 
-/* Dropped walls, parts that the mesh does not have, and a size that has changed without overlaps. */
+/* Of closed, manifold, oriented meshes: Euler's number is 2 a part, less 2 a handle. */
+static int64_t count_handles(const bvx_certificate *c)
+{
+    return (int64_t)c->components - c->euler / 2;
+}
+
+/* Handles where walls, or gaps, thinner than voxels have met. A mesh that crosses itself has none of its own
+ * to compare. */
+static void warn_of_handles(cli_run *run, const bvx_repair_report *r, const char *remedy)
+{
+    const bvx_certificate *const before = &r->before;
+    int64_t const had = count_handles(before), has = count_handles(&r->after);
+
+    if (!before->edge_manifold || !before->vertex_manifold || r->crossings != 0 || has <= had) return;
+    cli_warn(run,
+             "the result has %" PRId64 " handles, the mesh %" PRId64
+             ": what is thinner than voxels, or less than one apart, has met; %s",
+             has, had, remedy);
+}
+
+/* Dropped walls, parts and handles that the mesh does not have, and a size that has changed without
+ * overlaps. */
 static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
 {
     const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error"
@@ -139,6 +160,7 @@ static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_r
                  "higher --resolution, or --least-part",
                  r->after.components, r->before.components);
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
+    warn_of_handles(run, r, remedy);
     if (fabs(r->after.volume - volume) > 0.05 * volume)
         cli_warn(run, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
                  r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);

@@ -60,6 +60,14 @@ cat plate.obj box.obj >both.obj
 run repair both.obj -o result.ply --resolution 64 --thin drop
 [ $status = 0 ] && grep -q 'warning: walls thinner than 1.5 voxels are dropped .* of 1 components, in 0,0,.* keeps nine tenths of them' err
 result 'dropped walls are warned of' $?
+
+# A lattice too coarse for the knot's gaps; the finer one keeps its one handle.
+run repair "$knot" -o result.ply --resolution 10
+[ $status = 0 ] && grep -q 'warning: the result has 2 handles, the mesh 1: ' err
+result 'handles that the mesh does not have are warned of' $?
+run repair "$knot" -o result.ply --resolution 12
+[ $status = 0 ] && ! grep -q handles err
+result 'its own handle is not' $?
 run repair both.obj -o result.ply --resolution 64
 [ $status = 0 ] && grep -q '^  thin .*: kept$' out && grep -q '; 2 components, volume 2.00[78]' out
 result 'kept walls are told' $?
