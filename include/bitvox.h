@@ -2466,6 +2466,24 @@ enum {
 #undef BVX_NESTING_LIST_ENUM
 };
 
+/** How distances go from section to section. */
+/* clang-format off */
+#define BVX_BLEND_LIST(X)                                                                        \
+    X(BVX_BLEND_LINEAR, 0, "linear")                                                             \
+        /**< straight between neighbours: the surface has a kink at every section */              \
+    X(BVX_BLEND_CUBIC, 1, "cubic")                                                               \
+        /**< the monotone cubic over four sections: as exact on the sections, smooth across      \
+             them. It has one zero where the linear one has one, and none elsewhere. Linear all  \
+             the same: two sections, slabs in which parts end (taper, a section without loops),  \
+             nesting levels that would cross otherwise */
+/* clang-format on */
+
+enum {
+#define BVX_BLEND_LIST_ENUM(name, value, text) name = value,
+    BVX_BLEND_LIST(BVX_BLEND_LIST_ENUM)
+#undef BVX_BLEND_LIST_ENUM
+};
+
 enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
 
 /** What was found and done. */
@@ -2525,10 +2543,12 @@ typedef struct bvx_sections_options {
                                 [Default: BVX_F64] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
     int32_t nesting;             /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
-    int32_t mend; /**< 1: loops that touch or cross themselves or each other are split there; inside stays
+    int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
                        what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
                        borders that two loops have in common go, with points that lie on nothing else
                        [Limit: 0..1] [Default: 0, they are refused] */
+    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_LINEAR] */
+    int32_t reserved;
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
@@ -2541,8 +2561,8 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * the contour decides: its points are vertices with the coordinates given, its crossings with the grid's
  * edges are vertices, and nothing else is; both sides of the plane use the same ones. Where an edge is
  * crossed more than once, or a loop lies inside one cell, cells are subdivided up to depth times; what is
- * still so is counted and located, and the surface is closed there too. Between planes the field is the
- * linear blend of both sections' signed Euclidean distances, asked for only where the surface needs it. On a
+ * still so is counted and located, and the surface is closed there too. Between planes the field is a blend
+ * of the sections' signed Euclidean distances, linear or cubic, asked for only where the surface needs it. On a
  * face with four crossings the field at the point where the lines joining opposite crossings meet decides.
  * Loops in loops are blended level by level (nesting): the levels' fields lie in each other as the loops do,
  * so their surfaces do not cross; where they would all the same, which exact tests find, both sections are
@@ -2561,10 +2581,12 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  * BVX_ERR_BUDGET, BVX_CANCELLED.
  * Memory: about 150 bytes a contour point or crossing, those of levels twice more, 20 bytes a cell of one
  * section, the mesh twice.
- * Cost: O(crossings log points + cells / 64 a section); layers multiply what is between sections.
+ * Cost: O(crossings log points + cells / 64 a section); layers multiply what is between sections. The cubic
+ * blend asks for up to twice the distances.
  * Source: "surface modelling in section data fields" (3D surfaces from section contours), with crossings and
  * connectivity on section planes by the contour; Herman, Zheng, Bucholtz. Shape-based interpolation. 1992
- * (layers, nesting by level).
+ * (layers, nesting by level); Fritsch, Butland. A method for constructing local monotone piecewise cubic
+ * interpolants. 1984 (cubic).
  */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
                                       const bvx_sections_options *options, bvx_mesh *mesh);

@@ -113,7 +113,7 @@ struct cli_options {
     cli_list seeds;   /* three numbers each */
     const char *mesh; /* the file of a surface's mesh */
     int32_t connectivity;
-    int32_t layers, caps, nesting, mend, crossings, subdivide, label; /* sections */
+    int32_t layers, blend, caps, nesting, mend, crossings, subdivide, label; /* sections */
     const char *block_model;
     cli_triple block;
     double close_gap;      /* between the ends of a contour */

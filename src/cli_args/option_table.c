@@ -103,6 +103,7 @@ static const char *const distance_names[] = {BVX_DISTANCE_LIST(CLI_NAME_OF) NULL
 static const char *const beyond_names[] = {BVX_BEYOND_LIST(CLI_NAME_OF) NULL};
 static const char *const auto_names[] = {"auto", NULL};
 static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
+static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
 static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
 static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
@@ -299,6 +300,8 @@ static const cli_argument arguments[] = {
         "--close-gap", "G", CLI_SECTIONS, close_gap, 0, 1e300,
         "of .csv: loops whose ends lie further apart than G are refused as open\npolylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", CLI_SECTIONS, layers, 1, 64, "layers of cells from section to section [1]"),
+    CHOICE("--blend", "HOW", CLI_SECTIONS, blend, blend_names, BVX_BLEND_LINEAR,
+           "from section to section: linear, or cubic over four of them, smooth\nacross sections [linear]"),
     CHOICE(
         "--caps", "HOW", CLI_SECTIONS, caps, caps_names, BVX_CAPS_FLAT,
         "the ends: flat on the first and last section; taper: each part to a\nridge half a spacing beyond, also those that end in between; open [flat]"),

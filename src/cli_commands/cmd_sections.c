@@ -73,6 +73,7 @@ static int build_body(cli_run *run, sections_job *job)
     if (cli_given(run, "--layers")) s.layers = o->layers;
     if (cli_given(run, "--subdivide")) s.depth = o->subdivide;
     if (cli_given(run, "--label")) s.label = o->label;
+    s.blend = o->blend;
     s.caps = o->caps;
     s.nesting = o->nesting;
     s.mend = o->mend;

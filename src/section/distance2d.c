@@ -211,3 +211,33 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
     }
     return odd;
 }
+
+/* An odd number of segments to the right, of those whose boxes reach there. Neighbours share their ends' bits. */
+int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
+{
+    uint32_t stack[DISTANCE_STACK], top = 0;
+    int odd = p->turned;
+
+    stack[top++] = 1;
+    while (top > 0) {
+        uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
+        const double *const box = p->box[node];
+
+        if (!(box[1] <= v && v <= box[3] && u <= box[2])) continue;
+        if (node < p->leaf_count) {
+            stack[top++] = 2 * node;
+            stack[top++] = 2 * node + 1;
+            continue;
+        }
+
+        for (uint32_t n = first; n < first + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
+            uint32_t const i = segment_at(p, n);
+            const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
+            double side;
+            if ((a[1] < v) == (b[1] < v)) continue;
+            side = (b[0] - a[0]) * (v - a[1]) - (u - a[0]) * (b[1] - a[1]);
+            odd ^= (side > 0.0) == (b[1] > a[1]);
+        }
+    }
+    return odd;
+}

@@ -243,7 +243,7 @@ static bvx_status nest_find_between(nest_work *w, uint32_t number)
             if (w->on[k][c].depth > deepest) deepest = w->on[k][c].depth;
         }
     }
-    if (n->joined[number]) return BVX_OK;
+    if (n->joined[number] == BVXI_LEVELS_JOINED) return BVX_OK;
 
     /* A depth at which nothing goes on ends the search: what lies deeper stays on the levels found. */
     for (uint32_t depth = 1; depth <= deepest; depth++) {

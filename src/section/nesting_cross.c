@@ -149,9 +149,14 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
         const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]];
         const bvxi_slab *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
 
-        if (a->below != b->below || a->level == b->level || joined[a->below]) continue;
-        joined[a->below] = 1;
+        if (a->below != b->below || a->level == b->level || joined[a->below] >= BVXI_LEVELS_CROSSED) continue;
+        joined[a->below] |= BVXI_LEVELS_CROSSED;
         ++*found;
+    }
+
+    for (uint32_t i = 0; i < m->s->plane_count; i++) {
+        int const was_cubic = m->s->options.blend == BVX_BLEND_CUBIC && joined[i] == BVXI_LEVELS_CROSSED;
+        if (joined[i] >= BVXI_LEVELS_CROSSED) joined[i] = was_cubic ? BVXI_LEVELS_LINEAR : BVXI_LEVELS_JOINED;
     }
 }
 

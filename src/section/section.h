@@ -111,13 +111,17 @@ typedef struct bvxi_section_mesh {
     uint64_t vertex_count, vertex_room, triangle_count, triangle_room;
 } bvxi_section_mesh;
 
+/* What becomes of nesting levels between two sections: blended as the options say; linearly, where they would
+ * cross otherwise; not apart from each other, where they would cross all the same. */
+enum { BVXI_LEVELS_APART, BVXI_LEVELS_LINEAR, BVXI_LEVELS_JOINED, BVXI_LEVELS_CROSSED = 0x80 };
+
 /* Loops that are blended apart from those round them; see nesting.c. */
 typedef struct bvxi_nesting {
     /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
     uint8_t *level[2];
     /* [planes] levels between a plane and the next one; 1: the sections are blended as they are */
     uint8_t *count;
-    uint8_t *joined; /* [planes] 1: so because levels crossed there */
+    uint8_t *joined; /* [planes] what became of levels that crossed there: BVXI_LEVELS_... */
     /* levels as planes of their own: below and above, level by level, from slab to slab */
     bvxi_plane *plane;
     uint32_t plane_count, plane_room;
@@ -273,6 +277,8 @@ double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
+/* 1 when the place is inside, by the boxes: for values alone, as places next to a contour may be told otherwise. */
+int bvxi_plane_encloses(const bvxi_plane *plane, double u, double v);
 
 /* ---- part_ends.c: parts that end before the next section ---- */
 

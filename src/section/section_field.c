@@ -4,7 +4,10 @@
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one
  * plane and outside on the other: at the share of both distances, kept a little off the planes. Over a part
  * that ends (part_ends.c) the other plane counts as so deep outside as the part's widest place is inside: the
- * body narrows to a ridge there. */
+ * body narrows to a ridge there.
+ *
+ * A cubic blend (blend.c) takes the distances on the planes beyond the slab too. Those need signs alone of
+ * which no connectivity follows: it has one zero where the linear one has, and none where that has none. */
 #include "section/section_field.h"
 
 #define FIELD_MARGIN (1.0 / 1024.0)
@@ -95,8 +98,49 @@ static double plane_at(bvxi_field *f, int k, double u, double v)
     return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
+/* On a plane beyond the slab; 0 where there is none. */
+static double far_at(bvxi_field *f, int k, double u, double v)
+{
+    const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
+    double d;
+
+    if (p == NULL) return 0.0;
+    f->s->report.distances++;
+    d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
+    return bvxi_plane_encloses(p, u, v) ? d : -d;
+}
+
+static double far_corner(bvxi_field *f, const int32_t at[2], int k)
+{
+    const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
+    int32_t const fine = f->s->fine, part = (1 << fine) - 1;
+    double d;
+
+    if (p == NULL) return 0.0;
+    if ((at[0] & part) != 0 || (at[1] & part) != 0)
+        return far_at(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]));
+    d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
+    return bvxi_grid_bit(f->s, p, at[0] >> fine, at[1] >> fine) ? d : -d;
+}
+
+double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t)
+{
+    double value[BVXI_BLEND_SECTIONS];
+
+    for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
+    if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
+    for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
+    return bvxi_blend_value(&f->blend, value, t);
+}
+
 double bvxi_field_at(bvxi_field *f, double u, double v, double t)
 {
+    if (f->cubic && t > 0.0 && t < 1.0) {
+        double value[BVXI_BLEND_SECTIONS];
+        for (int k = 0; k < 2; k++) value[k] = plane_at(f, k, u, v);
+        for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_at(f, k, u, v);
+        return bvxi_blend_value(&f->blend, value, t);
+    }
     double const below = t < 1.0 ? plane_at(f, 0, u, v) : 0.0, above = t > 0.0 ? plane_at(f, 1, u, v) : 0.0;
     return (1.0 - t) * below + t * above;
 }
@@ -114,10 +158,21 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
     return 1;
 }
 
-/* Where a line is crossed, as a share of the way, and between which levels; distances on both planes. */
-static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
+/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from: the
+ * plane on which the place is inside. */
+static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
 {
-    double t = d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
+    double value[BVXI_BLEND_SECTIONS];
+
+    if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
+    memcpy(value, d, sizeof value);
+    value[1 - from] = -value[1 - from];
+    return bvxi_blend_zero(&f->blend, value);
+}
+
+/* Kept a little off the planes of cells; and between which levels it is. */
+static double line_share(const bvxi_field *f, double t, uint8_t *layer)
+{
     int32_t l = 0;
 
     if (f->layers > 1) {
@@ -131,11 +186,11 @@ static double line_share(const bvxi_field *f, const double d[2], uint8_t *layer)
     return (l + t) / f->layers;
 }
 
-static bvx_status cross_over(bvxi_field *f, double u, double v, const double d[2], uint8_t *layer,
-                             uint32_t *vertex)
+static bvx_status cross_over(bvxi_field *f, double u, double v, int from, const double d[BVXI_BLEND_SECTIONS],
+                             uint8_t *layer, uint32_t *vertex)
 {
     const double *const w = f->slab->w;
-    double const t = line_share(f, d, layer);
+    double const t = line_share(f, line_zero(f, from, d), layer);
     double place[3];
     bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
     return bvxi_section_add_vertex(f->s, place, vertex);
@@ -190,6 +245,7 @@ static void measure_lines(bvxi_field *f, int k, int ends)
                 if (ends && d[n] >= 0.0) continue;
                 if (i - last > 1) start_near(p, i);
                 d[n] = grid_distance(f, p, i, j);
+                if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
                 p->column[i + 1].segment = p->hint;
                 p->column[i + 1].row = j;
                 last = i;
@@ -208,10 +264,13 @@ static bvx_status cross_grid_lines(bvxi_field *f)
             for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
-                double const d[2] = {f->line[0][n], f->line[1][n]};
+                int const from = !bvxi_grid_bit(s, f->slab->plane[0], i, j);
+                double d[BVXI_BLEND_SECTIONS] = {f->line[0][n], f->line[1][n], 0.0, 0.0};
                 uint32_t vertex;
                 uint8_t layer;
-                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d,
+                for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+                    if (f->plane[k].plane != NULL) d[k] = f->line[k][n];
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], from, d,
                                     &layer, &vertex));
                 if (f->layers > 1) f->layer[n] = layer;
             }
@@ -225,12 +284,14 @@ static bvx_status cross_hanging_lines(bvxi_field *f)
     for (uint32_t i = 0; i < slab->hanging_count; i++) {
         bvxi_hanging *const h = &slab->hanging[i];
         double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
-        double d[2] = {0.0, 0.0};
+        double d[BVXI_BLEND_SECTIONS] = {0.0, 0.0, 0.0, 0.0};
         if (h->inside[0] == h->inside[1]) continue;
         if (!ending_line(f, !h->inside[0], u, v, d))
             for (int k = 0; k < 2; k++)
                 if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
-        BVXI_TRY(cross_over(f, u, v, d, &h->layer, &h->vertex));
+        for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+            d[k] = far_corner(f, h->at, k);
+        BVXI_TRY(cross_over(f, u, v, !h->inside[0], d, &h->layer, &h->vertex));
     }
     return BVX_OK;
 }
@@ -250,6 +311,8 @@ static bvx_status cross_lines(bvxi_field *f)
     if (ends) measure_ends(f);
     for (int k = 0; k < 2; k++)
         if (!is_nothing(f, k)) measure_lines(f, k, ends);
+    for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+        if (f->plane[k].plane != NULL) measure_lines(f, k, 0);
     BVXI_TRY(cross_grid_lines(f));
     return cross_hanging_lines(f);
 }
@@ -289,6 +352,22 @@ static void index_hanging(bvxi_field *f)
     }
 }
 
+/* Over parts that end between two sections the blend stays linear, as their ridges are. */
+static void set_blend(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+
+    f->cubic = slab->far[0] != NULL || slab->far[1] != NULL;
+    if (is_nothing(f, 0) || is_nothing(f, 1) || slab->plane[0]->ends[1] || slab->plane[1]->ends[0])
+        f->cubic = 0;
+    if (!f->cubic) return;
+
+    f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
+    f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
+    f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
+    for (int k = 0; k < 2; k++) set_plane(f, &f->plane[BVXI_BLEND_FAR_BELOW + k], slab->far[k]);
+}
+
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
@@ -302,6 +381,7 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
         set_plane(f, &f->plane[0], slab->plane[0]);
     }
     set_plane(f, &f->plane[1], slab->plane[1]);
+    set_blend(f);
     if (slab->hanging_count != 0) index_hanging(f);
     return cross_lines(f);
 }
@@ -314,7 +394,7 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
     memset(f, 0, sizeof *f);
     f->s = s;
     f->line_room = lines;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < (s->options.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
                             &f->plane[k].column));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
@@ -346,7 +426,7 @@ void bvxi_field_close(bvxi_field *f)
     bvxi_free(s->ctx, f->hanging_row, ((uint64_t)s->size[1] + 2) * 4);
     bvxi_free(s->ctx, f->hanging_column, ((uint64_t)s->size[0] + 2) * 4);
     bvxi_free(s->ctx, f->layer, f->line_room);
-    for (int k = 2; k-- > 0;) {
+    for (int k = BVXI_BLEND_SECTIONS; k-- > 0;) {
         bvxi_free(s->ctx, f->plane[k].known, known_bytes(s));
         bvxi_free(s->ctx, f->plane[k].distance, points * 8);
         bvxi_free(s->ctx, f->line[k], (uint64_t)f->line_room * 8);

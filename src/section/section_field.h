@@ -6,6 +6,7 @@
 #ifndef BVXI_SECTION_FIELD_H
 #define BVXI_SECTION_FIELD_H
 
+#include "section/blend.h"
 #include "section/slab.h"
 
 #include "bits/bits.h"
@@ -36,13 +37,15 @@ typedef struct bvxi_field {
     bvxi_stack *s;
     bvxi_slab *slab;
     int32_t layers;
-    bvxi_plane_field plane[2];
+    int cubic; /* 1: the blend looks at planes beyond the slab's; else it is linear */
+    bvxi_blend blend;
+    bvxi_plane_field plane[4]; /* below, above, beyond below, beyond above */
     /* grid points whose line to the plane above is crossed; crossings are numbered in their order */
     uint64_t *crossed;
     uint32_t *before; /* a word of them each: crossings before it */
     uint32_t first;   /* the vertex of the first */
     uint32_t lines, line_room;
-    double *line[2]; /* crossings each: distances on both planes */
+    double *line[4]; /* crossings each: distances on both planes, and with signs on those beyond */
     /* the slab's first hanging corner in each row of the grid or behind, and one more */
     uint32_t *hanging_row;
     uint32_t *hanging_column; /* the same by column, in the order of by_u */
@@ -56,6 +59,8 @@ void bvxi_field_close(bvxi_field *f);
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab);
 /* The blended field at a place: t 0 is the plane below, 1 the one above. */
 double bvxi_field_at(bvxi_field *f, double u, double v, double t);
+/* The same at a point of the grid or a corner of a cell, its sides on the slab's planes given. */
+double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t);
 /* Signed distances at a point of the grid or a corner of a cell on plane k, its side given. */
 double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside);
 /* The number of a grid point's crossing among all of the slab. */

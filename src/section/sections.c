@@ -39,6 +39,8 @@ static const bvxi_option sections_rows[] = {
     BVXI_WHOLE(bvx_sections_options, depth, 0, BVXI_SECTION_DEEPEST),
     BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
     BVXI_SWITCH(bvx_sections_options, mend),
+    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_LINEAR, BVX_BLEND_CUBIC),
+    BVXI_RESERVED(bvx_sections_options, reserved),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
 };
@@ -134,7 +136,7 @@ static void count_nested(bvxi_stack *s)
 {
     for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++) {
         s->report.nested_slabs += s->nesting.count[i] > 1;
-        s->report.joined_slabs += s->nesting.joined[i];
+        s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
     }
 }
 
@@ -153,7 +155,7 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     before = s->report;
     for (int times = 0; status == BVX_OK; times++, from = to) {
         for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
-            s->nesting.joined[i] |= s->nesting.count[i] > 1;
+            if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
         to = s->nesting.count == NULL ? 0.9 : from + 0.5 * (0.9 - from);
         status = BVXI_SHARE(s->ctx, from, to, make_surface(s, &slabs, &count, &crossed));
         if (status != BVX_OK || crossed == 0) break;

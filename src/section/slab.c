@@ -172,6 +172,41 @@ static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below
     return levels;
 }
 
+/* The plane beyond one side of a slab, which a cubic blend looks at; side: 0 below, 1 above. A nesting level
+ * goes on in its own kind; the outermost one also in a whole section that has no holes. */
+static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slabs, uint32_t slab, int side)
+{
+    const bvxi_slab *const b = &slabs[slab];
+    uint32_t const last = s->plane_count - 1,
+                   levels = s->nesting.count == NULL ? 1 : s->nesting.count[b->below];
+    const bvxi_plane *whole;
+    uint32_t other;
+
+    if (side == 0 ? b->below == 0 : b->below + 1 == last) return NULL;
+    whole = &s->plane[side == 0 ? b->below - 1 : b->below + 2];
+    if (whole->contour_count == 0) return NULL;
+    if (b->plane[0]->whole == NULL) return whole;
+    if (s->nesting.joined[b->below] != BVXI_LEVELS_APART) return NULL;
+
+    other = s->nesting.count[side == 0 ? b->below - 1 : b->below + 1];
+    if (other > 1) {
+        if (b->level >= other) return NULL;
+        return side == 0 ? slabs[slab - other].plane[0] : slabs[slab + levels].plane[1];
+    }
+    for (uint32_t c = 0; c < whole->contour_count; c++)
+        if (whole->contour[c].hole) return NULL;
+    return b->level == 0 ? whole : NULL;
+}
+
+static void look_beyond(const bvxi_stack *s, bvxi_slab *slabs)
+{
+    if (s->options.blend != BVX_BLEND_CUBIC) return;
+    for (uint32_t i = 0; i < s->slab_count; i++) {
+        if (bvxi_plane_is_nothing(slabs[i].plane[0]) || bvxi_plane_is_nothing(slabs[i].plane[1])) continue;
+        for (int side = 0; side < 2; side++) slabs[i].far[side] = plane_beyond(s, slabs, i, side);
+    }
+}
+
 /* Between neighbours; towards an empty plane half the way; beyond the ends
  * half a spacing when they taper. nothing: a plane without loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
@@ -216,6 +251,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8,
                              "an empty plane", &nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
+    look_beyond(s, *slabs);
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
 }

@@ -27,6 +27,7 @@ typedef struct bvxi_hanging {
 struct bvxi_slab {
     bvxi_plane *plane[2]; /* below, above; one of them may be an empty one */
     double w[2];
+    const bvxi_plane *far[2]; /* the planes beyond, below and above, that a cubic blend looks at, or NULL */
     bvxi_split *split;
     uint32_t split_count, split_room;
     bvxi_leaf *leaf;

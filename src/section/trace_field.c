@@ -13,8 +13,7 @@ static double node_value(bvxi_trace *t, int k, const bvxi_trace_node *n)
 {
     const bvxi_level *const level = &t->level[k];
     if (level->k >= 0) return bvxi_field_corner(t->field, n->at, level->k, n->on[level->k]);
-    return (1.0 - level->t) * bvxi_field_corner(t->field, n->at, 0, n->on[0]) +
-           level->t * bvxi_field_corner(t->field, n->at, 1, n->on[1]);
+    return bvxi_field_between(t->field, n->at, n->on, level->t);
 }
 
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,

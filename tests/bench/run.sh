@@ -204,6 +204,18 @@ measure_levels
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
 if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
+contours=${CONTOURS:-$MESHES/../contours}
+if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
+    for frame in 10 29; do # a heart's inner and outer wall, and both
+        for part in 0 1 2; do
+            gzip -dc "$contours/pig_heart_A05.tsv.gz" | awk -v f=$frame -v c=$part 'BEGIN { print "section,position,loop,x,y" }
+                $4 == f && (c == 2 || $5 == c) { printf "%d,%d,%d,%s,%s\n", $3, 8 * $3, $5, $1, $2 }' >"$out/heart_${frame}_$part.csv"
+        done
+    done
+    "$BENCHES/bench_blend" "$contours"/orex_eight_15.csl.gz "$contours"/orex_SideBishop.csl "$out"/heart_*.csv "$MESHES"/rocker-arm.obj.gz \
+        "$MESHES"/cow.obj.gz "$MESHES"/fandisk.obj.gz "$MESHES"/nefertiti_100k.obj.gz "$MESHES"/dragon_100k.obj.gz "$MESHES"/unit_sphere.stl.gz \
+        "$MESHES"/gears.stl.gz >"$out/blend.md" && cat "$out/blend.md"
+fi
 
 echo "== the LOD paper's tables"
 "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"

@@ -53,7 +53,18 @@ static int free_inputs(void **state)
     return 0;
 }
 
-enum { RUN_EXACT, RUN_TAPER, RUN_PAPER, RUN_LAYERS, RUN_JOINED, RUN_MENDED, RUN_FILES, RUN_SLICE, RUNS };
+enum {
+    RUN_EXACT,
+    RUN_TAPER,
+    RUN_PAPER,
+    RUN_LAYERS,
+    RUN_CUBIC,
+    RUN_JOINED,
+    RUN_MENDED,
+    RUN_FILES,
+    RUN_SLICE,
+    RUNS
+};
 
 typedef struct section_run {
     int kind;
@@ -72,7 +83,8 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     o.grid[1] = 5;
     if (run->kind == RUN_TAPER) o.caps = BVX_CAPS_TAPER;
     if (run->kind == RUN_PAPER) o.crossings = BVX_CROSSINGS_PAPER;
-    if (run->kind == RUN_LAYERS) o.layers = 3;
+    if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.layers = 3;
+    if (run->kind == RUN_CUBIC) o.blend = BVX_BLEND_CUBIC;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,

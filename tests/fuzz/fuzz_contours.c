@@ -63,6 +63,7 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     o.caps = choice % 2;
     o.layers = 1 + choice % 3;
     o.mend = choice / 64 % 2;
+    o.blend = choice / 128 % 2;
     o.label = s->loops[0].label;
     status = bvx_build_sections(ctx, s, &o, &mesh);
     if (status == BVX_OK) {

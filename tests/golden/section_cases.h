@@ -30,6 +30,24 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
         }
 }
 
+/* By the cubic blend, of one layer and of several. */
+static void cubic_values(golden *g, const bvx_sections *sections, int32_t cells)
+{
+    static const char *const key[] = {"exact", "paper", "classic"};
+
+    for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
+        for (int32_t layers = 1; layers <= 4; layers += 3) {
+            bvx_sections_options o;
+            bvx_mesh mesh = {0};
+            bvx_sections_options_init(&o, sizeof o);
+            o.crossings = crossings;
+            o.grid[0] = o.grid[1] = cells;
+            o.layers = layers;
+            o.blend = BVX_BLEND_CUBIC;
+            mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
+        }
+}
+
 /* Contours as a file, and what is read from it again. */
 static void contour_file_values(golden *g, const char *key, const bvx_sections *sections, int32_t format)
 {
@@ -100,6 +118,9 @@ static void wall_values(golden *g)
     }
     golden_begin(g, "walls");
     body_values(g, &golden_stack.s, 21);
+    golden_end(g);
+    golden_begin(g, "cubic");
+    cubic_values(g, &golden_stack.s, 21);
     golden_end(g);
 }
 

@@ -59,6 +59,8 @@ if awk -F, 'NR > 1 && ($7 <= 0 || $7 > 1 || ($1 - 1) % 2 != 0) { bad = 1 } END {
 else not_ok 'blocks lie at whole multiples' 'a centre or share is wrong'; fi
 gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
+gives 'cubic' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --blend cubic --layers 2
+gives 'blend that is none' 2 'linear, cubic' sections prism.csv -o x.ply --blend spline
 gives 'nesting that is none' 2 'levels, whole' sections prism.csv -o x.ply --nesting some
 awk 'BEGIN { print "section,position,loop,x,y"; for (k = 0; k < 5; k++) for (l = 0; l < 2; l++) for (i = 0; i < 40; i++) {
     a = i * 3.14159265 / 20; r = 3 - 0.3 * l; printf "%d,%d,%d,%.9f,%.9f\n", k, k, l, 0.8 * k + r * cos(a), r * sin(a) } }' >wall.csv
@@ -70,6 +72,8 @@ run sections wall.csv -o wall.ply --json --nesting whole
 if [ "$(field euler)" -lt 0 ]; then ok 'a leaning wall as a whole has windows'; else not_ok 'a leaning wall as a whole has windows' "$(field euler)"; fi
 sed 's/$//' wall.csv | awk -F, 'NR == 1 { print; next } { r = $3 == 1 ? 2.99 / 2.7 : 1; x = $4 - 0.8 * $1; printf "%s,%s,%s,%.9f,%.9f\n", $1, $2, $3, 0.8 * $1 + r * x, r * $5 }' >thin.csv
 gives 'a wall too thin for the cells' 0 'walls are too thin for the cells' sections thin.csv -o wall.ply --grid 8x8
+run sections wall.csv -o wall.ply --json --blend cubic --layers 3
+is 'a leaning wall has no window by the cubic blend' "$(field euler) $(field joined_slabs)" '0 0'
 printf 'section,position,loop,x,y\n' >keyhole.csv
 for k in 0 1; do for p in 0,0 4,0 4,4 0,4 0,2 1,2 1,3 3,3 3,1 1,1 1,2 0,2; do echo "$k,$k,0,$p"; done; done >>keyhole.csv
 gives 'a keyhole is refused' 1 '; --mend splits loops there' sections keyhole.csv -o x.ply
@@ -131,6 +135,11 @@ if [ -f "$contours/orex_eight_15_reference.stl.gz" ]; then
     mean=$(awk '/both ways/ { print $3 }' out)
     if awk -v m="$mean" -v c="$cell" 'BEGIN { exit !(m > 0 && m < c / 2) }'; then ok 'mean distance to the reference below half a cell'
     else not_ok 'mean distance to the reference below half a cell' "$mean of $cell"; fi
+    run sections "$contours/orex_eight_15.csl.gz" -o real.ply --caps taper --blend cubic --layers 4
+    run compare real.ply "$contours/orex_eight_15_reference.stl.gz"
+    cubic=$(awk '/both ways/ { print $3 }' out)
+    if awk -v m="$mean" -v c="$cubic" 'BEGIN { exit !(c > 0 && c < 0.8 * m) }'; then ok 'the cubic blend is nearer to it'
+    else not_ok 'the cubic blend is nearer to it' "$cubic of $mean"; fi
 else
     skip 'distance to the reference' 'the file is not there'
 fi

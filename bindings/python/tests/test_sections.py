@@ -44,7 +44,7 @@ def test_labels_and_refusals():
     crossed = SQUARE[[0, 2, 1, 3]]
     with pytest.raises(bitvox.FormatError):
         bitvox.from_sections(stack(points=crossed))
-    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"nesting": "x"},
+    for options in ({"grid": (3, 3), "spacing": 1.0}, {"grid": (1, 9)}, {"layers": 0}, {"caps": "round"}, {"subdivide": 9}, {"nesting": "x"}, {"blend": "x"},
                     {"crossings": "x"}):
         with pytest.raises(bitvox.Error):
             bitvox.from_sections(stack(), **options)
@@ -61,6 +61,17 @@ def test_walls_keep_no_windows():
     assert whole.check().euler < 0 and whole.check().volume < 0.7 * whole.report.prismoid_volume
     assert levels.check().euler == 0 and levels.check().volume == pytest.approx(levels.report.prismoid_volume, rel=0.02)
     assert levels.content_hash() == walls.surface(nesting="levels").content_hash()
+
+
+def test_cubic_blend_is_nearer():
+    turn = np.arange(120) * (2 * np.pi / 120)
+    ball = Sections([np.stack([r * np.cos(turn), r * np.sin(turn), np.full(120, z)], axis=1)
+                     for z in np.linspace(-0.9, 0.9, 7) for r in [(1 - z * z) ** 0.5]])
+    error = {}
+    for blend in ("linear", "cubic"):
+        at = ball.surface(blend=blend, layers=4).vertices
+        error[blend] = np.abs(np.sqrt((at * at).sum(axis=1)) - 1)[np.abs(at[:, 2]) < 0.89].mean()
+    assert error["cubic"] < 0.5 * error["linear"]
 
 
 def test_loops_that_meet_are_mended():

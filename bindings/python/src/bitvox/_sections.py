@@ -14,9 +14,10 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
 from ._stages import collapsed, level_target, surface
-from ._words import Axis, Caps, Crossings, ErrorKind, Nesting
+from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting
 
 CAPS = names_of("BVX_CAPS_")
+BLENDS = names_of("BVX_BLEND_")
 NESTING = names_of("BVX_NESTING_")
 CROSSINGS = names_of("BVX_CROSSINGS_")
 SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
@@ -207,6 +208,7 @@ def from_sections(
     spacing: float | None = None,
     layers: int = 1,
     caps: Caps = "flat",
+    blend: Blend = "linear",
     nesting: Nesting = "levels",
     mend: bool = False,
     crossings: Crossings = "exact",
@@ -229,6 +231,7 @@ def from_sections(
             of the contours' segments.
         layers: cells from section to section.
         caps: how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
+        blend: from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
         nesting: loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
             have no windows; "whole" blends sections as they are.
         mend: split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
@@ -265,6 +268,7 @@ def from_sections(
         options.spacing = float(spacing)
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
+    options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
     options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
