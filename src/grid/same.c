@@ -53,7 +53,11 @@ bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const b
                                  const bvx_grid *result)
 {
     uint64_t const bytes = bvxi_grid_words(grid) * 8;
-    if (grid->words == result->words || !bvxi_overlap(grid->words, bytes, result->words, bytes))
+    uint64_t const held = bytes_held(result);
+
+    /* A result too small for the grid is made anew, or refused: what lies after its words is not its own. */
+    if (grid->words == result->words ||
+        !bvxi_overlap(grid->words, bytes, result->words, held < bytes ? held : bytes))
         return BVX_OK;
     return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                      "%s: the result's words overlap the grid's without being the same", function);

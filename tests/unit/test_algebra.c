@@ -144,6 +144,26 @@ static void test_algebra_takes_words_of_the_callers(void)
     }
 }
 
+/* A result too small for the operands has nothing of what lies after its words: the heap may put an operand
+ * there. */
+static void test_algebra_tells_a_small_result_from_one_that_overlaps(void)
+{
+    static const int32_t size[3] = {64, 4, 4}, none[3] = {0, 0, 0};
+    uint64_t words[8 + 16] = {0};
+    bvx_grid operand = algebra_grid(size, none, none), r = {0};
+    uint64_t *const own = operand.words;
+
+    operand.words = words + 8;
+    r.words = words;
+    r.word_capacity = 8;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_grid_union(ctx, &operand, &operand, &r));
+    r.word_capacity = 9;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_union(ctx, &operand, &operand, &r));
+
+    operand.words = own;
+    bvx_grid_free(ctx, &operand);
+}
+
 static void test_algebra_names_what_differs(void)
 {
     bvx_grid c;
@@ -174,6 +194,7 @@ int main(void)
     RUN_TEST(test_algebra_identities);
     RUN_TEST(test_algebra_is_the_same_for_any_threads_and_processor);
     RUN_TEST(test_algebra_takes_words_of_the_callers);
+    RUN_TEST(test_algebra_tells_a_small_result_from_one_that_overlaps);
     RUN_TEST(test_algebra_names_what_differs);
     return UNITY_END();
 }
