@@ -114,20 +114,13 @@ static void say_thin(cli_run *run, const bvx_repair_report *r)
             r->thin_kept ? ": kept" : "");
 }
 
-/* Of closed, manifold, oriented meshes: Euler's number is 2 a part, less 2 a handle. */
-static int64_t count_handles(const bvx_certificate *c)
-{
-    return (int64_t)c->components - c->euler / 2;
-}
-
 /* Handles where walls, or gaps, thinner than voxels have met. A mesh that crosses itself has none of its own
  * to compare. */
 static void warn_of_handles(cli_run *run, const bvx_repair_report *r, const char *remedy)
 {
-    const bvx_certificate *const before = &r->before;
-    int64_t const had = count_handles(before), has = count_handles(&r->after);
+    int64_t const had = cli_count_handles(&r->before), has = cli_count_handles(&r->after);
 
-    if (!before->edge_manifold || !before->vertex_manifold || r->crossings != 0 || has <= had) return;
+    if (!cli_is_sound(&r->before) || r->crossings != 0 || has <= had) return;
     cli_warn(run,
              "the result has %" PRId64 " handles, the mesh %" PRId64
              ": what is thinner than voxels, or less than one apart, has met; %s",

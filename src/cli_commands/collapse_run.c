@@ -226,7 +226,7 @@ static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 /* Handles never close, so many of them are what a level sticks at. */
 static void warn_of_count(cli_run *run, const bvx_level_report *l, const char *what)
 {
-    int64_t const handles = (int64_t)l->certificate.components - l->certificate.euler / 2;
+    int64_t const handles = cli_count_handles(&l->certificate);
     char kept[64] = "";
 
     if (handles > 0 && l->certificate.closed)

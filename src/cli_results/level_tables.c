@@ -13,6 +13,11 @@ int cli_is_sound(const bvx_certificate *c)
     return c->closed && c->edge_manifold && c->vertex_manifold && c->oriented;
 }
 
+int64_t cli_count_handles(const bvx_certificate *c)
+{
+    return (int64_t)c->components - c->euler / 2;
+}
+
 void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal)
 {
     cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",

@@ -94,6 +94,8 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 
 /* 1 when a mesh is closed, manifold and oriented. */
 int cli_is_sound(const bvx_certificate *certificate);
+/* Of a sound mesh: Euler's number is 2 a part, less 2 a handle. */
+int64_t cli_count_handles(const bvx_certificate *certificate);
 /* The first line: the input's triangles, whether it is sound, its diagonal. */
 void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
 /* The report's levels that edges collapsed to: triangles, targets, what they are. */

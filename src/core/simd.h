@@ -49,6 +49,20 @@
 #else
 #include "core/simd_arrays.h"
 #endif
+
+/* Of the base, whichever it is: four vectors across four arrays. */
+#define BVXI_SIMD_COLUMNS(name, type)                                                        \
+    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, \
+                                 bvxi_four_base to[4])                                       \
+    {                                                                                        \
+        for (size_t i = 0; i < 4; i++) {                                                     \
+            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]}; \
+            to[i] = bvxi_four_load_base(lane);                                               \
+        }                                                                                    \
+    }
+BVXI_SIMD_COLUMNS(bvxi_four_columns_f32_base, float)
+BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
+
 #if BVXI_HAVE_AVX2
 #include "core/simd_avx2.h"
 #endif

@@ -105,18 +105,6 @@ BVXI_VECTOR_INLINE bvxi_eight_base bvxi_eight_load_two_base(const float *low, co
     return x;
 }
 
-#define BVXI_SIMD_COLUMNS(name, type)                                                        \
-    BVXI_VECTOR_INLINE void name(const type *a, const type *b, const type *c, const type *d, \
-                                 bvxi_four_base to[4])                                       \
-    {                                                                                        \
-        for (size_t i = 0; i < 4; i++) {                                                     \
-            double const lane[4] = {(double)a[i], (double)b[i], (double)c[i], (double)d[i]}; \
-            to[i] = bvxi_four_load_base(lane);                                               \
-        }                                                                                    \
-    }
-BVXI_SIMD_COLUMNS(bvxi_four_columns_f32_base, float)
-BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
-
 BVXI_VECTOR_INLINE void bvxi_eight_columns_base(const bvxi_eight_base row[8], void *to, size_t stride)
 {
     for (size_t k = 0; k < 8; k++) {
