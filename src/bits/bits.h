@@ -70,4 +70,30 @@ static inline void bvxi_set_run(uint64_t *row, int32_t begin, int32_t end)
     row[last] |= tail;
 }
 
+/* Index of the highest set bit; w is not 0. */
+static inline int32_t bvxi_highest(uint64_t w)
+{
+#if defined(__GNUC__)
+    return 63 - __builtin_clzll(w);
+#else
+    w |= w >> 1;
+    w |= w >> 2;
+    w |= w >> 4;
+    w |= w >> 8;
+    w |= w >> 16;
+    w |= w >> 32;
+    return (int32_t)bvxi_popcount(w) - 1;
+#endif
+}
+
+/* ---- Runs of a word: bits where membership changes; *last is the bit before the word, then the word's last
+ * one. ---- Over a row from *last = 0 the changes are begin, end, begin, end, ...; a run that the row's end
+ * closes has no end. */
+static inline uint64_t bvxi_run_changes(uint64_t w, uint64_t *last)
+{
+    uint64_t const changes = w ^ (w << 1 | *last);
+    *last = w >> 63;
+    return changes;
+}
+
 #endif

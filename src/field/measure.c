@@ -7,7 +7,7 @@
  * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside
  * centres (signs.h), and distances of centres inside become negative. */
 #include "field/field.h"
-#include "field/nearest.h"
+#include "nearest/nearest.h"
 #include "field/signs.h"
 #include "mesh/view.h"
 

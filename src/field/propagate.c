@@ -11,7 +11,7 @@
  * no point of it won on a way there; how far that puts it off is measured in tests/unit/test_field_dense.c
  * and stated at bvx_field_dense. */
 #include "field/field.h"
-#include "mesh/closest.h"
+#include "nearest/closest.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 

@@ -7,7 +7,7 @@
  * feature, and the direction alone decides. */
 #include "field/field.h"
 #include "field/signs.h"
-#include "mesh/closest.h"
+#include "nearest/closest.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 

@@ -2,7 +2,7 @@
 #ifndef BVXI_SIGNS_H
 #define BVXI_SIGNS_H
 
-#include "field/nearest.h"
+#include "nearest/nearest.h"
 #include "grid/grid.h"
 
 /* A band and the closest features of its centres. */

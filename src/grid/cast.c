@@ -17,7 +17,6 @@
  * start so far away or a direction so long that u or step overflows meets nothing; a t above the largest
  * double is none. */
 #include "grid/bricks.h"
-#include "grid/components.h"
 #include "grid/grid.h"
 
 #include <math.h>

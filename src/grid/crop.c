@@ -2,7 +2,6 @@
  *
  * A row of the result is a row of the grid read from another bit on (bits/shift.h): two shifts a word. */
 #include "bits/shift.h"
-#include "grid/components.h"
 #include "grid/grid.h"
 
 enum { CROP_GRAIN = 4096 /* least words a piece */ };

@@ -41,7 +41,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
                                 int32_t edge_samples, bvxi_downsample *d);
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d);
 
-/* extended.c: bits of the extended voxel function, and the ratio of its
+/* extended_function.c: bits of the extended voxel function, and the ratio of its
  * first change along an edge of samples. */
 bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d);
 double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int32_t j, int32_t k);

@@ -3,7 +3,7 @@
 #ifndef BVXI_OBJ_TEXT_H
 #define BVXI_OBJ_TEXT_H
 
-#include "io/fans.h"
+#include "io/read_polygons.h"
 #include "io/formats.h"
 
 enum { OBJ_OTHER = 0, OBJ_VERTEX = 'v', OBJ_TEXTURE = 't', OBJ_FACE = 'f' };

@@ -2,7 +2,7 @@
 #ifndef BVXI_PLY_FILE_H
 #define BVXI_PLY_FILE_H
 
-#include "io/fans.h"
+#include "io/read_polygons.h"
 #include "io/ply_header.h"
 
 typedef struct ply_file {

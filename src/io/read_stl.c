@@ -3,10 +3,10 @@
  * Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
  * its size is the one that its count of triangles asks for; else ASCII when its first kilobyte has no control
  * characters. STL repeats each vertex in every triangle. They are welded where their coordinates are equal,
- * -0 being 0, as they are read (soup.c), and numbered by their first occurrence. Normals and attributes are
- * not looked at.
+ * -0 being 0, as they are read (weld_triangles.c), and numbered by their first occurrence. Normals and
+ * attributes are not looked at.
  * Memory: that of the welding. Cost: O(bytes). */
-#include "io/soup.h"
+#include "io/weld_triangles.h"
 
 enum {
     STL_HEADER = 84,       /* 80 bytes of anything, and the count */

@@ -5,15 +5,15 @@
  * nowhere mixed with the other's. Where both cross, a union has the outer of the two cuts, the others the
  * inner one (of xor no edge is crossed by both). Walls of a body that the lattice loses are widened in its
  * solid (thicken.c) and put back to its mesh in the result (flatten.c). */
-#include "field/nearest.h"
+#include "nearest/nearest.h"
 #include "mesh/mesh.h"
-#include "mesh/pieces.h"
+#include "mesh/mesh_components.h"
 #include "mesh/sharp_edges.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "pipeline/boolean_lattice.h"
 #include "pipeline/crumbs.h"
-#include "pipeline/ends.h"
+#include "pipeline/crossed_edges.h"
 #include "pipeline/thicken.h"
 #include "surface/field_surface.h"
 

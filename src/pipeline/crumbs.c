@@ -9,8 +9,8 @@
  * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece
  * have equally many voxels. */
 #include "pipeline/crumbs.h"
-#include "grid/spaces.h"
-#include "mesh/closest_query.h"
+#include "components/connected_sets.h"
+#include "nearest/closest_query.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

@@ -7,7 +7,7 @@
  * before had none, so that ends.
  * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do
  * not show. */
-#include "mesh/closest_query.h"
+#include "nearest/closest_query.h"
 #include "mesh/cross.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"

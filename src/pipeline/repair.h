@@ -4,7 +4,7 @@
 
 #include "grid/grid.h"
 #include "pipeline/thicken.h"
-#include "voxelize/winding.h"
+#include "winding/winding.h"
 
 typedef struct bvxi_repair_job {
     bvx_context *ctx;

@@ -3,7 +3,7 @@
  *
  * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
 #include "mesh/patches.h"
-#include "mesh/pieces.h"
+#include "mesh/mesh_components.h"
 #include "mesh/sharp_edges.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"

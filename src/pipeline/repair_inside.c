@@ -1,7 +1,7 @@
 /* repair_inside.c - which centres lie inside the repaired body: the sign
  * rule's solid, and shells where it has nothing. */
 #include "pipeline/repair.h"
-#include "voxelize/fills.h"
+#include "fill/fills.h"
 
 static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
 {
@@ -37,7 +37,8 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
     return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
 }
 
-/* Closed shells are filled in no time beside the search for thin walls; the winding numbers of holes are not. */
+/* Closed shells are filled in no time beside the search for thin walls; the winding numbers of holes are not.
+ * */
 static double share_of_fill(const bvxi_repair_job *job)
 {
     return job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0 ? 0.15 : 0.5;

@@ -4,7 +4,7 @@
  * cavity of another, and no part may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
-#include "mesh/pieces.h"
+#include "mesh/mesh_components.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
 #include "pipeline/repair.h"

@@ -2,10 +2,10 @@
  *
  * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
  * crossing that the input's surface makes lies nearer. */
-#include "mesh/closest_query.h"
+#include "nearest/closest_query.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
-#include "voxelize/holes.h"
+#include "winding/holes.h"
 
 #include <math.h>
 

@@ -10,11 +10,11 @@
  * sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
  * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
-#include "field/nearest.h"
+#include "nearest/nearest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
-#include "voxelize/holes.h"
+#include "winding/holes.h"
 
 #include <math.h>
 

@@ -4,8 +4,8 @@
  * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what
  * is nearer of the body's surface and the shell's: the union of both. Edges that no triangle comes near are
  * crossed by a lid over a hole, and the winding number says where. */
-#include "field/nearest.h"
-#include "pipeline/ends.h"
+#include "nearest/nearest.h"
+#include "pipeline/crossed_edges.h"
 #include "pipeline/repair.h"
 #include "surface/field_surface.h"
 

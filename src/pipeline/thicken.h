@@ -3,7 +3,7 @@
 #ifndef BVXI_THICKEN_H
 #define BVXI_THICKEN_H
 
-#include "voxelize/thin_walls.h"
+#include "fill/thin_walls.h"
 
 /* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
 typedef struct bvxi_thin {

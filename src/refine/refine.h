@@ -3,7 +3,7 @@
 #define BVXI_REFINE_H
 
 #include "refine/octree.h"
-#include "voxelize/snap.h"
+#include "solid/snap.h"
 
 /* Grids up to this many bytes are made at the last level; else the start is
  * the last level below the second number. */

@@ -9,8 +9,8 @@
  * exact; the same voxels and lists, but for a list's order, for any threads. */
 #include "refine/children.h"
 #include "refine/refine.h"
-#include "voxelize/surface.h"
-#include "voxelize/touch.h"
+#include "touch/surface_voxels.h"
+#include "touch/touch_rows.h"
 
 static const char refine_name[] = "bvx_refine";
 

@@ -161,7 +161,8 @@ typedef struct bvxi_stack {
     uint32_t cap_edge_count[2], cap_edge_room[2];
 } bvxi_stack;
 
-/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left  */
+/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left 
+ * */
 
 bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given,
                            const bvx_sections_options *options, bvxi_stack *stack);
@@ -225,7 +226,7 @@ int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, con
 /* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
 int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b);
 
-/* ---- arcs.c ---- */
+/* ---- loop_arcs.c ---- */
 
 /* A cell of the grid as a number that sorts like its rows. */
 static inline uint32_t bvxi_cell_key(int32_t i, int32_t j)
@@ -256,7 +257,7 @@ void bvxi_plane_fill_rows(const bvxi_stack *stack, uint64_t *inside);
 /* The area inside, by the trapezoid rule about the bounds' corner. */
 double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 
-/* ---- rings.c ---- */
+/* ---- plane_rings.c ---- */
 
 /* Number points and cuts of each plane along its loops, one number for cuts
  * that are one; they become the first vertices of the mesh. */
@@ -277,7 +278,8 @@ double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
-/* 1 when the place is inside, by the boxes: for values alone, as places next to a contour may be told otherwise. */
+/* 1 when the place is inside, by the boxes: for values alone, as places next to a contour may be told
+ * otherwise. */
 int bvxi_plane_encloses(const bvxi_plane *plane, double u, double v);
 
 /* ---- part_ends.c: parts that end before the next section ---- */

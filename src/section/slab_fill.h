@@ -27,11 +27,11 @@ void bvxi_slab_work_close(bvxi_slab_work *work);
 bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
 
 /* A cell that no contour crosses twice on one side, alone with itself: see
- * slab_plain.c. arc: how many on either plane; line: the vertices over its corners,
+ * plain_cell.c. arc: how many on either plane; line: the vertices over its corners,
  * counter-clockwise. *done is 0, and nothing was made, where the cell is not plain. */
 bvx_status bvxi_slab_plain_cell(bvxi_slab_work *work, const uint32_t arcs[2], const uint32_t inside[2],
                                 const uint32_t line[4], int *done);
 
-/* ---- slabs_fill.c: all of them ---- */
+/* ---- all_slabs.c: all of them ---- */
 
 #endif

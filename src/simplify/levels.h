@@ -2,7 +2,7 @@
 #ifndef BVXI_LEVELS_H
 #define BVXI_LEVELS_H
 
-#include "mesh/distance.h"
+#include "nearest/distance.h"
 #include "simplify/simplify.h"
 
 /* What the levels of a chain are to be: options of bvx_mesh_simplify and bvx_build_levels, checked. */

@@ -1,7 +1,7 @@
 /* sheets.c - triangles as files have them made ready to be simplified as sheets: each once, and those of a
  * patch turned one way. What is oriented already is left alone. */
 #include "mesh/patches.h"
-#include "mesh/pieces.h"
+#include "mesh/mesh_components.h"
 #include "mesh/view.h"
 #include "simplify/levels.h"
 

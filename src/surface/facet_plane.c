@@ -10,7 +10,7 @@
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
 #include "core/vec3.h"
-#include "mesh/closest.h"
+#include "nearest/closest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

@@ -29,7 +29,7 @@ int32_t bvxi_face_of_edges(uint8_t one, uint8_t two);
 /* 1 when all four edges of the face are cut. */
 int bvxi_face_is_cut_twice(uint32_t cell_case, int32_t face);
 
-/* ---- apex.c ---- */
+/* ---- nearest_to_planes.c ---- */
 
 typedef struct bvxi_apex_plane {
     double n[3], d; /* n.x = d, n of unit length */
@@ -40,7 +40,7 @@ typedef struct bvxi_apex_plane {
 void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const double half[3],
                double apex[3]);
 
-/* ---- apart.c ---- */
+/* ---- disjoint_triangles.c ---- */
 
 /* 1 only when the triangles surely have no common point. */
 int bvxi_triangles_apart(const double one[3][3], const double two[3][3]);

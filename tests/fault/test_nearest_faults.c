@@ -1,7 +1,7 @@
 /* test_nearest_faults.c - closest points at centres of voxels with every allocation failing once, cancelled
  * at every progress call, and under every memory limit. */
 #include "fault/context.h"
-#include "field/nearest.h"
+#include "nearest/nearest.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>

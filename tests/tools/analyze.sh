@@ -17,15 +17,15 @@ mkdir -p "$work"
 cat >"$work/known.txt" <<'END'
 cppcheck AssignmentIntegerToAddress src/section/trace_loops.c an entry of the table is a row of two, which is an address
 cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, not an index and its limit
-cppcheck ctuuninitvar src/mesh/closest.c a place for the result, set before it is read
-cppcheck ctuuninitvar src/mesh/closest_build.c a place for the tree, cleared first
-cppcheck ctuuninitvar src/voxelize/sampled.c the triangle's sides are set in the loop above
+cppcheck ctuuninitvar src/nearest/closest.c a place for the result, set before it is read
+cppcheck ctuuninitvar src/nearest/closest_build.c a place for the tree, cleared first
+cppcheck ctuuninitvar src/touch/sampled.c the triangle's sides are set in the loop above
 cppcheck incorrectLogicOperator src/field/sign_side.c hexadecimal floats are taken for whole numbers
 cppcheck legacyUninitvar src/grid/sample.c a place for gradients that nobody reads
 cppcheck pointerSize src/core/heap.c the pointer itself is stored in front of the block
 cppcheck uninitvar src/section/distance2d.c what lies below the top was put there
 cppcheck uninitvar src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
-cppcheck uninitvar src/surface/apart.c the first corner sets both ends before the others are compared with them
+cppcheck uninitvar src/surface/disjoint_triangles.c the first corner sets both ends before the others are compared with them
 tidy bugprone-integer-division src/refine/children_batch.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
@@ -41,21 +41,21 @@ clang core.UndefinedBinaryOperatorResult src/section/section_field.c as above
 clang core.uninitialized.Assign src/section/section_field.c as above
 clang core.UndefinedBinaryOperatorResult src/surface/cell_loops.c the corners of a triangle are three that were just set
 clang core.UndefinedBinaryOperatorResult src/surface/facet_plane.c an end without a triangle has a normal of size 0, which is looked at first
-clang core.UndefinedBinaryOperatorResult src/voxelize/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
-clang core.NullDereference src/voxelize/sheet_lanes.h edges and triangles are kept only where reach is above 0, which goes with a place to look
-clang core.uninitialized.Assign src/voxelize/sheet.c as above
+clang core.UndefinedBinaryOperatorResult src/winding/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
+clang core.NullDereference src/winding/sheet_lanes_body.h edges and triangles are kept only where reach is above 0, which goes with a place to look
+clang core.uninitialized.Assign src/winding/sheet.c as above
 clang unix.Errno src/cli_inputs/files.c a size that cannot be told is 0 and no failure; errno is set to 0 before each read
 clang unix.Stream src/cli_inputs/files.c a last read of nothing ends the loop
 clang core.BitwiseShift src/refine/expand.c no node of the last level is entered, so none has a level below it
 clang core.DivideZero src/io/read_volume.c the kind of samples is one of those that have a size
-clang core.NullDereference src/field/nearest_fill.c where nothing is remembered all slots are unknown
+clang core.NullDereference src/nearest/nearest_fill.c where nothing is remembered all slots are unknown
 clang core.NullDereference src/grid/coverage.c a part of the grid that has rows has words
-clang core.NullDereference src/grid/transform.c the places are there when the nearest are asked for, which a callee does not change
+clang core.NullDereference src/morphology/transform.c the places are there when the nearest are asked for, which a callee does not change
 clang core.NullDereference src/io/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
 clang core.UndefinedBinaryOperatorResult src/grid/coverage.c no word behind the row's last is taken
 clang core.uninitialized.Assign src/mesh/view.c a block has a vertex at least, so three lanes
 gcc -Wanalyzer-null-dereference src/io/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
-gcc -Wanalyzer-null-dereference src/voxelize/sheet_lanes.h edges are kept only where reach is above 0, which goes with a place to look
+gcc -Wanalyzer-null-dereference src/winding/sheet_lanes_body.h edges are kept only where reach is above 0, which goes with a place to look
 END
 
 # Reports as FILE:LINE:COLUMN: warning: TEXT [CHECK], without those that are known. A known one that is not reported is named: it

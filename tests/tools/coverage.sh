@@ -32,8 +32,8 @@ src/io/read_off.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io/read_ply.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io/read_points.c | count > UINT32_MAX | a file of 2^32 points
 src/io/read_tree.c | octets >= (uint64_t)1 << 28 | a file of 2^28 octets
-src/io/soup.c | vertex_count == UINT32_MAX | 2^32 vertices
-src/io/soup.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
+src/io/weld_triangles.c | vertex_count == UINT32_MAX | 2^32 vertices
+src/io/weld_triangles.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
 src/io/write_ply.c | vertex_count > INT32_MAX | 2^31 vertices
 src/io/write_vtu.c | v.count >= (uint64_t)1 << 28 | 2^28 leaves
 src/lattice/lattice.c | log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked
@@ -41,21 +41,21 @@ src/refine/refine_level.c | next->count >= (uint64_t)1 << 28 | 2^28 octets
 src/refine/refine_start.c | voxels >= UINT32_MAX | 2^32 surface voxels
 src/refine/refine_start.c | words > SIZE_MAX / 8 | 32-bit machines alone
 src/refine/states.c | octets + cubes >= UINT32_MAX | 2^32 octets
-src/section/arcs.c | room > INT32_MAX | 2^31 crossings
+src/section/loop_arcs.c | room > INT32_MAX | 2^31 crossings
 src/section/planes.c | cuts > INT32_MAX | 2^31 crossings
-src/section/rings.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/section/plane_rings.c | vertices > UINT32_MAX - 1 | 2^32 vertices
 src/section/section_mesh.c | >= UINT32_MAX - 1 | 2^32 vertices
 src/section/section_mesh.c | triangle_count >= INT32_MAX | 2^31 triangles
 src/section/slab.c | larger > INT32_MAX | 2^31 crossings
-src/section/slabs_fill.c | vertices > UINT32_MAX - 1 | 2^32 vertices
-src/section/slabs_fill.c | triangles > INT32_MAX | 2^31 triangles
+src/section/all_slabs.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/section/all_slabs.c | triangles > INT32_MAX | 2^31 triangles
 src/section/slice.c | list_count > INT32_MAX | 2^31 triangles
 src/section/trace_room.c | room > INT32_MAX | 2^31 contour points
 src/surface/faces.c | face_count < UINT32_MAX / 2 | 2^31 faces
 src/surface/march.c | vertices >= UINT32_MAX | 2^32 vertices
 src/surface/sharp.c | >= UINT32_MAX | 2^32 vertices
-src/voxelize/labels.c | room > UINT32_MAX / 2 | 2^31 labels
-src/voxelize/voxelize_surface.c | voxels >= UINT32_MAX | 2^32 surface voxels
+src/volume/labels.c | room > UINT32_MAX / 2 | 2^31 labels
+src/touch/voxelize_surface.c | voxels >= UINT32_MAX | 2^32 surface voxels
 '
 
 jobs=$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)

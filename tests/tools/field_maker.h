@@ -3,7 +3,7 @@
 #ifndef FIELD_MAKER_H
 #define FIELD_MAKER_H
 
-#include "mesh/closest.h"
+#include "nearest/closest.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>

@@ -21,9 +21,9 @@ files='src/core/exact.c src/lattice/lattice.c src/lattice/lattice.h src/lattice/
     src/mesh/polygon_ears.c src/mesh/polygon_ring.h src/mesh/polygon_side.c src/mesh/topology.c
     src/refine/children.c src/refine/children.h src/refine/children_batch.c
     src/section/section.h src/section/simple.c src/section/simple_quick.c
-    src/surface/apart.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
-    src/voxelize/conservative.c src/voxelize/cover.c src/voxelize/cover.h src/voxelize/crossings.c src/voxelize/sampled.c
-    src/voxelize/solid_rows.c src/voxelize/spans.c src/voxelize/thin.c src/voxelize/touch_batch.h src/voxelize/touch_cells.h src/voxelize/touch_rows.c'
+    src/surface/disjoint_triangles.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
+    src/touch/conservative.c src/solid/covered_rows.h src/solid/crossings.c src/touch/sampled.c
+    src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_batch.h src/touch/touch_cells.h src/touch/touch_rows.c'
 tests='below boolean check cut_triangle edge_vector faces lattice lod memory merge polygon refine refine_children refine_parts section_parts sections
     sharp sharp_parts solid solid_exact solid_same surface surface_sampled surface_thin surface_voxels tables vote weld winding'
 
@@ -34,10 +34,10 @@ src/core/exact.c | (one_f + half_f) + half_f | only arithmetic that the library 
 src/core/exact.c | above * below + minus | only arithmetic that the library refuses decides here
 src/lattice/lattice.c | while (log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked
 src/section/simple.c | if (status == BVX_OK) status | failures are made to happen in tests/fault
-src/voxelize/sampled.c | while (k * k > longest) | a rounded root is right already; kept so that the answer does not rest on it
-src/voxelize/sampled.c | while ((k + 1) * (k + 1) | a rounded root is right already; kept so that the answer does not rest on it
-src/voxelize/solid_rows.c | bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST | failures are made to happen in tests/fault
-src/voxelize/touch_batch.h | id != NULL | lists of triangles are for several tiles, which a build without threads has not
+src/touch/sampled.c | while (k * k > longest) | a rounded root is right already; kept so that the answer does not rest on it
+src/touch/sampled.c | while ((k + 1) * (k + 1) | a rounded root is right already; kept so that the answer does not rest on it
+src/solid/solid_rows.c | bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST | failures are made to happen in tests/fault
+src/touch/touch_batch.h | id != NULL | lists of triangles are for several tiles, which a build without threads has not
 '
 
 out=$(cd "$BUILD/mcdc" && pwd)

@@ -3,7 +3,7 @@
 #ifndef FIELD_SUPPORT_H
 #define FIELD_SUPPORT_H
 
-#include "mesh/closest.h"
+#include "nearest/closest.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
 

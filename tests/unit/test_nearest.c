@@ -1,8 +1,8 @@
 /* test_nearest.c - closest points at centres of voxels: every triangle
  * looked at, for meshes, lattices and widths of all kinds. */
-#include "field/nearest.h"
-#include "mesh/closest.h"
-#include "mesh/closest_query.h"
+#include "nearest/nearest.h"
+#include "nearest/closest.h"
+#include "nearest/closest_query.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"
 #include "tools/mesh_maker.h"

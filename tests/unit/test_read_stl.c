@@ -300,8 +300,8 @@ static uint64_t inverse_of(uint64_t odd)
     return x;
 }
 
-/* A file whose corners x, y, 0 have hashes (of soup.c) with 24 equal bits at their end, all different, n
- * triangles and then the same n again; to be freed. */
+/* A file whose corners x, y, 0 have hashes (of weld_triangles.c) with 24 equal bits at their end, all
+ * different, n triangles and then the same n again; to be freed. */
 static uint8_t *make_flood(uint32_t n, size_t *size)
 {
     uint64_t const first = inverse_of(UINT64_C(0x9e3779b97f4a7c15));

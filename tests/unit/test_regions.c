@@ -1,7 +1,7 @@
 /* test_regions.c - the rule regions against floods and votes voxel by voxel; what a hole joins, what a hole
  * narrower than a voxel does not; and what may not matter. */
 #include "fill_support.h"
-#include "voxelize/fills.h"
+#include "fill/fills.h"
 
 typedef struct region_counts {
     uint64_t mixed, unknown, outvoted; /* regions that have both, that have none; voxels that changed sides */

@@ -1,9 +1,9 @@
 /* test_vote.c - the rule vote against parities along each axis and solid
  * angles, voxel by voxel; and what may not change it. */
 #include "solid_support.h"
-#include "grid/turn.h"
+#include "grid/turned_rows.h"
 #include "tools/fill_oracle.h"
-#include "voxelize/solid.h"
+#include "solid/solid.h"
 
 static const int32_t shapes[][3] = {{65, 9, 8},  {9, 66, 7},  {7, 8, 130}, {1, 12, 12},
                                     {12, 1, 11}, {13, 12, 1}, {20, 18, 22}};

@@ -1,0 +1,250 @@
+/* keep_components.c - some of a grid's parts kept, its cavities filled: bvx_grid_keep,
+ * bvx_grid_fill_cavities.
+ *
+ * Set (or empty) voxels are joined to spaces (connected_sets.c), each is measured and judged, and those that
+ * go are changed in the result. The n largest are found without sorting: the greatest size that n of them
+ * reach, by halving; of those that have just this size the first are taken.
+ * Guarantee: exact. */
+#include "components/connected_sets.h"
+
+static const char keep_name[] = "bvx_grid_keep";
+static const char cavities_name[] = "bvx_grid_fill_cavities";
+static const bvx_keep_options keep_defaults = {0, 6, 0, 0, NULL, 0, 0, NULL};
+
+void bvx_keep_options_init(bvx_keep_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &keep_defaults, sizeof keep_defaults);
+}
+
+/* The result, in *made: a copy of the grid, unless it is the grid. */
+static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                   bvx_grid *result, bvx_grid *made)
+{
+    bvx_window window;
+    memcpy(window.low, grid->low, sizeof window.low);
+    memcpy(window.size, grid->size, sizeof window.size);
+    BVXI_TRY(bvxi_grid_check_shift(ctx, function, grid, result));
+    bvxi_grid_renew(ctx, &grid->lattice, &window, result);
+    *made = *result;
+    return bvxi_grid_open(ctx, function, &grid->lattice, &window, made);
+}
+
+/* What is judged: spaces with their sizes; marks: 1 for what goes. */
+typedef struct keep_work {
+    bvx_context *ctx;
+    bvxi_spaces spaces;
+    uint64_t *voxels;
+    uint8_t *marks, *at_side;
+} keep_work;
+
+static void close_keep_work(keep_work *w)
+{
+    bvxi_free(w->ctx, w->at_side, w->spaces.count);
+    bvxi_free(w->ctx, w->marks, w->spaces.count);
+    bvxi_free(w->ctx, w->voxels, w->spaces.count * 8);
+    bvxi_spaces_free(&w->spaces);
+}
+
+static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty,
+                                 int32_t connectivity, keep_work *w)
+{
+    bvx_status status;
+
+    memset(w, 0, sizeof *w);
+    w->ctx = ctx;
+    BVXI_TRY(
+        bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
+    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks);
+    if (status == BVX_OK && empty)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side);
+    if (status == BVX_OK) bvxi_spaces_measure(&w->spaces, w->voxels, w->at_side);
+    else close_keep_work(w);
+    return status;
+}
+
+/* ---- Rules ---- */
+
+static void drop_small_parts(keep_work *w, uint64_t at_least)
+{
+    for (uint64_t i = 0; i < w->spaces.count; i++) w->marks[i] |= w->voxels[i] < at_least;
+}
+
+typedef struct keep_seeds {
+    const bvx_grid *seeds; /* a grid of the seeds' voxels */
+    uint8_t *marks;
+} keep_seeds;
+
+static void keep_seeded_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
+{
+    const keep_seeds *const s = user;
+    const uint64_t *const row = s->seeds->words + ((size_t)z * (size_t)s->seeds->size[1] + (size_t)y) *
+                                                      (size_t)s->seeds->words_per_row;
+    for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++)
+        if ((row[k] & bvxi_run_mask(begin, end, k)) != 0) s->marks[space] = 0;
+}
+
+/* seeds: words of the grid's shape to mark the seeds in. */
+static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const bvx_grid *seeds)
+{
+    keep_seeds s = {seeds, w->marks};
+    bvx_grid marked = *seeds;
+    memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
+    for (uint64_t i = 0; i < o->seed_count; i++)
+        bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
+    memset(w->marks, 1, (size_t)w->spaces.count);
+    bvxi_spaces_each(&w->spaces, keep_seeded_run, &s);
+}
+
+static uint64_t count_parts_of(const keep_work *w, uint64_t at_least)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < w->spaces.count; i++) n += !w->marks[i] && w->voxels[i] >= at_least;
+    return n;
+}
+
+static void drop_all_but_largest(keep_work *w, uint64_t largest)
+{
+    uint64_t low = 0, high = 0, equal;
+
+    if (count_parts_of(w, 0) <= largest) return;
+    for (uint64_t i = 0; i < w->spaces.count; i++) high = w->voxels[i] > high ? w->voxels[i] : high;
+    while (low < high) { /* at least `largest` parts reach low; fewer reach high + 1 */
+        uint64_t const middle = low + (high - low + 1) / 2;
+        if (count_parts_of(w, middle) >= largest) low = middle;
+        else high = middle - 1;
+    }
+    equal = largest - count_parts_of(w, low + 1); /* of this size as many as there is room for */
+    for (uint64_t i = 0; i < w->spaces.count; i++) {
+        if (w->marks[i] || w->voxels[i] > low) continue;
+        if (w->voxels[i] == low && equal > 0) equal--;
+        else w->marks[i] = 1;
+    }
+}
+
+static void report_kept(const keep_work *w, bvx_keep_report *report)
+{
+    memset(report, 0, sizeof *report);
+    for (uint64_t i = 0; i < w->spaces.count; i++) {
+        *(w->marks[i] ? &report->dropped : &report->kept) += 1;
+        *(w->marks[i] ? &report->voxels_dropped : &report->voxels_kept) += w->voxels[i];
+    }
+}
+
+/* ---- The calls ---- */
+
+static const bvxi_option keep_rows[] = {
+    BVXI_AMONG(bvx_keep_options, connectivity, 1 << 6 | 1 << 18 | 1 << 26),
+    BVXI_RESERVED(bvx_keep_options, reserved),
+};
+
+static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o)
+{
+    BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
+    if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
+    for (uint64_t i = 0; i < o->seed_count; i++) {
+        const int32_t *const s = o->seeds + 3 * i;
+        for (int32_t a = 0; a < 3; a++)
+            if (s[a] < 0 || s[a] >= grid->size[a])
+                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
+                                 keep_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2],
+                                 (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
+    }
+    return BVX_OK;
+}
+
+static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o,
+                             bvx_grid *made)
+{
+    uint64_t const bytes = bvxi_grid_words(grid) * 8;
+    bvx_grid seeds = *grid;
+    keep_work w;
+    bvx_status status;
+
+    seeds.words = NULL;
+    BVXI_TRY(open_keep_work(ctx, keep_name, grid, 0, o->connectivity, &w));
+    if (o->seed_count != 0) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words);
+    else status = BVX_OK;
+    if (status == BVX_OK) {
+        if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
+        drop_small_parts(&w, o->at_least);
+        if (o->largest != 0) drop_all_but_largest(&w, o->largest);
+        if (o->report != NULL) report_kept(&w, o->report);
+        if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
+        bvxi_spaces_flip(&w.spaces, w.marks, made->words);
+    }
+    bvxi_free(ctx, seeds.words, bytes);
+    close_keep_work(&w);
+    return status;
+}
+
+static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
+                                bvx_grid *result)
+{
+    bvx_keep_options o = keep_defaults;
+    bvx_grid made;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
+    BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
+    BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
+    BVXI_TRY(check_keep_options(context, grid, &o));
+    BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
+    status = keep_parts(context, grid, &o, &made);
+    if (status == BVX_OK) *result = made;
+    else if (result->words == NULL) bvx_grid_free(context, &made);
+    return status;
+}
+
+bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
+                         bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_keep(context, grid, options, result));
+}
+
+bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                             int32_t connectivity, uint64_t at_most, uint64_t *words, uint64_t *voxels,
+                             uint64_t *pockets)
+{
+    uint64_t set = 0, count = 0;
+    keep_work w;
+
+    BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
+    for (uint64_t i = 0; i < w.spaces.count; i++) {
+        w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
+        set += w.marks[i] ? w.voxels[i] : 0;
+        count += w.marks[i];
+    }
+    if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
+    bvxi_spaces_flip(&w.spaces, w.marks, words);
+    close_keep_work(&w);
+    if (voxels != NULL) *voxels = set;
+    if (pockets != NULL) *pockets = count;
+    return BVX_OK;
+}
+
+static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                         uint64_t at_most, bvx_grid *result, uint64_t *filled)
+{
+    bvx_grid made;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
+    BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
+    BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
+    BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
+    status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, filled, NULL);
+    if (status == BVX_OK) *result = made;
+    else if (result->words == NULL) bvx_grid_free(context, &made);
+    return status;
+}
+
+bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
+                                  uint64_t at_most, bvx_grid *result, uint64_t *filled)
+{
+    return BVXI_CALL(context, run_grid_fill_cavities(context, grid, connectivity, at_most, result, filled));
+}

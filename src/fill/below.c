@@ -1,0 +1,130 @@
+/* below.c - everything under a terrain down to a base, or between two terrains.
+ *
+ * Source: the open terrains of "Fast voxelization based on TIN", made solid as blocks of ground are.
+ *
+ * Rows run along the axis that is up. Each triangle gives its exact crossing to every row that it covers
+ * (solid.h); of a row's crossings only the highest counts, so overhangs and doubled sheets need no balance.
+ * With two surfaces a row is filled between their highest crossings where both have one.
+ * Guarantee: exact; local; no order of triangles plays a part. */
+#include "fill/fills.h"
+#include "grid/turned_rows.h"
+
+enum { BELOW_GRAIN = 256 };
+
+typedef struct below_job {
+    bvx_grid *grid;                /* rows along the axis */
+    const int32_t *first, *second; /* highest crossings by row; second may be NULL */
+    int32_t base, pieces;
+    uint64_t columns[256], cut[256], fill[256]; /* by piece */
+} below_job;
+
+/* The first centre at or above a height. */
+static int32_t base_index(const bvx_lattice *lattice, int32_t axis, double height)
+{
+    double const v = (height - lattice->origin[axis]) *
+                     ((double)(1 << lattice->fraction_bits) / lattice->spacing[axis]);
+    if (!(v > 0.5 - BVXI_FIXED_LIMIT)) return INT32_MIN;
+    if (!(v < BVXI_FIXED_LIMIT - 0.5)) return INT32_MAX;
+    return bvxi_centres_below(bvxi_round_half_up(v), lattice->fraction_bits);
+}
+
+static void fill_below_piece(void *user, int32_t index, int32_t worker)
+{
+    below_job *const job = user;
+    const bvx_grid *const g = job->grid;
+    uint64_t columns = 0, cut = 0, fill = 0, begin, end;
+
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++) {
+        uint64_t *const row = g->words + (size_t)r * (size_t)g->words_per_row;
+        int32_t const a = job->first[r], b = job->second != NULL ? job->second[r] : job->base;
+        int32_t const least = job->second == NULL || b < a ? b : a;
+        int32_t const most = job->second != NULL && b > a ? b : a;
+        int64_t low = least > job->base ? least : job->base, high = most;
+        memset(row, 0, (size_t)g->words_per_row * 8);
+        if (a == INT32_MIN || (job->second != NULL && b == INT32_MIN)) continue;
+        columns++;
+        low = low - g->low[0] < 0 ? 0 : low - g->low[0];
+        high = high - g->low[0] > g->size[0] ? g->size[0] : high - g->low[0];
+        if (low >= high) continue;
+        bvxi_set_run(row, (int32_t)low, (int32_t)high);
+        if (job->second != NULL && a > b) cut += (uint64_t)(high - low);
+        if (job->second != NULL && a < b) fill += (uint64_t)(high - low);
+    }
+    job->columns[index] = columns;
+    job->cut[index] = cut;
+    job->fill[index] = fill;
+}
+
+static bvx_status find_highest(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *turned, int32_t axis,
+                               double from, double to, bvx_solid_report *report, int32_t **highest)
+{
+    uint64_t const rows = bvxi_grid_rows(turned);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, rows * 4, "the columns' heights", highest));
+    for (uint64_t r = 0; r < rows; r++) (*highest)[r] = INT32_MIN;
+    job->highest = *highest;
+    return bvxi_solid_fill(ctx, job, turned, axis, BVX_FILL_BELOW, from, to, report);
+}
+
+/* Fill the rows of turned, which holds words. */
+static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_report *report)
+{
+    uint64_t const rows = bvxi_grid_rows(job->grid);
+
+    job->pieces = bvxi_piece_count(rows, BELOW_GRAIN);
+    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.8, 0.9, job->pieces, fill_below_piece, job));
+    for (int32_t i = 0; i < job->pieces; i++) {
+        report->columns += job->columns[i];
+        report->cut_voxels += job->cut[i];
+        report->fill_voxels += job->fill[i];
+    }
+    return BVX_OK;
+}
+
+static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job *job, int32_t axis,
+                              bvx_grid *turned, bvx_grid *solid, bvx_solid_report *report)
+{
+    uint64_t const words = bvxi_grid_words(turned);
+    bvx_status status;
+
+    if (axis == 0) {
+        job->grid = solid;
+        return fill_columns(ctx, job, report);
+    }
+    if (words > SIZE_MAX / 8)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
+                         function, words);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned->words));
+    job->grid = turned;
+    status = fill_columns(ctx, job, report);
+    if (status == BVX_OK) status = bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL);
+    bvxi_free(ctx, turned->words, words * 8);
+    return status;
+}
+
+bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
+                      const bvx_voxelize_options *o, bvx_grid *solid, bvx_solid_report *report)
+{
+    below_job below = {0};
+    int32_t *first = NULL, *second = NULL;
+    uint64_t rows;
+    bvx_grid turned;
+    bvx_status status;
+
+    bvxi_turn_shape(solid, o->axis, &turned);
+    rows = bvxi_grid_rows(&turned);
+    status = find_highest(ctx, job, &turned, o->axis, 0.1, 0.5, report, &first);
+    if (status == BVX_OK && second_job != NULL)
+        status = find_highest(ctx, second_job, &turned, o->axis, 0.5, 0.8, report, &second);
+    if (status == BVX_OK) {
+        below.first = first;
+        below.second = second;
+        below.base = base_index(&solid->lattice, o->axis, o->base);
+        status = fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report);
+    }
+    bvxi_free(ctx, second, rows * 4);
+    bvxi_free(ctx, first, rows * 4);
+    return status;
+}

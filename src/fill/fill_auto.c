@@ -1,0 +1,352 @@
+/* fill_auto.c - BVX_FILL_AUTO: the rule that suits a mesh.
+ *
+ * Most meshes are sound, and that is seen for little: their triangles run along each edge as often one way as
+ * the other (edge_balance.c), and their rows are one deep at most, which the parity fill tells by a sum of
+ * its crossings. All rules agree on such a mesh. Others are looked at edge by edge: the minority of each
+ * patch is turned; what then is open is filled by winding number, what crosses itself or others by nonzero,
+ * what lies in another without crossing it stays a cavity (parity), and what cannot be oriented is left to
+ * the vote, which asks for no orientation.
+ *
+ * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
+ * bits. */
+#include "nearest/crossing_pairs.h"
+#include "mesh/patches.h"
+#include "mesh/mesh_components.h"
+#include "mesh/weld.h"
+#include "fill/fill_auto.h"
+
+typedef struct auto_work {
+    bvxi_solid_job job; /* of the mesh; later of the turned one */
+    bvxi_patches patches;
+    uint32_t *representative;          /* vertices welded [Size: vertex_count] */
+    double low[3], high[3], centre[3]; /* of the triangles */
+    bvxi_auto choice;
+} auto_work;
+
+static void choose_auto(auto_work *w, int32_t fill, int32_t reason)
+{
+    w->choice.fill = fill;
+    w->choice.reason = reason;
+}
+
+/* ---- The quick way ---- */
+
+/* Parity, which is every rule's answer where the crossings' steps and the
+ * bits' are the same, or opposite: inside out. */
+static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *solid, bvx_solid_report *report,
+                             int32_t *filled)
+{
+    bvx_solid_report const before = *report;
+
+    w->job.summed = 1;
+    BVXI_TRY(bvxi_solid_fill(ctx, &w->job, solid, 0, BVX_FILL_PARITY, 0.1, 1.0, report));
+    w->job.summed = 0;
+
+    /* Nothing inside is looked into: triangles that are there twice, once either way, hide what lies
+     * between. */
+    *filled = w->job.parity_sum != 0 &&
+              (w->job.signed_sum == w->job.parity_sum || w->job.signed_sum == 0 - w->job.parity_sum);
+    if (!*filled) *report = before;
+    return BVX_OK;
+}
+
+static int is_whole_lattice(const bvx_grid *g)
+{
+    return g->size[0] == g->lattice.dims[0] && g->size[1] == g->lattice.dims[1] &&
+           g->size[2] == g->lattice.dims[2];
+}
+
+/* ---- Edge by edge ---- */
+
+/* Vertices that no triangle uses may be anything. */
+static void bound_triangles(auto_work *w)
+{
+    const bvx_mesh_view *const view = &w->choice.view;
+    double p[3];
+    uint32_t c[3];
+
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(view, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                if ((t | (uint64_t)k) == 0 || p[a] < w->low[a]) w->low[a] = p[a];
+                if ((t | (uint64_t)k) == 0 || p[a] > w->high[a]) w->high[a] = p[a];
+            }
+        }
+    }
+    for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
+}
+
+/* The triangles as patches->turn has them. */
+static bvx_status turn_triangles(bvx_context *ctx, auto_work *w)
+{
+    const bvx_mesh_view given = w->choice.view;
+
+    if (w->choice.index == NULL)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given.triangle_count * 12, "the turned triangles' corners",
+                            &w->choice.index));
+    bvxi_patches_turn(&given, &w->patches, w->choice.index, &w->choice.view);
+    w->job.view = &w->choice.view;
+    return BVX_OK;
+}
+
+/* Triangles that are there twice count once: each copy would be inside of all others. */
+static bvx_status drop_copies(bvx_context *ctx, auto_work *w)
+{
+    bvx_mesh_view *const view = &w->choice.view;
+    uint64_t kept;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 12, "the triangles once each",
+                        &w->choice.index));
+    BVXI_TRY(bvxi_drop_duplicates(ctx, view, w->representative, w->choice.index, &kept));
+
+    w->choice.doubles = view->triangle_count - kept;
+    view->indices = w->choice.index;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = kept;
+    w->job.view = view;
+    return BVX_OK;
+}
+
+/* Weld, and turn patches. copies: leave out those of triangles, which may be there. */
+static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
+{
+    const bvx_mesh_view *const view = &w->choice.view;
+    uint64_t different;
+
+    bound_triangles(w);
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' places", &w->representative));
+    BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
+    if (copies) BVXI_TRY(drop_copies(ctx, w));
+
+    BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, &w->patches));
+    w->choice.turned = w->patches.turned;
+    return w->patches.turned != 0 ? turn_triangles(ctx, w) : BVX_OK;
+}
+
+/* ---- Closed meshes whose rows are deeper ---- */
+
+static uint64_t count_parts(const bvxi_patches *p)
+{
+    uint64_t n = 0;
+    for (uint64_t t = 0; t < p->triangles; t++) n += p->part[t] == t;
+    return n;
+}
+
+/* By part, at its least triangle: the volume that it encloses; counts those that are inside out. */
+static uint64_t sum_volumes(const auto_work *w, double *volume)
+{
+    uint64_t inverted = 0;
+
+    for (uint64_t t = 0; t < w->patches.triangles; t++)
+        volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
+    for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
+    return inverted;
+}
+
+/* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses
+ * none is a cavity, or inside by any rule. */
+static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume, uint64_t pair_count)
+{
+    uint32_t *pairs = NULL;
+    uint8_t *crosses = NULL;
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
+    if (status == BVX_OK)
+        status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high,
+                                     w->representative, &pair_count, pairs, pair_count);
+    for (uint64_t i = 0; i < pair_count && status == BVX_OK; i++) {
+        uint32_t const a = w->patches.part[pairs[2 * i]], b = w->patches.part[pairs[2 * i + 1]];
+        if (a != b) crosses[a] = crosses[b] = 1;
+    }
+    for (uint64_t t = 0; t < w->patches.triangles && status == BVX_OK; t++) {
+        uint32_t const part = w->patches.part[t];
+        w->patches.turn[t] = crosses[part] && volume[part] < 0;
+        w->choice.turned += w->patches.turn[t];
+    }
+    bvxi_free(ctx, crosses, w->patches.triangles);
+    bvxi_free(ctx, pairs, pair_count * 8);
+    return status == BVX_OK ? turn_triangles(ctx, w) : status;
+}
+
+static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
+{
+    uint64_t const bytes = w->patches.triangles * sizeof(double);
+    double *volume;
+    uint64_t pairs = 0;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative,
+                                 &pairs, NULL, 0));
+    if (pairs == 0) {
+        choose_auto(w, BVX_FILL_PARITY,
+                    (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
+        return BVX_OK;
+    }
+
+    choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
+    status = sum_volumes(w, volume) != 0 ? turn_inverted(ctx, w, volume, pairs) : BVX_OK;
+    bvxi_free(ctx, volume, bytes);
+    return status;
+}
+
+/* Rows that are looked at before a choice [Memory: 8 bytes each]. A lattice with
+ * more of them is looked at with longer voxels, so that a small window of a huge
+ * lattice costs little; whole or by windows, so that both have the same bits. */
+enum { ROWS_TO_LOOK_AT = 1 << 22 };
+
+static int has_more_rows(const bvx_lattice *lattice)
+{
+    return (int64_t)lattice->dims[1] * lattice->dims[2] > ROWS_TO_LOOK_AT;
+}
+
+static void double_voxels(bvx_lattice *lattice)
+{
+    for (int a = 0; a < 3; a++) {
+        lattice->spacing[a] *= 2;
+        lattice->dims[a] = lattice->dims[a] / 2 + (lattice->dims[a] & 1);
+    }
+
+    /* One bit more, where there is one, keeps the snapped positions. */
+    if (lattice->fraction_bits < 16) lattice->fraction_bits++;
+}
+
+static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice, int32_t *depths)
+{
+    bvx_lattice coarse = *lattice;
+    bvxi_solid_job job = {0};
+    bvx_status status;
+
+    if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.1, 0.3, depths);
+
+    while (has_more_rows(&coarse)) double_voxels(&coarse);
+    BVXI_TRY(bvxi_solid_open(ctx, w->job.function, &w->choice.view, &coarse, &job));
+    status = bvxi_row_depths(ctx, &job, &coarse, 0.1, 0.3, depths);
+    bvxi_solid_close(ctx, &job);
+    return status;
+}
+
+/* Rows of the mesh as it stands now, which is closed and oriented. */
+static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depths)
+{
+    if (depths == 0 || depths == BVXI_DEPTH_UP || depths == BVXI_DEPTH_DOWN) {
+        choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+        return BVX_OK;
+    }
+
+    if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
+
+    /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
+    if (count_parts(&w->patches) == 1) {
+        choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+        return BVX_OK;
+    }
+    return choose_for_parts(ctx, w, depths);
+}
+
+static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    int32_t depths;
+
+    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
+    return choose_by_depths(ctx, w, depths);
+}
+
+/* By the edges of triangles that are there once each. */
+static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
+        choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
+        return BVX_OK;
+    }
+    if (w->patches.open_edges != 0) {
+        choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN);
+        return BVX_OK;
+    }
+    return choose_closed(ctx, w, lattice);
+}
+
+static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    BVXI_TRY(look_at_edges(ctx, w, 1));
+    return choose_by_patches(ctx, w, lattice);
+}
+
+/* Edges balance. Where no row is ever inside, each triangle may be there
+ * twice, facing either way, as in models for games: once each they can
+ * enclose something. Sheets that are open then enclose nothing, as before. */
+static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
+{
+    const bvx_mesh_view given = w->choice.view;
+    int32_t depths;
+
+    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
+    if (depths != 0) return choose_by_depths(ctx, w, depths);
+
+    BVXI_TRY(look_at_edges(ctx, w, 1));
+    if (w->choice.doubles != 0 && w->patches.odd_edges == 0) return choose_by_patches(ctx, w, lattice);
+
+    w->choice.view = given;
+    w->choice.turned = w->choice.doubles = 0;
+    choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+    return BVX_OK;
+}
+
+/* ---- The whole ---- */
+
+/* Where the rule is chosen in the bar: looking for crossings takes long
+ * beside filling rows, and little beside winding numbers. */
+#define AUTO_CHOSEN      0.9
+#define AUTO_OPEN_CHOSEN 0.3
+
+static int is_auto_quick(int32_t fill)
+{
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO;
+}
+
+static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
+                                 int32_t *filled)
+{
+    int32_t balanced;
+
+    BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
+    if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
+
+    choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+    if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
+}
+
+bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                          bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report)
+{
+    int32_t filled = 0;
+    double chosen;
+    bvx_status status;
+    auto_work w;
+
+    memset(&w, 0, sizeof w);
+    w.choice.view = *mesh;
+    BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
+    status = choose_or_fill(ctx, &w, solid, report, &filled);
+    bvxi_patches_close(ctx, &w.patches);
+    bvxi_free(ctx, w.representative, mesh->vertex_count * 4);
+    bvxi_solid_close(ctx, &w.job);
+
+    chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
+    if (status == BVX_OK && !filled)
+        status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
+    bvxi_free(ctx, w.choice.index, mesh->triangle_count * 12);
+    report->fill = w.choice.fill;
+    report->fill_reason = w.choice.reason;
+    report->turned = w.choice.turned;
+    report->doubles = w.choice.doubles;
+    return status;
+}

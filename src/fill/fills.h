@@ -1,0 +1,53 @@
+/* fills.h - the rules that fill more than rows: votes of axes, floods, regions, terrain. Not installed. */
+#ifndef BVXI_FILLS_H
+#define BVXI_FILLS_H
+
+#include "winding/holes.h"
+
+enum { BVXI_MOST_GAP = 65535 };
+
+/* voxelize_solid.c: fill a grid that is open by the rule parity, winding or vote; holes: what the rule looks
+ * at, found before, or NULL. Everything has been checked. */
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
+                           bvx_grid *solid);
+
+/* vote.c: solid's words become the vote. sure: words of the same shape (scratch), left with the centres whose
+ * rows along x, y and z balance and agree; with want_clear also those whose solid angle lies within a quarter
+ * of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes
+ * holes.h and sheet.h. */
+bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid,
+                     uint64_t *sure, double from, double to, bvx_solid_report *report);
+
+/* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one.
+ * solid and surface cover the whole lattice. */
+bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
+                        bvx_grid *solid, bvx_solid_report *report);
+/* Closing gaps adds to surface. *leaked: 1 when the flood reached every
+ * centre off the surface, though the vote has some of them surely inside. */
+bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure,
+                      int32_t close_gaps, bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
+
+/* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what
+ * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.
+ * Scratch: 8 bytes a wall voxel that votes outside. */
+bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid);
+
+/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves
+ * through empty voxels, also beyond the window. Scratch: one more grid. */
+bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
+/* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how
+ * many places do. Scratch: also that of connected_sets.h over the grid of gap more voxels a side. */
+bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+                           uint64_t *pockets);
+
+/* below.c. second_job: options->second made ready, or NULL. Local. */
+bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
+                      const bvx_voxelize_options *options, bvx_grid *solid, bvx_solid_report *report);
+
+/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled. Scratch:
+ * thin_walls.h where walls are looked for. */
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, const bvx_voxelize_options *options,
+                             bvx_solid_report *report);
+
+#endif

@@ -1,0 +1,217 @@
+/* solid_losses.c - what a solid has lost of its mesh: thin walls, and how the volumes compare.
+ *
+ * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and asks for
+ * closest points there: two to three times the fill of a scan. Parts of lattices, as work in tiles has them,
+ * are looked at only where asked.
+ * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
+#include "mesh/facet.h"
+#include "mesh/view.h"
+#include "fill/fills.h"
+#include "fill/thin_walls.h"
+
+#include <math.h>
+
+enum { LOSS_GRAIN = 4096 };
+
+#define LOSS_SHEET 1e-6 /* of the volume of a cube of that surface: folded sheets enclose less */
+
+/* Sums over some triangles: six times the volume, twice the shadows along each axis. */
+typedef struct loss_sums {
+    double volume, shadow[3];
+} loss_sums;
+
+typedef struct loss_job {
+    const bvx_mesh_view *mesh;
+    double from[3]; /* a vertex: volumes are taken from there */
+    int32_t pieces;
+    loss_sums sums[256]; /* by piece */
+} loss_job;
+
+/* ---- Of the mesh ---- */
+
+static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *s)
+{
+    double n[3];
+
+    bvxi_facet_cross((const double(*)[3])p, n);
+    for (int a = 0; a < 3; a++) {
+        s->volume += (p[0][a] - from[a]) * n[a];
+        s->shadow[a] += bvxi_absolute(n[a]);
+    }
+}
+
+/* Triangles of three numbers each and vertices of three floats, as meshes that the library made. */
+static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end, loss_sums *s)
+{
+    const unsigned char *const corners = job->mesh->indices, *const places = job->mesh->positions;
+
+    for (uint64_t t = begin; t < end; t++) {
+        float f[3];
+        double p[3][3];
+        uint32_t c[3];
+
+        memcpy(c, corners + (size_t)t * 12, sizeof c);
+        for (int k = 0; k < 3; k++) {
+            memcpy(f, places + (size_t)c[k] * 12, sizeof f);
+            for (int a = 0; a < 3; a++) p[k][a] = (double)f[a];
+        }
+        add_to_sums(job->from, p, s);
+    }
+}
+
+static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
+{
+    loss_job *const job = user;
+    const bvx_mesh_view *const m = job->mesh;
+    loss_sums s = {0, {0, 0, 0}};
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(m->triangle_count, job->pieces, piece, &begin, &end);
+    if (bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
+        sum_packed_losses(job, begin, end, &s);
+        begin = end;
+    }
+    for (uint64_t t = begin; t < end; t++) {
+        double p[3][3];
+        uint32_t c[3];
+
+        bvxi_view_triangle(m, t, c);
+        for (int k = 0; k < 3; k++) bvxi_view_position(m, c[k], p[k]);
+        add_to_sums(job->from, p, &s);
+    }
+    job->sums[piece] = s;
+}
+
+static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, loss_sums *all)
+{
+    loss_job job;
+    uint32_t c[3];
+
+    job.mesh = mesh;
+    job.pieces = bvxi_piece_count(mesh->triangle_count, LOSS_GRAIN);
+    bvxi_view_triangle(mesh, 0, c);
+    bvxi_view_position(mesh, c[0], job.from);
+    BVXI_TRY(bvxi_parallel(ctx, "sums", 0.0, 0.1, job.pieces, sum_losses_piece, &job));
+    memset(all, 0, sizeof *all);
+    for (int32_t i = 0; i < job.pieces; i++) {
+        all->volume += job.sums[i].volume;
+        for (int a = 0; a < 3; a++) all->shadow[a] += job.sums[i].shadow[a];
+    }
+    return BVX_OK;
+}
+
+/* Do all vertices lie in the grid's window? */
+static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
+{
+    double low[3], high[3];
+
+    for (int a = 0; a < 3; a++) {
+        low[a] = g->lattice.origin[a] + (double)g->low[a] * g->lattice.spacing[a];
+        high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
+        low[a] -= 1e-6 * g->lattice.spacing[a];
+    }
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        double p[3];
+        int in = 1;
+
+        bvxi_view_position(mesh, v, p);
+        for (int a = 0; a < 3; a++) in &= (p[a] >= low[a]) & (p[a] <= high[a]);
+        if (!in) return 0;
+    }
+    return 1;
+}
+
+/* What the mesh encloses; 0 where the solid does not hold all of it, or next to nothing is enclosed. */
+static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh, const bvx_grid *solid)
+{
+    double const volume = bvxi_absolute(sums->volume) / 6.0;
+    double const area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
+
+    if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e38)) return 0;
+    /* sums' last bits follow the order of triangles */
+    return is_in_window(mesh, solid) ? bvxi_nearest_float(volume) : 0;
+}
+
+/* ---- Of the solid ---- */
+
+/* Is it known that the triangles run the same way round? Rules that do not
+ * ask for it say nothing of it when asked for by name. */
+static int is_oriented(const bvx_solid_report *r)
+{
+    if (r->turned != 0) return 0;
+    return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
+           (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
+}
+
+void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                         const bvx_grid *solid, const bvx_solid_report *report, bvxi_walls *walls)
+{
+    memset(walls, 0, sizeof *walls);
+    walls->ctx = ctx;
+    walls->function = function;
+    walls->mesh = mesh;
+    walls->solid = solid;
+    walls->unoriented = !is_oriented(report);
+    if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0)
+        walls->open = walls->unoriented ? 2 : 1;
+}
+
+void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
+{
+    const bvx_grid *const solid = walls->solid;
+    int32_t longest = 0;
+    bvxi_wall_report found;
+
+    bvxi_walls_report(walls, &found);
+    report->thin_checked = 1;
+    report->thin_voxels = found.voxels;
+    if (found.voxels == 0) return;
+    report->thin_wall = found.wall * walls->unit;
+    for (int a = 0; a < 3; a++) {
+        report->thin_low[a] = found.low[a] + solid->low[a];
+        report->thin_high[a] = found.high[a] + solid->low[a];
+        if (solid->lattice.dims[a] > longest) longest = solid->lattice.dims[a];
+    }
+    report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
+}
+
+static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                                 const bvx_grid *solid, bvx_solid_report *report)
+{
+    bvxi_walls walls;
+    bvx_status status;
+
+    bvxi_walls_of_solid(ctx, function, mesh, solid, report, &walls);
+    status = bvxi_walls_open(&walls);
+    if (status == BVX_OK) status = bvxi_walls_find(&walls);
+    if (status == BVX_OK) bvxi_tell_walls(&walls, report);
+    bvxi_walls_close(&walls);
+    return status;
+}
+
+bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
+{
+    const bvx_lattice *const l = &solid->lattice;
+    int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
+                      solid->size[2] == l->dims[2];
+    int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
+    bvx_status status;
+    loss_sums sums;
+    uint64_t voxels;
+
+    BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
+    report->volume = (double)voxels * l->spacing[0] * l->spacing[1] * l->spacing[2];
+    if (report->fill == BVX_FILL_BELOW) return BVX_OK;
+
+    if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0) {
+        BVXI_TRY(sum_mesh(ctx, mesh, &sums));
+        report->mesh_volume = comparable_volume(&sums, mesh, solid);
+    }
+    if (!look) return BVX_OK;
+
+    /* A solid that the memory limit allows is not refused for a look that nobody asked for. */
+    status = BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report));
+    return status == BVX_ERR_BUDGET && o->check_thin == -1 ? BVX_OK : status;
+}

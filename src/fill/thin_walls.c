@@ -1,0 +1,563 @@
+/* thin_walls.c - walls of a closed body that are thinner than the lattice can hold: where they are, and how
+ * thick.
+ *
+ * Source: Andres, Jacob. The Discrete Analytical Hyperplanes. 1997: an even wall of one and a half voxels
+ * holds whatever moves from voxel to voxel across faces and edges, however it lies (the two largest parts of
+ * its normal sum to 1.414 at most).
+ *
+ * A wall thinner than that may have no centre inside, here and there or everywhere. It shows where a lattice
+ * line crosses the mesh between two outside centres, and where outside centres meet diagonally between inside
+ * ones. There the nearest point of the mesh and the nearest one behind it are asked for: where they face away
+ * from each other and lie no further apart than a voxel and a half, there is a thin wall.
+ * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points
+ * at thin places. */
+#include "fill/thin_walls.h"
+
+#include "mesh/facet.h"
+#include "mesh/radix.h"
+#include "mesh/scale.h"
+#include "mesh/view.h"
+#include "fill/fills.h"
+#include "touch/surface_voxels.h"
+
+#include <math.h>
+
+#define WALL_DEPTH  0.75 /* where the other side is looked for */
+#define WALL_FACING 0.55 /* cosine between a face and the opposite of the other */
+#define WALL_STRAIGHT \
+    0.9 /* where triangles are flipped: cosine between both faces, and between them and the way through */
+#define WALL_SAME   0.25 /* nearest points this near to each other are of one face */
+#define WALL_BESIDE 1.8  /* from a place to the centres around it: the root of 3 */
+
+enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
+
+/* ---- The list of places ---- */
+
+void bvxi_walls_drop(bvxi_walls *t)
+{
+    bvxi_free(t->ctx, t->point, t->count * sizeof *t->point);
+    bvxi_free(t->ctx, t->at, t->count * 8);
+    t->point = NULL;
+    t->at = NULL;
+    t->count = 0;
+}
+
+/* The set centres of places, in order. */
+bvx_status bvxi_walls_list(bvxi_walls *t)
+{
+    uint64_t const words = t->bytes / 8;
+    uint64_t count = 0, n = 0;
+
+    bvxi_walls_drop(t);
+    for (uint64_t i = 0; i < words; i++) count += bvxi_popcount(t->places.words[i]);
+    if (count == 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
+    t->count = count;
+    BVXI_TRY(
+        bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
+    for (uint64_t i = 0; i < words; i++)
+        for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
+            t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
+    return BVX_OK;
+}
+
+/* ---- Where the lattice loses the surface ---- */
+
+/* Of four neighbours around a lattice edge, those outside where they meet diagonally. */
+static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b, size_t c, size_t d)
+{
+    uint64_t const p = in[a] & in[d] & ~in[b] & ~in[c], q = in[b] & in[c] & ~in[a] & ~in[d];
+
+    out[b] |= p;
+    out[c] |= p;
+    out[a] |= q;
+    out[d] |= q;
+}
+
+/* The same of a row and one beside it: pairs along the row. */
+static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, size_t beside, int32_t words)
+{
+    for (int32_t k = 0; k < words; k++) {
+        size_t const i = row + (size_t)k, j = beside + (size_t)k;
+        uint64_t const a = in[i], c = in[j];
+        uint64_t const b = a >> 1 | (k + 1 < words ? in[i + 1] << 63 : 0);
+        uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
+        uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
+
+        if ((p | q) == 0) continue;
+        out[i] |= q | p << 1;
+        out[j] |= p | q << 1;
+        if (k + 1 < words) {
+            out[i + 1] |= p >> 63;
+            out[j + 1] |= q >> 63;
+        }
+    }
+}
+
+static void mark_all_diagonals(const bvx_grid *g, uint64_t *out)
+{
+    int32_t const words = g->words_per_row;
+    size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
+
+    for (int32_t z = 0; z < g->size[2]; z++)
+        for (int32_t y = 0; y < g->size[1]; y++) {
+            size_t const at = (size_t)z * slice + (size_t)y * row;
+            int const up = y + 1 < g->size[1], on = z + 1 < g->size[2];
+
+            if (up) mark_row_diagonals(g->words, out, at, at + row, words);
+            if (on) mark_row_diagonals(g->words, out, at, at + slice, words);
+            for (size_t i = at; up && on && i < at + row; i++)
+                mark_diagonals(g->words, out, i, i + row, i + slice, i + row + slice);
+        }
+}
+
+bvx_status bvxi_walls_mark(bvxi_walls *t)
+{
+    BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places));
+    mark_all_diagonals(t->solid, t->places.words);
+    return BVX_OK;
+}
+
+/* ---- The triangles nearby ---- */
+
+/* A view of triangles that are listed, over the mesh's vertices. */
+static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, uint64_t count,
+                           bvx_mesh_view *view)
+{
+    *view = *mesh;
+    view->indices = corner;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = count;
+}
+
+/* Blocks of voxels that hold [low, high], cut to the window. */
+static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3],
+                        int32_t to[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double const last = (double)t->block_size[a] - 1;
+        double const l = low[a] / WALL_BLOCK, h = high[a] / WALL_BLOCK;
+
+        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
+        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
+    }
+}
+
+static uint8_t *block_row(const bvxi_walls *t, int32_t y, int32_t z)
+{
+    return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
+}
+
+static void mark_blocks(bvxi_walls *t)
+{
+    const bvx_grid *const g = &t->places;
+
+    for (uint64_t n = 0; n < t->count; n++) {
+        double low[3], high[3];
+        int32_t at[3], from[3], to[3];
+
+        bvxi_bit_centre(g, t->at[n], at);
+        for (int a = 0; a < 3; a++) {
+            double const far = 1.0 + 2 * WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
+            double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
+
+            low[a] = (double)at[a] + 0.5 - reach;
+            high[a] = (double)at[a] + 0.5 + reach;
+        }
+        block_range(t, low, high, from, to);
+        for (int32_t z = from[2]; z <= to[2]; z++)
+            for (int32_t y = from[1]; y <= to[1]; y++)
+                memset(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1);
+    }
+}
+
+/* The block of each vertex; of those that no triangle uses too, whatever they are. */
+static void place_vertices_in_blocks(bvxi_walls *t)
+{
+    const bvx_lattice *const l = &t->places.lattice;
+
+    for (uint64_t v = 0; v < t->mesh->vertex_count; v++) {
+        double p[3];
+        int32_t to[3];
+
+        bvxi_view_position(t->mesh, v, p);
+        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        block_range(t, p, p, t->block_of + 3 * v, to);
+    }
+}
+
+static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
+{
+    const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
+    const int32_t *const r = t->block_of + 3 * (size_t)c[2];
+    int32_t from[3], to[3];
+
+    for (int a = 0; a < 3; a++) {
+        int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
+
+        from[a] = r[a] < low ? r[a] : low;
+        to[a] = r[a] > high ? r[a] : high;
+    }
+    if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS)
+        return 1;
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            for (int32_t x = from[0]; x <= to[0]; x++)
+                if (block_row(t, y, z)[x]) return 1;
+    return 0;
+}
+
+static void take_triangles_nearby(bvxi_walls *t)
+{
+    const bvx_mesh_view *const body = t->mesh;
+    uint64_t count = 0;
+
+    for (uint64_t n = 0; n < body->triangle_count; n++) {
+        double p[3][3], normal[3];
+        uint32_t c[3];
+
+        bvxi_view_triangle(body, n, c);
+        if (!is_in_marked_block(t, c)) continue;
+        for (int k = 0; k < 3; k++) bvxi_view_position(body, c[k], p[k]);
+        if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
+        memcpy(t->corner + 3 * count++, c, sizeof c);
+    }
+    view_triangles(t->mesh, t->corner, count, &t->near);
+}
+
+/* Corners in the order of their places. Returns 1 when that turns the triangle round. */
+static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
+{
+    uint8_t turned = 0;
+
+    for (int step = 0; step < 3; step++) {
+        int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
+        double p[2][3];
+        uint32_t const first = c[k];
+
+        for (int i = 0; i < 2; i++) bvxi_view_position(mesh, c[k + i], p[i]);
+        if (!bvxi_corner_before(p[1], p[0])) continue;
+        c[k] = c[k + 1];
+        c[k + 1] = first;
+        turned ^= 1;
+    }
+    return turned;
+}
+
+/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
+ * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
+static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
+{
+    uint64_t const count = t->near.triangle_count;
+
+    for (uint64_t n = 0; n < count; n++) {
+        uint32_t *const c = t->corner + 3 * n;
+
+        sorted[n] = order_corners(&t->near, c);
+        keys[n] = bvxi_view_corners_hash(&t->near, c);
+        numbers[n] = (uint32_t)n;
+    }
+    BVXI_TRY(bvxi_radix_sort(t->ctx, keys, numbers, count));
+    for (uint64_t n = 0; n < count; n++) t->against[n] = (uint8_t)sorted[numbers[n]];
+    for (uint64_t n = 0; n < count; n++) memcpy(sorted + 3 * n, t->corner + 3 * (uint64_t)numbers[n], 12);
+    return BVX_OK;
+}
+
+static bvx_status order_triangles_nearby(bvxi_walls *t)
+{
+    bvx_context *const ctx = t->ctx;
+    uint64_t const count = t->near.triangle_count;
+    uint32_t *sorted, *numbers = NULL;
+    uint64_t *keys = NULL;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &sorted));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &keys);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
+                            &numbers);
+    if (status == BVX_OK) status = sort_triangles_nearby(t, keys, numbers, sorted);
+    bvxi_free(ctx, numbers, count * 4);
+    bvxi_free(ctx, keys, count * 8);
+
+    /* Room for all triangles is needed no more. */
+    bvxi_free(ctx, t->corner, t->corner_bytes);
+    t->corner = sorted;
+    t->corner_bytes = count * 12;
+    view_triangles(t->mesh, sorted, count, &t->near);
+    return status;
+}
+
+/* Bounds of their corners; vertices that no triangle uses may be anything. */
+static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double high[3])
+{
+    for (uint64_t n = 0; n < 3 * t->near.triangle_count; n++) {
+        double p[3];
+
+        bvxi_view_position(&t->near, t->corner[n], p);
+        for (int a = 0; a < 3; a++) {
+            p[a] += 0.0; /* -0 is 0 */
+            if (n == 0 || p[a] < low[a]) low[a] = p[a];
+            if (n == 0 || p[a] > high[a]) high[a] = p[a];
+        }
+    }
+}
+
+/* Triangles that count at the list's centres, and with beside at those around
+ * them, and a search among them: the nearest one within a spacing, what is
+ * nearest to a point WALL_DEPTH behind it, which it is no further from itself. */
+bvx_status bvxi_walls_near(bvxi_walls *t)
+{
+    bvx_context *const ctx = t->ctx;
+    uint64_t bytes = 1;
+    double low[3], high[3];
+    bvx_status status;
+
+    for (int a = 0; a < 3; a++) {
+        t->block_size[a] = t->places.size[a] / WALL_BLOCK + 1;
+        bytes *= (uint64_t)t->block_size[a];
+    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
+    t->corner_bytes = t->mesh->triangle_count * 12;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places",
+                            &t->against);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks",
+                            &t->block_of);
+    if (status == BVX_OK) {
+        mark_blocks(t);
+        place_vertices_in_blocks(t);
+        take_triangles_nearby(t);
+    }
+    bvxi_free(ctx, t->block_of, t->mesh->vertex_count * 12);
+    t->block_of = NULL;
+    bvxi_free(ctx, t->blocks, bytes);
+    t->blocks = NULL;
+    if (status != BVX_OK || t->near.triangle_count == 0) return status;
+    BVXI_TRY(order_triangles_nearby(t));
+    bound_triangles_nearby(t, low, high);
+    return bvxi_closest_build(ctx, "thin", 0.3, 0.4, &t->near, low, high, bvxi_unit_scale(low, high),
+                              &t->closest.tree);
+}
+
+/* ---- What the mesh is like at a centre ---- */
+
+static double wall_dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
+{
+    double p[3][3], length;
+    uint32_t c[3];
+
+    bvxi_view_triangle(&t->near, triangle, c);
+    for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
+    length = bvxi_facet_normal((const double(*)[3])p, n);
+    /* else the corners' places decide */
+    if (t->against[triangle] && (!t->unoriented || t->open == 1)) length = -length;
+    for (int a = 0; a < 3; a++) n[a] /= length;
+}
+
+static int is_inside_at(const bvx_grid *g, const double place[3])
+{
+    int32_t at[3];
+
+    for (int a = 0; a < 3; a++) {
+        double const v = (place[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - g->low[a];
+
+        if (!(v >= 0 && v < (double)g->size[a])) return 0;
+        at[a] = (int32_t)v;
+    }
+    return bvx_grid_get(g, at[0], at[1], at[2]);
+}
+
+/* Nothing of the solid behind a face: half a voxel, three quarters and one deep. */
+static int is_nothing_behind(const bvxi_walls *t, const double p[3], const double out[3])
+{
+    for (int step = 2; step <= 4; step++) {
+        double at[3];
+
+        for (int a = 0; a < 3; a++) at[a] = p[a] - out[a] * (0.25 * step) * t->unit;
+        if (is_inside_at(t->solid, at)) return 0;
+    }
+    return 1;
+}
+
+/* The wall behind the point of the mesh next to a centre, seen along out; n: the normal there. */
+static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3],
+                        const double n[3], uint32_t *hint, bvxi_wall *found)
+{
+    bvx_closest_point back;
+    double behind[3], m[3], facing, through, apart = 0, deep = 0;
+
+    for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * WALL_DEPTH * t->unit;
+    if (t->open == 1 && wall_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
+    bvxi_closest_ask(&t->closest, behind, hint, &back);
+    unit_normal(t, back.triangle, m);
+    for (int a = 0; a < 3; a++) {
+        double const d = front->position[a] - back.position[a];
+
+        apart += d * d;
+        deep += d * out[a];
+    }
+    apart = sqrt(apart) / t->unit;
+    deep /= t->unit;
+    facing = wall_dot(n, m);
+    /* at edges normals are of one of their faces */
+    through = wall_dot(out, n) < 0 ? -wall_dot(out, m) : wall_dot(out, m);
+    if (!t->unoriented && through < facing) facing = through;
+
+    if (t->unoriented
+            ? bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart
+            : facing < -WALL_FACING) {
+        if (apart <= BVXI_THIN_WALL) found->wall = (float)apart;
+    } else if (!t->open && apart <= WALL_SAME && is_nothing_behind(t, front->position, out)) {
+        found->wall = 0;
+        found->sheet = 1;
+    }
+}
+
+static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2], bvxi_wall *found)
+{
+    const bvx_grid *const g = &t->places;
+    bvx_closest_point front;
+    double centre[3], out[3], n[3];
+    int32_t at[3];
+
+    bvxi_bit_centre(g, bit, at);
+    for (int a = 0; a < 3; a++)
+        centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
+    bvxi_closest_ask(&t->closest, centre, &hint[0], &front);
+    found->wall = BVXI_NO_WALL;
+    found->sheet = 0;
+    found->triangle = front.triangle;
+    found->distance = (float)(front.distance / t->unit);
+    if (!(front.distance < t->limit * t->unit)) return;
+
+    unit_normal(t, front.triangle, n);
+    for (int a = 0; a < 3; a++)
+        out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
+    look_behind(t, &front, out, n, &hint[1], found);
+}
+
+static void ask_piece(void *user, int32_t piece, int32_t worker)
+{
+    const bvxi_walls *const t = user;
+    uint32_t hint[2] = {0, 0};
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(t->count, t->pieces, piece, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
+}
+
+bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
+{
+    uint64_t const pieces = t->count / WALL_GRAIN + 1;
+
+    t->limit = limit;
+    t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
+    return bvxi_parallel(t->ctx, "thin", 0.4, 1.0, t->pieces, ask_piece, t);
+}
+
+/* ---- What is found ---- */
+
+static void take_into_box(bvxi_wall_report *r, const int32_t at[3])
+{
+    for (int a = 0; a < 3; a++) {
+        if (r->voxels == 0 || at[a] < r->low[a]) r->low[a] = at[a];
+        if (r->voxels == 0 || at[a] > r->high[a]) r->high[a] = at[a];
+    }
+}
+
+/* The walls of one range of thickness. */
+typedef struct wall_range {
+    uint64_t count;
+    double sum;
+} wall_range;
+
+/* The wall that a tenth of the places is thinner than: the mean of the range that holds it. */
+static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
+{
+    uint64_t below = 0;
+    int bin = 0;
+
+    while (bin + 1 < WALL_BINS && (below += bins[bin].count) * 10 <= all) bin++;
+    return bins[bin].count != 0 ? bins[bin].sum / (double)bins[bin].count : 0;
+}
+
+int32_t bvxi_wall_resolution(int32_t longest, double wall)
+{
+    double needed;
+    int32_t whole;
+
+    if (!(wall > 0)) return 0;
+    needed = (double)longest * BVXI_THIN_WALL / wall;
+    if (!(needed <= (double)(1 << 24))) return 0;
+    whole = (int32_t)needed;
+    return whole < needed ? whole + 1 : whole;
+}
+
+void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
+{
+    wall_range bins[WALL_BINS] = {{0, 0}};
+
+    memset(report, 0, sizeof *report);
+    for (uint64_t n = 0; n < t->count; n++) {
+        const bvxi_wall *const p = &t->point[n];
+        int32_t at[3];
+        int bin;
+
+        if (p->wall == BVXI_NO_WALL) {
+            t->places.words[t->at[n] / 64] &= ~(UINT64_C(1) << (t->at[n] & 63));
+            continue;
+        }
+        bin = (int)((double)p->wall * (WALL_BINS / BVXI_THIN_WALL)); /* walls are BVXI_THIN_WALL at most */
+        bvxi_bit_centre(&t->places, t->at[n], at);
+        take_into_box(report, at);
+        report->voxels++;
+        bins[bin < WALL_BINS ? bin : WALL_BINS - 1].count++;
+        bins[bin < WALL_BINS ? bin : WALL_BINS - 1].sum += (double)p->wall;
+    }
+    report->wall = report->voxels != 0 ? common_wall(bins, report->voxels) : 0;
+}
+
+/* ---- */
+
+bvx_status bvxi_walls_open(bvxi_walls *t)
+{
+    t->unit = bvxi_largest_spacing(&t->solid->lattice);
+    t->places = *t->solid;
+    t->places.words = NULL;
+    t->bytes = bvxi_grid_words(t->solid) * 8;
+    return bvxi_alloc(t->ctx, BVXI_SCRATCH, t->bytes, "the thin places", &t->places.words);
+}
+
+void bvxi_walls_close(bvxi_walls *t)
+{
+    bvxi_closest_shut(t->ctx, &t->closest);
+    bvxi_free(t->ctx, t->against, t->mesh->triangle_count);
+    bvxi_free(t->ctx, t->corner, t->corner_bytes);
+    bvxi_walls_drop(t);
+    bvxi_free(t->ctx, t->places.words, t->bytes);
+}
+
+bvx_status bvxi_walls_find(bvxi_walls *t)
+{
+    BVXI_TRY(bvxi_walls_mark(t));
+    BVXI_TRY(bvxi_walls_list(t));
+    if (t->count == 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_walls_near(t));
+    if (t->near.triangle_count == 0) {
+        bvxi_walls_drop(t);
+        return BVX_OK;
+    }
+    return bvxi_walls_ask(t, 1.0);
+}

@@ -1,0 +1,101 @@
+/* thin_walls.h - walls of a closed body that are thinner than a lattice can
+ * hold, for other rooms. Not installed. */
+#ifndef BVXI_THIN_WALLS_H
+#define BVXI_THIN_WALLS_H
+
+#include "grid/grid.h"
+#include "nearest/closest_query.h"
+
+#define BVXI_THIN_WALL 1.5 /* what holds on any lattice [Units: largest spacings] */
+#define BVXI_NO_WALL   1e30f
+
+/* What the mesh is like at a centre outside. */
+typedef struct bvxi_wall {
+    /* BVXI_NO_WALL, or how thick the nearest wall is; 0: a sheet [Units: largest spacings] */
+    float wall;
+    float distance;    /* to it */
+    uint32_t triangle; /* of those nearby */
+    int32_t sheet;
+} bvxi_wall;
+
+/* A search for them. The first eight are the caller's, the rest 0 before the first call. */
+typedef struct bvxi_walls {
+    bvx_context *ctx;
+    const char *function;
+    const bvx_mesh_view *mesh; /* of the body */
+    const bvx_grid *solid;     /* what it fills; may change between calls */
+    int32_t unoriented;        /* 1: normals may look to either side */
+    /* 1: there are holes: faces may be seen from behind, and sheets are no walls; 2: sheets are none */
+    int32_t open;
+    int32_t beside; /* 1: centres around the places are asked too */
+
+    double unit; /* the largest spacing */
+
+    /* walls further from the centre than this are not looked at [Units: largest spacings] */
+    double limit;
+    bvx_grid places;  /* scratch words: centres in question */
+    uint64_t bytes;   /* of these */
+    uint64_t *at;     /* their bits [Size: count] */
+    bvxi_wall *point; /* what is there [Size: count] */
+    uint64_t count;
+    uint32_t *corner; /* of the triangles nearby, each from its first corner to its last, by place */
+    uint64_t corner_bytes;
+    uint8_t *against; /* of those triangles, 1: the mesh has them the other way round */
+    uint8_t *blocks;  /* 1: triangles there are wanted */
+    int32_t block_size[3];
+    int32_t *block_of; /* three of each vertex, cut to the window [Size: vertices * 3] */
+    bvx_mesh_view near;
+    bvx_closest closest;
+    int32_t pieces;
+} bvxi_walls;
+
+/* How many, how thin and where. */
+typedef struct bvxi_wall_report {
+    uint64_t voxels;
+    double wall;             /* nine tenths are this thick or thicker [Units: largest spacings] */
+    int32_t low[3], high[3]; /* box, both ends in it [Units: voxels of the window] */
+} bvxi_wall_report;
+
+/* Make the grid of places. bvxi_walls_close frees everything. */
+bvx_status bvxi_walls_open(bvxi_walls *t);
+void bvxi_walls_close(bvxi_walls *t);
+
+/* Mark the places where the lattice may lose the surface; list them; take the
+ * triangles around them and make a search of these (near has none where there
+ * are none); look at all that are listed. bvxi_walls_find is the four of them. */
+bvx_status bvxi_walls_mark(bvxi_walls *t);
+bvx_status bvxi_walls_list(bvxi_walls *t);
+bvx_status bvxi_walls_near(bvxi_walls *t);
+bvx_status bvxi_walls_ask(bvxi_walls *t, double limit);
+bvx_status bvxi_walls_find(bvxi_walls *t);
+/* Forget the list. */
+void bvxi_walls_drop(bvxi_walls *t);
+
+/* What was found. Places without a thin wall are places no more. */
+void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report);
+/* solid_losses.c: a search for the walls that a solid with this report has
+ * lost; what was found goes to the report. */
+void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                         const bvx_grid *solid, const bvx_solid_report *report, bvxi_walls *walls);
+void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report);
+
+/* Voxels along the longest axis, now longest, with which a wall is as thick
+ * as holds anywhere; 0 where there is no such number. */
+int32_t bvxi_wall_resolution(int32_t longest, double wall);
+
+/* Centres as bits of a grid's words. */
+static inline void bvxi_bit_centre(const bvx_grid *g, uint64_t bit, int32_t at[3])
+{
+    uint64_t const row = bit / 64 / (uint64_t)g->words_per_row;
+
+    at[0] = (int32_t)(bit - row * (uint64_t)g->words_per_row * 64);
+    at[1] = (int32_t)(row % (uint64_t)g->size[1]);
+    at[2] = (int32_t)(row / (uint64_t)g->size[1]);
+}
+
+static inline uint64_t bvxi_centre_bit(const bvx_grid *g, int32_t x, int32_t y, int32_t z)
+{
+    return ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row * 64 + (uint64_t)x;
+}
+
+#endif

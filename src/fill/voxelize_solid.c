@@ -1,0 +1,254 @@
+/* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
+ *
+ * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
+ * regions.c, below.c), the shell is added, the edges are counted where asked, and a report says what was
+ * lost. */
+#include "fill/fill_auto.h"
+#include "fill/fills.h"
+#include "touch/surface_voxels.h"
+#include "winding/winding.h"
+
+#include <math.h>
+
+static const char solid_name[] = "bvx_voxelize_solid";
+static const bvx_voxelize_options voxelize_defaults = {
+    0, BVX_FILL_AUTO, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL, -1, 0};
+
+void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &voxelize_defaults, sizeof voxelize_defaults);
+}
+
+/* ---- What is asked ---- */
+
+static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const char *rule)
+{
+    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s goes with the rule %s alone", solid_name, option, rule);
+}
+
+static const bvxi_option voxelize_rows[] = {
+    BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_COUNT - 1),
+    BVXI_RESERVED(bvx_voxelize_options, reserved),
+    BVXI_RESERVED(bvx_voxelize_options, reserved2),
+    BVXI_WHOLE(bvx_voxelize_options, close_gaps, 0, BVXI_MOST_GAP),
+    BVXI_SWITCH(bvx_voxelize_options, add_shell),
+    BVXI_SWITCH(bvx_voxelize_options, check_edges),
+    BVXI_WHOLE(bvx_voxelize_options, check_thin, -1, 1),
+    BVXI_WHOLE(bvx_voxelize_options, axis, 0, 2),
+};
+
+static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
+{
+    int const below = o->fill == BVX_FILL_BELOW;
+
+    BVXI_TRY(bvxi_check_options(ctx, solid_name, o, BVXI_OPTIONS(voxelize_rows)));
+    if (o->base != o->base)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number",
+                             solid_name);
+    if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
+    if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
+    if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
+    if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
+    if (o->check_thin == 1 && below)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is for bodies, not for the rule below",
+                         solid_name);
+    if (o->add_shell && below)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
+    return BVX_OK;
+}
+
+static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o,
+                              const bvx_window *window)
+{
+    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
+    for (int32_t a = 0; a < 3; a++)
+        if (window->size[a] != lattice->dims[a])
+            return bvxi_fail(
+                ctx, BVX_ERR_ARGUMENT,
+                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
+                "the rule vote takes windows",
+                solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
+    return BVX_OK;
+}
+
+static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                  const bvx_voxelize_options *given, bvx_voxelize_options *o,
+                                  bvx_window *window)
+{
+    BVXI_TRY(bvxi_take_options(ctx, solid_name, given, o, sizeof *o));
+    BVXI_TRY(check_choices(ctx, o));
+    BVXI_TRY(bvxi_view_check(ctx, solid_name, mesh));
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
+    if (o->second != NULL) {
+        BVXI_TRY(bvxi_view_check(ctx, solid_name, o->second));
+        if (o->second->triangle_count == 0)
+            return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the second mesh has no triangles", solid_name);
+    }
+    BVXI_TRY(bvxi_lattice_check(ctx, solid_name, lattice));
+    BVXI_TRY(bvxi_window_take(ctx, solid_name, lattice, &o->window, window));
+    return check_whole(ctx, lattice, o, window);
+}
+
+/* ---- The rules ---- */
+
+static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
+                             bvx_grid *solid, bvx_solid_report *report)
+{
+    bvxi_solid_job second;
+    bvx_status status;
+    if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
+    BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
+    status = bvxi_below(ctx, job, &second, o, solid, report);
+    bvxi_solid_close(ctx, &second);
+    return status;
+}
+
+static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_t *sure, int32_t close_gaps,
+                                bvx_grid *solid, bvx_solid_report *report)
+{
+    int32_t leaked = 0;
+    BVXI_TRY(bvxi_flood(ctx, solid_name, shell, sure, close_gaps, solid, report, &leaked));
+    if (!leaked) return BVX_OK;
+    return bvxi_fail(
+        ctx, BVX_ERR_EMPTY,
+        "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
+        "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
+        solid_name, report->leaks, (int64_t)close_gaps);
+}
+
+/* The fills that look at more than rows: a vote first. */
+static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
+                               bvx_grid *solid, bvx_solid_report *report)
+{
+    uint64_t const bytes = bvxi_grid_words(solid) * 8;
+    int const more = o->fill != BVX_FILL_VOTE;
+    double const voted = !more ? 1.0 : o->fill == BVX_FILL_REGIONS ? 0.6 : 0.5; /* progress by then */
+    double const shelled = o->fill == BVX_FILL_REGIONS ? 0.9 : 0.8;
+    uint64_t *sure = NULL;
+    bvx_grid shell = {0};
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
+    status = bvxi_vote(ctx, job, more, solid, sure, 0.1, voted, report);
+    if (status == BVX_OK && more) {
+        status = BVXI_SHARE(ctx, voted, shelled,
+                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
+        if (status == BVX_OK && o->fill == BVX_FILL_REGIONS)
+            status = BVXI_SHARE(ctx, shelled, 1.0,
+                                bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
+        if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
+            status = BVXI_SHARE(ctx, shelled, 1.0,
+                                flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
+        bvxi_shell_close(ctx, &shell);
+    }
+    bvxi_free(ctx, sure, bytes);
+    return status;
+}
+
+static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
+                               const bvxi_holes *holes, bvx_grid *solid, bvx_solid_report *report)
+{
+    bvxi_solid_job job;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
+    job.holes = holes;
+    if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
+    else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
+    else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
+    else status = fill_by_vote(ctx, &job, o, solid, report);
+    bvxi_solid_close(ctx, &job);
+    return status;
+}
+
+bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
+                           bvx_grid *solid)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    bvx_solid_report unused = {0};
+    o.fill = fill;
+    return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
+}
+
+/* A bvxi_fill_by_name_fn. */
+static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid,
+                              bvx_solid_report *report)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    o.fill = fill;
+    return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
+}
+
+static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
+                                bvx_grid *solid, bvx_solid_report *report)
+{
+    if (o->fill == BVX_FILL_AUTO) return bvxi_fill_auto(ctx, solid_name, mesh, fill_chosen, solid, report);
+    return fill_by_rule(ctx, mesh, o, NULL, solid, report);
+}
+
+/* ---- What comes after ---- */
+
+static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid,
+                                bvx_solid_report *report)
+{
+    uint64_t const words = bvxi_grid_words(solid);
+    bvx_grid shell;
+    BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
+    for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
+    bvxi_shell_close(ctx, &shell);
+    return BVX_OK;
+}
+
+static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_solid_report *report)
+{
+    bvx_certificate c;
+    BVXI_TRY(bvx_mesh_check(ctx, mesh, 1, &c));
+    report->boundary_edges = c.boundary_edges;
+    report->flipped_edges = c.flipped_edges;
+    return BVX_OK;
+}
+
+static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
+                                     const bvx_lattice *lattice, const bvx_voxelize_options *options,
+                                     bvx_grid *solid)
+{
+    bvx_voxelize_options o = voxelize_defaults;
+    bvx_solid_report report = {0};
+    double filled, shelled, checked; /* progress by then */
+    bvx_window window;
+    bvx_grid made;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
+    BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
+    bvxi_grid_renew(context, lattice, &window, solid);
+    made = *solid;
+    BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
+    report.fill = o.fill;
+    checked = o.report != NULL ? 0.8 : 1.0;
+    shelled = o.check_edges ? 0.6 * checked : checked;
+    filled = o.add_shell ? 0.6 * shelled : shelled;
+    status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
+    if (status == BVX_OK && o.add_shell)
+        status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));
+    if (status == BVX_OK && o.check_edges)
+        status = BVXI_SHARE(context, shelled, checked, count_edges(context, mesh, &report));
+    if (status == BVX_OK && o.report != NULL)
+        status = BVXI_SHARE(context, checked, 1.0,
+                            bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
+    if (status != BVX_OK) {
+        if (solid->words == NULL) bvx_grid_free(context, &made);
+        return status;
+    }
+    *solid = made;
+    if (o.report != NULL) *o.report = report;
+    return BVX_OK;
+}
+
+bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                              const bvx_voxelize_options *options, bvx_grid *solid)
+{
+    return BVXI_CALL(context, run_voxelize_solid(context, mesh, lattice, options, solid));
+}

@@ -1,0 +1,251 @@
+/* distance_transform.c - distances from the centres of a grid's voxels to set or empty ones, as squares or as
+ * lengths.
+ *
+ * Source: Meijster, Roerdink, Hesselink 2000, by tiles (transform.c). Cubic voxels: whole numbers of steps,
+ * so the spacing enters once, behind the root; where the window's diagonal is too long for 32 bits the same
+ * whole numbers are carried as doubles. SIGNED is two transforms, of which the second writes on set voxels
+ * alone. */
+#include "grid/grid.h"
+#include "morphology/transform.h"
+
+#include <math.h>
+
+enum { DISTANCE_GROUPS = 4 };
+
+#define DISTANCE_LEAST_SPACING 0x1p-400
+#define DISTANCE_MOST_SPACING  0x1p400
+#define DISTANCE_LEAST_FLOAT   0x1p-100
+#define DISTANCE_MOST_FLOAT    0x1p100
+
+typedef struct distance_job {
+    const bvx_grid *grid;
+    bvx_distance_options o;
+    uint32_t *squares; /* these, or */
+    void *values;
+    int32_t value_type, whole, inside, cpu;
+    double factor; /* of a root */
+} distance_job;
+
+/* ---- what takes the squares ---- */
+
+BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *squares,
+                                     double *BVXI_RESTRICT lengths)
+{
+    double const factor = job->inside && job->o.side == BVX_DISTANCE_SIGNED ? -job->factor : job->factor;
+
+    if (job->whole) {
+        const uint32_t *const s = squares;
+        for (int i = 0; i < BVXI_LANES; i++)
+            lengths[i] = s[i] == BVXI_FAR ? factor * (double)INFINITY : factor * sqrt((double)s[i]);
+    } else {
+        const double *const s = squares;
+        for (int i = 0; i < BVXI_LANES; i++) lengths[i] = factor * sqrt(s[i]);
+    }
+}
+
+static void store_lengths(const distance_job *job, size_t at, int32_t count, uint32_t wanted,
+                          const double *lengths)
+{
+    for (int32_t i = 0; i < count; i++) {
+        if ((wanted >> i & 1) == 0) continue;
+        if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
+        else ((double *)job->values)[at + (size_t)i] = lengths[i];
+    }
+}
+
+BVXI_VECTOR_INLINE void store_floats(float *BVXI_RESTRICT to, const double *BVXI_RESTRICT lengths)
+{
+    for (int i = 0; i < BVXI_LANES; i++) to[i] = (float)lengths[i];
+}
+
+BVXI_VECTOR_INLINE void take_lengths(const distance_job *job, size_t at, int32_t count, uint32_t wanted,
+                                     const void *squares)
+{
+    double lengths[BVXI_LANES];
+    make_lengths(job, squares, lengths);
+    if (job->value_type == BVX_F32 && count == BVXI_LANES && wanted == 0xffffu)
+        store_floats((float *)job->values + at, lengths);
+    else store_lengths(job, at, count, wanted, lengths);
+}
+
+#if BVXI_HAVE_AVX2
+BVXI_AVX2 static void take_lengths_avx2(const distance_job *job, size_t at, int32_t count, uint32_t wanted,
+                                        const void *squares)
+{
+    take_lengths(job, at, count, wanted, squares);
+}
+#endif
+
+static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t count, const void *squares,
+                         const uint64_t *nearest)
+{
+    const distance_job *const job = user;
+    const bvx_grid *const g = job->grid;
+    size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y, at = row * (size_t)g->size[0] + (size_t)x;
+    uint32_t wanted = 0xffffu;
+
+    if (job->inside && job->o.side == BVX_DISTANCE_SIGNED)
+        wanted = (uint32_t)(g->words[row * (size_t)g->words_per_row + (size_t)(x >> 6)] >> (x & 63)) &
+                 0xffffu;
+    if (wanted == 0) return;
+    for (int32_t i = 0; i < count && nearest != NULL; i++)
+        if (wanted >> i & 1) job->o.nearest[at + (size_t)i] = nearest[i];
+    if (job->squares != NULL) {
+        memcpy(job->squares + at, squares, (size_t)count * sizeof *job->squares);
+        return;
+    }
+#if BVXI_HAVE_AVX2
+    if (job->cpu == BVX_CPU_AVX2) {
+        take_lengths_avx2(job, at, count, wanted, squares);
+        return;
+    }
+#endif
+    take_lengths(job, at, count, wanted, squares);
+}
+
+/* ---- one side, or both ---- */
+
+static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t inside, double from, double to)
+{
+    const bvx_grid *const g = job->grid;
+    const double *const s = g->lattice.spacing;
+    int const cubic = s[0] == s[1] && s[0] == s[2];
+    bvxi_transform t = {0};
+
+    job->inside = inside;
+    job->factor = cubic ? s[0] : 1.0;
+    t.ctx = ctx;
+    t.stage = "distance";
+    t.from = from;
+    t.to = to;
+    t.box.words = g->words;
+    memcpy(t.box.size, g->size, sizeof t.box.size);
+    t.box.row_words = g->words_per_row;
+    t.flip = inside;
+    t.beyond = job->o.beyond == (inside ? BVX_BEYOND_EMPTY : BVX_BEYOND_SET);
+    t.whole = job->whole;
+    t.nearest = job->o.nearest != NULL;
+    t.groups = DISTANCE_GROUPS;
+    for (int a = 0; a < 3; a++) t.weight[a] = cubic ? 1.0 : s[a] * s[a];
+    t.limit = (double)INFINITY;
+    t.sink = take_squares;
+    t.user = job;
+    return bvxi_transform_run(&t);
+}
+
+static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
+{
+    int32_t const side = job->o.side;
+    const double *const s = job->grid->lattice.spacing;
+    job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
+    job->cpu = bvxi_cpu(ctx);
+    if (side != BVX_DISTANCE_SIGNED) return measure_side(ctx, job, side == BVX_DISTANCE_INSIDE, 0.0, 1.0);
+    BVXI_TRY(measure_side(ctx, job, 0, 0.0, 0.5));
+    return measure_side(ctx, job, 1, 0.5, 1.0);
+}
+
+/* ---- what is asked for ---- */
+
+static const bvx_distance_options distance_defaults = {
+    sizeof(bvx_distance_options), BVX_DISTANCE_OUTSIDE, BVX_BEYOND_NOTHING, NULL, {0, 0}};
+
+void bvx_distance_options_init(bvx_distance_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &distance_defaults, sizeof distance_defaults);
+}
+
+static const bvxi_option distance_rows[] = {
+    BVXI_CHOICE(bvx_distance_options, side, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED),
+    BVXI_CHOICE(bvx_distance_options, beyond, BVX_BEYOND_NOTHING, BVX_BEYOND_SET),
+    BVXI_RESERVED(bvx_distance_options, reserved),
+};
+
+static bvx_status check_distance(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                 const bvx_distance_options *options, uint64_t capacity, distance_job *job)
+{
+    uint64_t voxels;
+
+    memset(job, 0, sizeof *job);
+    job->o = distance_defaults;
+    BVXI_TRY(bvxi_grid_check(ctx, function, grid));
+    BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
+    BVXI_TRY(bvxi_check_options(ctx, function, &job->o, BVXI_OPTIONS(distance_rows)));
+    for (int32_t a = 0; a < 3; a++)
+        if (grid->lattice.spacing[a] < DISTANCE_LEAST_SPACING ||
+            grid->lattice.spacing[a] > DISTANCE_MOST_SPACING)
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: squares of a spacing of %g are beyond what doubles hold well", function,
+                             grid->lattice.spacing[a]);
+    /* sides of at most 2^25, words that fit memory */
+    voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
+    if (capacity < voxels)
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u numbers, the window has %u voxels",
+                         function, capacity, voxels);
+    job->grid = grid;
+    return BVX_OK;
+}
+
+static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
+                                    const bvx_distance_options *options, int32_t value_type, void *values,
+                                    uint64_t capacity)
+{
+    static const char *const function = "bvx_grid_distance";
+    distance_job job;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (values == NULL) return bvxi_fail_null(context, function, "values");
+    BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
+    if (value_type != BVX_F32 && value_type != BVX_F64)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: value_type is %d; it must be BVX_F32 or BVX_F64",
+                         function, (int64_t)value_type);
+    for (int32_t a = 0; a < 3 && value_type == BVX_F32; a++)
+        if (grid->lattice.spacing[a] < DISTANCE_LEAST_FLOAT || grid->lattice.spacing[a] > DISTANCE_MOST_FLOAT)
+            return bvxi_fail(context, BVX_ERR_RANGE,
+                             "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64",
+                             function, grid->lattice.spacing[a]);
+    job.values = values;
+    job.value_type = value_type;
+    return measure_grid_distances(context, &job);
+}
+
+bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options,
+                             int32_t value_type, void *values, uint64_t capacity)
+{
+    return BVXI_CALL(context, run_grid_distance(context, grid, options, value_type, values, capacity));
+}
+
+static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
+                                            const bvx_distance_options *options, uint32_t *squares,
+                                            uint64_t capacity)
+{
+    static const char *const function = "bvx_grid_distance_squares";
+    const double *s;
+    distance_job job;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (squares == NULL) return bvxi_fail_null(context, function, "squares");
+    BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
+    s = grid->lattice.spacing;
+    if (job.o.side == BVX_DISTANCE_SIGNED)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",
+                         function);
+    if (s[0] != s[1] || s[0] != s[2])
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: voxels of %g x %g x %g are not cubic; bvx_grid_distance takes them", function,
+                         s[0], s[1], s[2]);
+    if (!bvxi_transform_fits_whole(grid->size))
+        return bvxi_fail(
+            context, BVX_ERR_RANGE,
+            "%s: squares in a window of %d x %d x %d voxels do not fit 32 bits; take bvx_grid_distance",
+            function, (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
+    job.squares = squares;
+    return measure_grid_distances(context, &job);
+}
+
+bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
+                                     const bvx_distance_options *options, uint32_t *squares,
+                                     uint64_t capacity)
+{
+    return BVXI_CALL(context, run_grid_distance_squares(context, grid, options, squares, capacity));
+}

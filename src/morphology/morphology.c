@@ -1,0 +1,236 @@
+/* morphology.c - dilate, erode, open and close a grid, as in unbounded space, cut to its window.
+ *
+ * Source: Serra. Image Analysis and Mathematical Morphology. 1982.
+ *
+ * One operation never needs more than the window: from a voxel inside to one inside the steps can stay
+ * inside, and what is beyond counts the same before and after. Of two the first may leave something beyond
+ * the window that the second sees: where closing grows into emptiness, or opening shrinks out of what is set.
+ * Then both are done in a box that is wider by the reach on each side, along x by whole words, so that rows
+ * are copied and not shifted. */
+#include "morphology/morph.h"
+
+enum { MORPH_MOST_STEPS = 65536, MORPH_MOST_SIDE = 1 << 26 };
+
+/* ---- boxes ---- */
+
+static int32_t reach_of(const bvxi_morph *morph, int axis)
+{
+    return morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, axis);
+}
+
+static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *box)
+{
+    int ok = 1;
+    uint64_t const bytes = bvxi_mul(bvxi_mul(bvxi_mul((uint64_t)box->row_words, (uint64_t)box->size[1], &ok),
+                                             (uint64_t)box->size[2], &ok),
+                                    8, &ok);
+    box->words = NULL;
+    if (!ok || bytes > SIZE_MAX)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", stage,
+                         (int64_t)box->size[0], (int64_t)box->size[1], (int64_t)box->size[2]);
+    return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "a grid between two steps", &box->words);
+}
+
+static void free_box(bvx_context *ctx, bvxi_bit_box *box)
+{
+    bvxi_free(ctx, box->words, bvxi_box_words(box) * 8);
+    box->words = NULL;
+}
+
+/* A box around the grid's with room for the reach; *words are those along x. */
+static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, int32_t room[3],
+                            bvxi_bit_box *wide)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t const reach = reach_of(morph, a), side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
+        if (side > MORPH_MOST_SIDE)
+            return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                             "%s: a reach of %d voxels around the window is more than can be held",
+                             morph->stage, reach);
+        room[a] = (int32_t)reach;
+        wide->size[a] = grid->size[a] + 2 * (int32_t)reach;
+    }
+    room[0] = bvxi_row_words(room[0]);
+    wide->row_words = grid->words_per_row + 2 * room[0];
+    wide->size[0] = wide->row_words * BVXI_WORD_BITS;
+    return alloc_box(ctx, morph->stage, wide);
+}
+
+static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t beyond,
+                           const bvxi_bit_box *wide)
+{
+    size_t const words = (size_t)grid->words_per_row;
+    uint64_t const outside = beyond ? ~bvxi_tail_mask(grid->size[0]) : 0;
+
+    memset(wide->words, beyond ? 0xff : 0, (size_t)bvxi_box_words(wide) * 8);
+    for (size_t z = 0; z < (size_t)grid->size[2]; z++)
+        for (size_t y = 0; y < (size_t)grid->size[1]; y++) {
+            size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
+            uint64_t *const row = wide->words + at * (size_t)wide->row_words + (size_t)room[0];
+            memcpy(row, grid->words + (z * (size_t)grid->size[1] + y) * words, words * 8);
+            row[words - 1] |= outside;
+        }
+}
+
+static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_grid *result)
+{
+    size_t const words = (size_t)result->words_per_row;
+    uint64_t const tail = bvxi_tail_mask(result->size[0]);
+
+    for (size_t z = 0; z < (size_t)result->size[2]; z++)
+        for (size_t y = 0; y < (size_t)result->size[1]; y++) {
+            size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
+            uint64_t *const row = result->words + (z * (size_t)result->size[1] + y) * words;
+            memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
+            row[words - 1] &= tail;
+        }
+}
+
+/* ---- runs ---- */
+
+/* source -> first -> second, as many times as it takes; *last becomes the box that holds the result. */
+static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
+                              const bvxi_bit_box *first, const bvxi_bit_box *second,
+                              const bvxi_bit_box **last)
+{
+    if (morph->neighbourhood != 0) {
+        *last = bvxi_step_sweeps(morph, source) % 2 == 1 ? first : second;
+        return bvxi_morph_steps(ctx, morph, source, first, second);
+    }
+    *last = morph->operations == 2 ? second : first;
+    BVXI_TRY(bvxi_morph_ball(ctx, morph, morph->operation[0], 0.0, 1.0 / morph->operations, source, first));
+    return morph->operations == 2 ? bvxi_morph_ball(ctx, morph, morph->operation[1], 0.5, 1.0, first, second)
+                                  : BVX_OK;
+}
+
+static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
+                                bvx_grid *result)
+{
+    bvxi_bit_box const source = bvxi_box_of_grid(grid), target = bvxi_box_of_grid(result);
+    int32_t const runs = morph->neighbourhood != 0 ? bvxi_step_sweeps(morph, &source) : morph->operations;
+    const bvxi_bit_box *last;
+    bvxi_bit_box between = source;
+    bvx_status status;
+
+    if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
+    BVXI_TRY(alloc_box(ctx, morph->stage, &between));
+    if (runs % 2 == 1) status = run_between(ctx, morph, &source, &target, &between, &last);
+    else status = run_between(ctx, morph, &source, &between, &target, &last);
+    free_box(ctx, &between);
+    return status;
+}
+
+static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid,
+                                  bvx_grid *result)
+{
+    int32_t room[3];
+    const bvxi_bit_box *last = NULL;
+    bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
+    bvx_status status;
+
+    BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
+    other = wide;
+    status = alloc_box(ctx, morph->stage, &other);
+    if (status == BVX_OK) {
+        copy_into_wide(grid, room, morph->beyond, &wide);
+        status = run_between(ctx, morph, &wide, &other, &wide, &last);
+    }
+    if (status == BVX_OK) cut_from_wide(last, room, result);
+    free_box(ctx, &other);
+    free_box(ctx, &wide);
+    return status;
+}
+
+bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)
+{
+    int const leaves_window = morph->operations == 2 &&
+                              morph->operation[0] == (morph->beyond ? BVXI_ERODE : BVXI_DILATE);
+    return leaves_window ? run_in_wide_box(ctx, morph, grid, result)
+                         : run_in_window(ctx, morph, grid, result);
+}
+
+/* ---- what is asked for ---- */
+
+static const bvx_morph_options morph_defaults = {sizeof(bvx_morph_options), 6, 1, 0.0, 0, 0};
+
+void bvx_morph_options_init(bvx_morph_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &morph_defaults, sizeof morph_defaults);
+}
+
+static const bvxi_option morph_rows[] = {
+    BVXI_AMONG(bvx_morph_options, neighbourhood, 1 << 0 | 1 << 6 | 1 << 18 | 1 << 26),
+    BVXI_WHOLE(bvx_morph_options, steps, 1, MORPH_MOST_STEPS),
+    BVXI_REAL(bvx_morph_options, radius, 0.0, BVXI_FINITE),
+    BVXI_SWITCH(bvx_morph_options, beyond),
+    BVXI_RESERVED(bvx_morph_options, reserved),
+};
+
+static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                                     const bvx_morph_options *options, bvxi_morph *morph)
+{
+    bvx_morph_options o = morph_defaults;
+
+    BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
+    if (o.neighbourhood == 0 && o.steps != 1)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; a ball takes 1", function,
+                         (int64_t)o.steps);
+    if (o.neighbourhood != 0 && o.radius != 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be 0 unless neighbourhood is 0",
+                         function, o.radius);
+    morph->neighbourhood = o.neighbourhood;
+    morph->steps = o.steps;
+    morph->beyond = o.beyond;
+    return o.neighbourhood == 0 ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph) : BVX_OK;
+}
+
+static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                              const bvx_morph_options *options, bvxi_morph *morph, bvx_grid *result)
+{
+    bvx_window window;
+    bvx_grid made;
+    bvx_status status;
+
+    if (ctx == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
+    BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
+    memcpy(window.low, grid->low, sizeof window.low);
+    memcpy(window.size, grid->size, sizeof window.size);
+    bvxi_grid_renew(ctx, &grid->lattice, &window, result);
+    made = *result;
+    BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
+    status = bvxi_morph_run(ctx, morph, grid, &made);
+    if (status == BVX_OK) *result = made;
+    else if (result->words == NULL) bvx_grid_free(ctx, &made);
+    return status;
+}
+
+bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                           bvx_grid *result)
+{
+    bvxi_morph morph = {"dilate", {BVXI_DILATE, BVXI_DILATE}, 1, 0, 0, 0, {0, 0, 0}, 0};
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_dilate", grid, options, &morph, result));
+}
+
+bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                          bvx_grid *result)
+{
+    bvxi_morph morph = {"erode", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_erode", grid, options, &morph, result));
+}
+
+bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                         bvx_grid *result)
+{
+    bvxi_morph morph = {"open", {BVXI_ERODE, BVXI_DILATE}, 2, 0, 0, 0, {0, 0, 0}, 0};
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_open", grid, options, &morph, result));
+}
+
+bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
+                          bvx_grid *result)
+{
+    bvxi_morph morph = {"close", {BVXI_DILATE, BVXI_ERODE}, 2, 0, 0, 0, {0, 0, 0}, 0};
+    return BVXI_CALL(context, change_grid(context, "bvx_grid_close", grid, options, &morph, result));
+}

@@ -1,0 +1,373 @@
+/* transform.c - the distance transform of a box of bits: along x from the bits, along y slice by slice, along
+ * z row by row.
+ *
+ * Source: Saito, Toriwaki. New Algorithms for Euclidean Distance Transformation of an n-Dimensional Digitized
+ * Picture. 1994 (one axis after the other); the columns are those of transform_columns.c and
+ * transform_real.c.
+ *
+ * Of the whole box only the bits are held. A tile is 16 columns, or a few times 16, over all y and z: for
+ * each of its slices the steps along x are made from bits, then its columns along y; these squares are kept
+ * for the tile, and columns along z take them from there to the sink. Rows and slices without a target are
+ * left out, for all columns of a group alike. Tasks share no row of a tile, so neither threads nor tiles show
+ * in the result. */
+#include "morphology/transform.h"
+
+#include <math.h>
+
+enum { TRANSFORM_GRAIN = 1 << 15 /* voxels of the smallest task */ };
+
+/* What a worker needs. */
+typedef struct transform_scratch {
+    void *in, *out; /* columns: one group; all groups */
+    int32_t *from, *x_places, *places, *site;
+    uint64_t *nearest; /* all groups */
+    double *height, *start;
+} transform_scratch;
+
+typedef struct transform_job {
+    const bvxi_transform *t;
+    bvxi_row_distances table;
+    bvxi_row_carry *carry;  /* of each row */
+    void *tile;             /* squares [group][z][y][16], each slice of y_room rows */
+    uint64_t *tile_nearest; /* x + nx * y of their targets */
+    uint8_t *has;           /* [group][z]: the slice has a target */
+    double *inverse;
+    unsigned char *scratch;
+    uint64_t scratch_size, tile_bytes, has_bytes, inverse_bytes, carry_bytes, tile_nearest_bytes, all_scratch;
+    size_t cell, y_room;
+    int32_t longest, x, groups, pieces, reach, workers;
+} transform_job;
+
+int bvxi_transform_fits_whole(const int32_t size[3])
+{
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += (double)(size[a] - 1) * (double)(size[a] - 1);
+    return sum < 4294900000.0;
+}
+
+/* ---- memory ---- */
+
+static uint64_t scratch_bytes_of(const transform_job *job)
+{
+    uint64_t const n = (uint64_t)job->longest, lanes = n * BVXI_LANES, groups = (uint64_t)job->t->groups;
+    uint64_t bytes = lanes * job->cell * (1 + groups) + n * 16 + n * 8;
+    if (job->t->nearest) bytes += lanes * 8 * groups + lanes * 8;
+    return (bytes + 63) / 64 * 64 + 64;
+}
+
+/* The parts of a worker's block: doubles and long ones first. */
+static transform_scratch scratch_of(const transform_job *job, int32_t worker)
+{
+    size_t const n = (size_t)job->longest, lanes = n * BVXI_LANES, groups = (size_t)job->t->groups;
+    unsigned char *p = job->scratch + (size_t)worker * (size_t)job->scratch_size;
+    transform_scratch s = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
+
+    s.in = p;
+    p += lanes * job->cell;
+    s.out = p;
+    p += lanes * job->cell * groups;
+    s.height = (double *)(void *)p;
+    s.start = s.height + n;
+    p += n * 16;
+    if (job->t->nearest) {
+        s.nearest = (uint64_t *)(void *)p;
+        p += lanes * 8 * groups;
+        s.from = (int32_t *)(void *)p;
+        s.x_places = s.from + lanes;
+        p += lanes * 8;
+    }
+    s.places = (int32_t *)(void *)p;
+    s.site = s.places + n;
+    return s;
+}
+
+static bvx_status open_transform(transform_job *job)
+{
+    const bvxi_transform *const t = job->t;
+    bvx_context *const ctx = t->ctx;
+    uint64_t const ny = (uint64_t)t->box.size[1], nz = (uint64_t)t->box.size[2];
+    int ok = 1;
+
+    job->cell = t->whole ? sizeof(uint32_t) : sizeof(double);
+    job->longest = t->box.size[1] > t->box.size[2] ? t->box.size[1] : t->box.size[2];
+    job->y_room = (size_t)ny | 1; /* slices an odd number of lines apart do not share cache sets */
+    uint64_t const lines = bvxi_mul(bvxi_mul((uint64_t)job->y_room, nz, &ok),
+                                    (uint64_t)t->groups * BVXI_LANES, &ok);
+    job->tile_bytes = bvxi_mul(lines, job->cell, &ok);
+    job->tile_nearest_bytes = t->nearest ? bvxi_mul(lines, 8, &ok) : 0;
+    job->carry_bytes = bvxi_mul(ny * nz, sizeof(bvxi_row_carry), &ok);
+    job->has_bytes = (uint64_t)t->groups * nz;
+    job->inverse_bytes = (uint64_t)job->longest * sizeof(double);
+    job->scratch_size = scratch_bytes_of(job);
+    job->workers = bvxi_threads(ctx);
+    job->all_scratch = bvxi_mul(job->scratch_size, (uint64_t)job->workers, &ok);
+    if (!ok || job->tile_bytes > SIZE_MAX || job->tile_nearest_bytes > SIZE_MAX ||
+        job->all_scratch > SIZE_MAX)
+        return bvxi_fail(ctx, BVX_ERR_BUDGET,
+                         "%s: a tile of the distances is beyond this machine's addresses", t->stage);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->tile_bytes, "a tile of distances", &job->tile));
+    if (t->nearest)
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->tile_nearest_bytes, "a tile of nearest voxels",
+                            &job->tile_nearest));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->carry_bytes, "the rows' nearest voxels", &job->carry));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->has_bytes, "the slices' marks", &job->has));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->inverse_bytes, "a table of inverses", &job->inverse));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, job->all_scratch, "the workers' columns", &job->scratch);
+}
+
+static void close_transform(transform_job *job)
+{
+    bvx_context *const ctx = job->t->ctx;
+    bvxi_free(ctx, job->scratch, job->all_scratch);
+    bvxi_free(ctx, job->inverse, job->inverse_bytes);
+    bvxi_free(ctx, job->has, job->has_bytes);
+    bvxi_free(ctx, job->carry, job->carry_bytes);
+    bvxi_free(ctx, job->tile_nearest, job->tile_nearest_bytes);
+    bvxi_free(ctx, job->tile, job->tile_bytes);
+}
+
+static bvxi_columns columns_of(const transform_job *job, const transform_scratch *s, int axis)
+{
+    bvxi_columns c = {NULL, NULL, NULL, NULL, 0, 0, 0, 0.0, NULL, NULL, NULL, NULL};
+
+    c.from = s->from;
+    c.places = s->places;
+    c.n = job->t->box.size[axis];
+    c.cpu = bvxi_cpu(job->t->ctx);
+    c.weight = job->t->weight[axis];
+    c.inverse = job->inverse;
+    c.height = s->height;
+    c.start = s->start;
+    c.site = s->site;
+    return c;
+}
+
+static void run_columns(const transform_job *job, const bvxi_columns *c)
+{
+    if (job->t->whole) bvxi_whole_columns(c);
+    else bvxi_real_columns(c);
+}
+
+/* ---- along x and y: a slice of a tile ---- */
+
+static void square_steps(const transform_job *job, const int32_t steps[BVXI_LANES], void *line)
+{
+    if (job->t->whole) {
+        uint32_t *const out = line;
+        for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
+    } else {
+        double *const out = line;
+        double const w = job->t->weight[0];
+        for (int i = 0; i < BVXI_LANES; i++) out[i] = w * ((double)steps[i] * (double)steps[i]);
+    }
+}
+
+/* Squares along x of the 16 columns from x on, into s->in; which rows have
+ * any goes to s->places. Returns how many. */
+static int32_t make_rows(const transform_job *job, const transform_scratch *s, int32_t x, int32_t z)
+{
+    const bvxi_bit_box *const box = &job->t->box;
+    uint64_t const flip = job->t->flip ? ~UINT64_C(0) : 0;
+    int32_t count = 0;
+
+    for (int32_t y = 0; y < box->size[1]; y++) {
+        size_t const number = (size_t)z * (size_t)box->size[1] + (size_t)y;
+        const uint64_t *const row = box->words + number * (size_t)box->row_words;
+        bvxi_row_carry *const carry = &job->carry[number];
+        int32_t steps[BVXI_LANES];
+        if (x == 0) bvxi_row_carry_start(carry, row, box->size[0], flip);
+        else bvxi_row_carry_next(carry, row, box->size[0], flip, x);
+        if (!bvxi_row_steps(&job->table, carry, row, box->size[0], flip, x, job->reach, steps,
+                            s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
+            continue;
+        square_steps(job, steps, (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell);
+        s->places[count++] = y;
+    }
+    return count;
+}
+
+static void run_slice(const transform_job *job, const transform_scratch *s, int32_t group, int32_t z)
+{
+    const int32_t *const size = job->t->box.size;
+    size_t const slice = (size_t)group * (size_t)size[2] + (size_t)z;
+    size_t const first = slice * job->y_room * BVXI_LANES;
+    bvxi_columns c = columns_of(job, s, 1);
+
+    c.place_count = make_rows(job, s, job->x + group * BVXI_LANES, z);
+    job->has[slice] = c.place_count != 0;
+    if (c.place_count == 0) return;
+    c.in = s->in;
+    c.out = (unsigned char *)job->tile + first * job->cell;
+    run_columns(job, &c);
+    for (int32_t y = 0; y < size[1] && job->t->nearest; y++)
+        for (int32_t i = 0; i < BVXI_LANES; i++) {
+            size_t const at = (size_t)y * BVXI_LANES + (size_t)i;
+            int32_t const from = s->from[at];
+            job->tile_nearest[first + at] = (uint64_t)from * (uint64_t)size[0] +
+                                            (uint64_t)s->x_places[(size_t)from * BVXI_LANES + (size_t)i];
+        }
+}
+
+static void run_slices(void *user, int32_t index, int32_t worker)
+{
+    const transform_job *const job = user;
+    transform_scratch const s = scratch_of(job, worker);
+    uint64_t begin, end;
+    bvxi_piece((uint64_t)job->t->box.size[2], job->pieces, index, &begin, &end);
+    for (uint64_t z = begin; z < end; z++)
+        for (int32_t g = 0; g < job->groups; g++) run_slice(job, &s, g, (int32_t)z);
+}
+
+/* ---- along z: a row of columns of a tile ---- */
+
+/* The nearest place beyond the box lies straight along an axis. */
+static int32_t steps_out(int32_t i, int32_t n)
+{
+    return i + 1 < n - i ? i + 1 : n - i;
+}
+
+static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int32_t z, void *squares,
+                             uint64_t *nearest)
+{
+    const bvxi_transform *const t = job->t;
+    double const ky = (double)steps_out(y, t->box.size[1]), kz = (double)steps_out(z, t->box.size[2]);
+    double const cy = t->weight[1] * (ky * ky), cz = t->weight[2] * (kz * kz), most = cy < cz ? cy : cz;
+    uint32_t *const whole = squares;
+    double *const real = squares;
+
+    for (int32_t i = 0; i < BVXI_LANES && x + i < t->box.size[0]; i++) {
+        double const kx = (double)steps_out(x + i, t->box.size[0]);
+        double const cx = t->weight[0] * (kx * kx);
+        double const cap = cx < most ? cx : most;
+        int const less = t->whole ? cap < (double)whole[i] : cap < real[i];
+        if (!less) continue;
+        if (t->whole) whole[i] = (uint32_t)cap;
+        else real[i] = cap;
+        if (nearest != NULL) nearest[i] = UINT64_MAX;
+    }
+}
+
+static void fill_far(const transform_job *job, void *out, uint64_t *nearest)
+{
+    size_t const count = (size_t)job->t->box.size[2] * BVXI_LANES;
+    for (size_t i = 0; i < count; i++) {
+        if (job->t->whole) ((uint32_t *)out)[i] = BVXI_FAR;
+        else ((double *)out)[i] = (double)INFINITY;
+    }
+    for (size_t i = 0; i < count && nearest != NULL; i++) nearest[i] = UINT64_MAX;
+}
+
+/* Targets of all columns as linear indices. */
+static void find_nearest(const transform_job *job, const transform_scratch *s, int32_t group, int32_t y,
+                         uint64_t *nearest)
+{
+    const int32_t *const size = job->t->box.size;
+    uint64_t const slice = (uint64_t)size[0] * (uint64_t)size[1];
+
+    for (size_t z = 0; z < (size_t)size[2]; z++)
+        for (size_t i = 0; i < BVXI_LANES; i++) {
+            size_t const from = (size_t)s->from[z * BVXI_LANES + i];
+            size_t const line = ((size_t)group * (size_t)size[2] + from) * job->y_room + (size_t)y;
+            nearest[z * BVXI_LANES + i] = job->tile_nearest[line * BVXI_LANES + i] + from * slice;
+        }
+}
+
+static void run_group_of_row(const transform_job *job, const transform_scratch *s, int32_t group, int32_t y)
+{
+    size_t const nz = (size_t)job->t->box.size[2];
+    size_t const line = BVXI_LANES * job->cell;
+    size_t const room = (size_t)job->longest * BVXI_LANES;
+    unsigned char *const out = (unsigned char *)s->out + (size_t)group * room * job->cell;
+    uint64_t *const nearest = s->nearest != NULL ? s->nearest + (size_t)group * room : NULL;
+    bvxi_columns c = columns_of(job, s, 2);
+
+    for (size_t z = 0; z < nz; z++) {
+        size_t const slice = (size_t)group * nz + z;
+        if (!job->has[slice]) continue;
+        memcpy((unsigned char *)s->in + z * line,
+               (unsigned char *)job->tile + (slice * job->y_room + (size_t)y) * line, line);
+        s->places[c.place_count++] = (int32_t)z;
+    }
+    if (c.place_count == 0) {
+        fill_far(job, out, nearest);
+        return;
+    }
+    c.in = s->in;
+    c.out = out;
+    run_columns(job, &c);
+    if (nearest != NULL) find_nearest(job, s, group, y, nearest);
+}
+
+static void run_row(const transform_job *job, const transform_scratch *s, int32_t y)
+{
+    const bvxi_transform *const t = job->t;
+
+    for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, s, g, y);
+    for (int32_t z = 0; z < t->box.size[2]; z++)
+        for (int32_t g = 0; g < job->groups; g++) {
+            size_t const at = ((size_t)g * (size_t)job->longest + (size_t)z) * BVXI_LANES;
+            int32_t const x = job->x + g * BVXI_LANES, left = t->box.size[0] - x;
+            void *const squares = (unsigned char *)s->out + at * job->cell;
+            uint64_t *const nearest = s->nearest != NULL ? s->nearest + at : NULL;
+            if (t->beyond) lessen_by_beyond(job, x, y, z, squares, nearest);
+            t->sink(t->user, x, y, z, left < BVXI_LANES ? left : BVXI_LANES, squares, nearest);
+        }
+}
+
+static void run_rows(void *user, int32_t index, int32_t worker)
+{
+    const transform_job *const job = user;
+    transform_scratch const s = scratch_of(job, worker);
+    uint64_t begin, end;
+    bvxi_piece((uint64_t)job->t->box.size[1], job->pieces, index, &begin, &end);
+    for (uint64_t y = begin; y < end; y++) run_row(job, &s, (int32_t)y);
+}
+
+/* ---- tile by tile ---- */
+
+static bvx_status run_tile(transform_job *job, double from, double to)
+{
+    const bvxi_transform *const t = job->t;
+    const int32_t *const size = t->box.size;
+    uint64_t const voxels = (uint64_t)size[1] * (uint64_t)size[2] * BVXI_LANES * (uint64_t)job->groups;
+    int32_t const pieces = bvxi_piece_count(voxels, TRANSFORM_GRAIN);
+
+    job->pieces = pieces < size[2] ? pieces : size[2];
+    BVXI_TRY(bvxi_parallel(t->ctx, t->stage, from, (from + to) * 0.5, job->pieces, run_slices, job));
+    job->pieces = pieces < size[1] ? pieces : size[1];
+    return bvxi_parallel(t->ctx, t->stage, (from + to) * 0.5, to, job->pieces, run_rows, job);
+}
+
+static bvx_status run_tiles(transform_job *job)
+{
+    const bvxi_transform *const t = job->t;
+    double const share = (t->to - t->from) / (double)t->box.size[0];
+    double const reach = sqrt(t->limit / t->weight[0]);
+    int32_t const width = BVXI_LANES * t->groups;
+
+    job->reach = reach < 134217728.0 ? (int32_t)reach + 1 : 134217728;
+    bvxi_row_distances_start(&job->table);
+    for (int32_t i = 1; i < job->longest; i++) job->inverse[i] = 0.5 / (double)i;
+    job->inverse[0] = 0.0;
+    for (int32_t x = 0; x < t->box.size[0]; x += width) {
+        int32_t const left = t->box.size[0] - x, groups = (left + BVXI_LANES - 1) / BVXI_LANES;
+        job->x = x;
+        job->groups = groups < t->groups ? groups : t->groups;
+        BVXI_TRY(run_tile(job, t->from + share * (double)x,
+                          t->from + share * (double)(left < width ? t->box.size[0] : x + width)));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_transform_run(const bvxi_transform *transform)
+{
+    transform_job job;
+    bvx_status status;
+
+    memset(&job, 0, sizeof job);
+    job.t = transform;
+    status = open_transform(&job);
+    if (status == BVX_OK) status = run_tiles(&job);
+    close_transform(&job);
+    return status;
+}

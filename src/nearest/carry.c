@@ -1,0 +1,226 @@
+/* carry.c - colours and texture coordinates from one mesh to the vertices of another.
+ *
+ * Each vertex of the target asks for the source's nearest point (closest_query.c) and blends what the corners
+ * of that triangle have by its barycentric weights, in doubles. Colours are rounded to the nearest whole
+ * number, halves upwards; texture coordinates once, to floats. A vertex on a corner of the source takes its
+ * values unchanged. Both frames count: the target's positions are moved by their difference. Vertices do not
+ * depend on each other, so threads never show. New arrays replace old ones when all of it is done. */
+#include "nearest/closest_query.h"
+#include "mesh/mesh.h"
+#include "mesh/view.h"
+
+enum { CARRY_GRAIN = 64 /* least vertices a piece */ };
+
+typedef struct carry_work {
+    const bvx_mesh *source;
+    bvx_mesh_view from, to; /* views of source and target */
+    double shift[3];        /* adds to the target's positions to reach the source's frame */
+    bvx_closest closest;
+    uint8_t *colours; /* new, or NULL */
+    float *uvs;       /* new, or NULL */
+    int32_t pieces;
+} carry_work;
+
+/* ---- One vertex ---- */
+
+static uint8_t round_colour(double v)
+{
+    double const up = v + 0.5;
+    return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
+}
+
+static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)
+{
+    const uint8_t *c[3];
+    uint32_t corner[3];
+    bvxi_view_triangle(&w->from, at->triangle, corner);
+    for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
+    for (int i = 0; i < 4; i++)
+        w->colours[4 * vertex + (uint64_t)i] = round_colour(
+            at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i]);
+}
+
+/* Numbers into the source's uvs of a triangle's corners. */
+static void corner_uvs(const bvx_mesh *source, uint64_t triangle, uint32_t number[3])
+{
+    const uint32_t *const from = source->uv_triangles != NULL ? source->uv_triangles : source->triangles;
+    memcpy(number, from + 3 * (size_t)triangle, 3 * sizeof *number);
+}
+
+static void blend_uvs(const carry_work *w, const bvx_closest_point *at, uint64_t vertex)
+{
+    const float *c[3];
+    uint32_t number[3];
+    corner_uvs(w->source, at->triangle, number);
+    for (int k = 0; k < 3; k++) c[k] = w->source->uvs + 2 * (size_t)number[k];
+    for (int i = 0; i < 2; i++)
+        w->uvs[2 * vertex + (uint64_t)i] = (float)(at->weight[0] * (double)c[0][i] +
+                                                   at->weight[1] * (double)c[1][i] +
+                                                   at->weight[2] * (double)c[2][i]);
+}
+
+static void carry_piece(void *user, int32_t index, int32_t worker)
+{
+    const carry_work *const w = user;
+    bvx_closest_point at;
+    uint32_t hint = 0;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(w->to.vertex_count, w->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        double p[3];
+        bvxi_view_position(&w->to, i, p);
+        for (int a = 0; a < 3; a++) p[a] += w->shift[a];
+        bvxi_closest_ask(&w->closest, p, &hint, &at);
+        if (w->colours != NULL) blend_colours(w, &at, i);
+        if (w->uvs != NULL) blend_uvs(w, &at, i);
+    }
+}
+
+/* ---- Checks ---- */
+
+static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                         (int64_t)mesh->position_type);
+    if (mesh->triangles == NULL && mesh->triangle_count != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
+                         function, mesh->triangle_count);
+    if (!bvxi_view_finite(mesh->frame))
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: mesh.frame is not finite",
+                             function);
+    return bvxi_mesh_check_reserved(ctx, function, mesh);
+}
+
+static int is_finite_uv(const float *uv)
+{
+    return (uv[0] - uv[0]) + (uv[1] - uv[1]) == 0.0f;
+}
+
+/* All texture coordinates that triangles use are there and finite. Triangles hold vertices by now. */
+static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const bvx_mesh *source)
+{
+    if (source->uvs == NULL && source->uv_triangles != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uv_triangles is given and mesh.uvs is NULL",
+                         function);
+    if (source->uvs == NULL) return BVX_OK;
+    for (uint64_t t = 0; t < source->triangle_count; t++) {
+        uint32_t number[3];
+        corner_uvs(source, t, number);
+        for (int k = 0; k < 3; k++) {
+            if (number[k] >= source->uv_count)
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: triangle %i has texture coordinate number %u, but there are %u",
+                                 function, t, (uint64_t)number[k], source->uv_count);
+            if (!is_finite_uv(source->uvs + 2 * (size_t)number[k]))
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: texture coordinate %i is not finite", function,
+                                     (uint64_t)number[k]);
+        }
+    }
+    return BVX_OK;
+}
+
+static bvx_status check_target(bvx_context *ctx, const char *function, const bvx_mesh *target, carry_work *w)
+{
+    BVXI_TRY(check_carried_mesh(ctx, function, target));
+    if (target->owned == 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: its arrays are not the library's own, so it cannot be given others", function);
+    if (target->vertex_count > target->vertex_capacity)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_count is %u with a vertex_capacity of %u",
+                         function, target->vertex_count, target->vertex_capacity);
+    if (target->vertex_capacity > UINT64_MAX / 24) /* the bytes of an array are a number */
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_capacity is %u, more than any memory holds",
+                         function, target->vertex_capacity);
+    bvx_mesh_view_of(target, &w->to);
+    BVXI_TRY(bvxi_view_check(ctx, function, &w->to));
+    for (int a = 0; a < 3; a++) w->shift[a] = target->frame[a] - w->source->frame[a];
+    for (uint64_t i = 0; i < target->vertex_count; i++) {
+        double p[3];
+        bvxi_view_position(&w->to, i, p);
+        if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, &w->to, i);
+        for (int a = 0; a < 3; a++) p[a] += w->shift[a];
+        if (!bvxi_view_finite(p))
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: vertex %i is beyond a double's range in the source's frame", function, i);
+    }
+    return BVX_OK;
+}
+
+/* ---- The whole ---- */
+
+/* New arrays for what the source has; vertices that the capacity leaves unused are zero. */
+static bvx_status make_carried_arrays(bvx_context *ctx, const bvx_mesh *target, carry_work *w)
+{
+    uint64_t const capacity = target->vertex_capacity;
+    if (w->source->colours != NULL)
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, capacity * 4, "the carried colours", &w->colours));
+    if (w->source->uvs != NULL)
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, capacity * 8, "the carried texture coordinates", &w->uvs));
+    return BVX_OK;
+}
+
+static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const carry_work *w)
+{
+    if (w->colours != NULL) {
+        bvxi_free(ctx, target->colours, target->vertex_capacity * 4);
+        target->colours = w->colours;
+    }
+    if (w->uvs != NULL) {
+        bvxi_free(ctx, target->uv_triangles, target->triangle_capacity * 12);
+        bvxi_free(ctx, target->uvs, target->uv_count * 8);
+        target->uvs = w->uvs;
+        target->uv_triangles = NULL;
+        target->uv_count = target->vertex_capacity;
+    }
+}
+
+/* With the search tree built: carry, or leave the target as it was. */
+static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry_work *w, bvx_mesh *target)
+{
+    bvx_status status;
+
+    BVXI_TRY(check_source_uvs(ctx, of_source, w->source));
+    status = make_carried_arrays(ctx, target, w);
+    w->pieces = bvxi_piece_count(target->vertex_count, CARRY_GRAIN);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "carry", 0.3, 1.0, w->pieces, carry_piece, w);
+    if (status == BVX_OK) {
+        replace_carried_arrays(ctx, target, w);
+    } else {
+        bvxi_free(ctx, w->uvs, target->vertex_capacity * 8);
+        bvxi_free(ctx, w->colours, target->vertex_capacity * 4);
+    }
+    return status;
+}
+
+static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
+{
+    static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
+    carry_work w;
+    bvx_status status;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (source == NULL) return bvxi_fail_null(context, function, "source");
+    if (target == NULL) return bvxi_fail_null(context, function, "target");
+    if (source == target)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: source and target are one mesh", function);
+    memset(&w, 0, sizeof w);
+    w.source = source;
+    BVXI_TRY(check_carried_mesh(context, of_source, source));
+    bvx_mesh_view_of(source, &w.from);
+    BVXI_TRY(check_target(context, "bvx_mesh_carry, target", target, &w));
+    if (source->colours == NULL && source->uvs == NULL && source->uv_triangles == NULL) return BVX_OK;
+
+    BVXI_TRY(bvxi_closest_open(context, of_source, "carry", 0.0, 0.3, &w.from, &w.closest));
+    status = carry_with_tree(context, of_source, &w, target);
+    bvxi_closest_shut(context, &w.closest);
+    return status;
+}
+
+bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target)
+{
+    return BVXI_CALL(context, run_mesh_carry(context, source, target));
+}

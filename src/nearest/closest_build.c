@@ -1,0 +1,311 @@
+/* closest_build.c - a hierarchy of boxes over triangles.
+ *
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four
+ * neighbours into a node, level by level; no pointers, no recursion, the shape follows from the count alone.
+ * The curve is Morton's over the centres of the triangles' boxes; equal places keep the order of triangle
+ * numbers, or are ordered by a hash of the corners' positions where no numbering may show.
+ * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
+#include "nearest/closest.h"
+#include "bits/curve.h"
+#include "mesh/facet.h"
+#include "mesh/radix.h"
+#include "mesh/scale.h"
+#include "mesh/view.h"
+
+enum {
+    CLOSEST_BITS = 16,   /* of the curve along each axis */
+    CLOSEST_FEW = 16,    /* triangles of one key that are sorted one by one */
+    CLOSEST_GRAIN = 4096 /* least triangles or nodes a task */
+};
+
+typedef struct closest_builder {
+    bvxi_closest_tree *tree;
+    const bvx_mesh_view *view;
+    uint64_t *keys;
+    int32_t pieces;
+    int unnumbered; /* 1: the numbers of triangles, vertices and corners do not show */
+} closest_builder;
+
+/* Bounds of a triangle in box units. */
+static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3][3], double low[3],
+                                 double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double lo = t[0][a], hi = t[0][a];
+        for (int k = 1; k < 3; k++) {
+            lo = t[k][a] < lo ? t[k][a] : lo;
+            hi = t[k][a] > hi ? t[k][a] : hi;
+        }
+        low[a] = (lo - tree->centre[a]) * tree->box_scale;
+        high[a] = (hi - tree->centre[a]) * tree->box_scale;
+    }
+}
+
+/* Place on the curve; box units lie in [-1, 1]. */
+static uint64_t curve_key(const double low[3], const double high[3])
+{
+    double const most = (double)((1 << CLOSEST_BITS) - 1);
+    uint64_t key = 0;
+    for (int a = 0; a < 3; a++) {
+        double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
+        key |= bvxi_curve_spread(x <= 0.0 ? 0 : x >= most ? (uint64_t)most : (uint64_t)x) << a;
+    }
+    return key;
+}
+
+static void make_curve_keys(void *user, int32_t index, int32_t worker)
+{
+    const closest_builder *const b = user;
+    double t[3][3], low[3], high[3];
+    uint32_t c[3];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(b->tree->triangle_count, b->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_view_triangle(b->view, i, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(b->view, c[k], t[k]);
+            for (int a = 0; a < 3; a++) t[k][a] *= b->tree->scale;
+        }
+        closest_triangle_box(b->tree, (const double(*)[3])t, low, high);
+        b->keys[i] = curve_key(low, high);
+        b->tree->order[i] = (uint32_t)i;
+    }
+}
+
+/* Floats outside by one to three units in the last place, without a look back
+ * at what rounding did: some compilers (gcc 12) take a rounding to float away
+ * when its result is widened again. Box units are far from a float's ends. */
+static float float_below(double x)
+{
+    float const f = (float)x;
+    return f - (f < 0.0f ? -f : f) * 0x1p-23f - 0x1p-120f;
+}
+
+static float float_above(double x)
+{
+    return -float_below(-x);
+}
+
+/* Turn a triangle's corners: the lowest position first, of two such corners the one whose next is lower. */
+static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
+{
+    double p[3][3];
+    uint32_t const was[3] = {c[0], c[1], c[2]};
+    int first = 0;
+
+    for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+    for (int k = 1; k < 3; k++)
+        if (bvxi_corner_before(p[k], p[first]) ||
+            (!bvxi_corner_before(p[first], p[k]) && bvxi_corner_before(p[(k + 1) % 3], p[(first + 1) % 3])))
+            first = k;
+    for (int k = 0; k < 3; k++) c[k] = was[(first + k) % 3];
+}
+
+static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
+{
+    uint32_t c[3];
+
+    bvxi_view_triangle(view, triangle, c);
+    turn_to_lowest(view, c);
+    return bvxi_view_corners_hash(view, c);
+}
+
+/* A few triangles of one key by their hashes, which are in keys. */
+static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
+{
+    for (uint64_t i = 1; i < count; i++) {
+        uint64_t const key = keys[i];
+        uint32_t const triangle = order[i];
+        uint64_t j = i;
+
+        for (; j > 0 && keys[j - 1] > key; j--) {
+            keys[j] = keys[j - 1];
+            order[j] = order[j - 1];
+        }
+        keys[j] = key;
+        order[j] = triangle;
+    }
+}
+
+/* Triangles of equal keys by a hash of their positions; keys are used up. */
+static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
+{
+    uint64_t const n = b->tree->triangle_count;
+    uint64_t end;
+
+    for (uint64_t first = 0; first < n; first = end) {
+        for (end = first + 1; end < n && b->keys[end] == b->keys[first]; end++) {}
+        if (end - first == 1) continue;
+
+        for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
+        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
+        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+    }
+    return BVX_OK;
+}
+
+static void copy_curve_corners(const closest_builder *b, uint64_t place)
+{
+    size_t const point = b->tree->position_type == BVX_F32 ? 12 : 24;
+    unsigned char *const to = (unsigned char *)b->tree->corners + 3 * point * (size_t)place;
+    uint32_t c[3];
+    bvxi_view_triangle(b->view, b->tree->order[place], c);
+    if (b->unnumbered) turn_to_lowest(b->view, c);
+    for (size_t k = 0; k < 3; k++) memcpy(to + k * point, bvxi_view_position_at(b->view, c[k]), point);
+}
+
+static void fill_lowest_boxes(void *user, int32_t index, int32_t worker)
+{
+    const closest_builder *const b = user;
+    bvxi_closest_tree *const tree = b->tree;
+    double t[3][3], low[3], high[3];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(tree->level_nodes[0], b->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const first = i * BVXI_CLOSEST_WIDTH;
+        int const n = bvxi_closest_children(tree->triangle_count, first);
+        memset(&tree->nodes[i], 0, sizeof tree->nodes[i]); /* slots without a triangle hold numbers too */
+        for (int k = 0; k < n; k++) {
+            copy_curve_corners(b, first + (uint64_t)k);
+            bvxi_closest_corners(tree, first + (uint64_t)k, t);
+            closest_triangle_box(tree, (const double(*)[3])t, low, high);
+            for (int a = 0; a < 3; a++) {
+                tree->nodes[i].low[a][k] = float_below(low[a]);
+                tree->nodes[i].high[a][k] = float_above(high[a]);
+            }
+        }
+    }
+}
+
+/* Boxes around the nodes of the level below; slots counts what those nodes hold. */
+static void fill_box_level(bvxi_closest_tree *tree, int32_t level, uint64_t slots)
+{
+    const bvxi_closest_node *const from = tree->nodes + tree->level_first[level - 1];
+    bvxi_closest_node *const to = tree->nodes + tree->level_first[level];
+
+    memset(to, 0, (size_t)tree->level_nodes[level] * sizeof *to);
+    for (uint64_t i = 0; i < tree->level_nodes[level - 1]; i++) {
+        bvxi_closest_node *const node = &to[i / BVXI_CLOSEST_WIDTH];
+        int const used = bvxi_closest_children(slots, i * BVXI_CLOSEST_WIDTH);
+        for (int a = 0; a < 3; a++) {
+            float low = from[i].low[a][0], high = from[i].high[a][0];
+            for (int j = 1; j < used; j++) {
+                low = from[i].low[a][j] < low ? from[i].low[a][j] : low;
+                high = from[i].high[a][j] > high ? from[i].high[a][j] : high;
+            }
+            node->low[a][i % BVXI_CLOSEST_WIDTH] = low;
+            node->high[a][i % BVXI_CLOSEST_WIDTH] = high;
+        }
+    }
+}
+
+static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], const double high[3],
+                              double scale, bvxi_closest_tree *tree)
+{
+    uint64_t n = view->triangle_count;
+    double half[3], minus[3];
+
+    memset(tree, 0, sizeof *tree);
+    tree->triangle_count = n;
+    tree->position_type = (int32_t)view->position_type;
+    tree->scale = scale;
+    for (int a = 0; a < 3; a++) {
+        tree->centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
+        half[a] = (high[a] * scale - low[a] * scale) * 0.5;
+        minus[a] = -half[a];
+    }
+    tree->box_scale = bvxi_unit_scale(minus, half);
+    do {
+        n = (n + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
+        tree->level_first[tree->level_count] = tree->node_count;
+        tree->level_nodes[tree->level_count++] = n;
+        tree->node_count += n;
+    } while (n > 1);
+}
+
+static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
+{
+    return tree->triangle_count * (tree->position_type == BVX_F32 ? 36 : 72);
+}
+
+static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double from, double to,
+                                   closest_builder *b)
+{
+    uint64_t const n = b->tree->triangle_count;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
+    b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
+    status = bvxi_parallel(ctx, stage, from, to, b->pieces, make_curve_keys, b);
+    if (status == BVX_OK) status = bvxi_radix_sort(ctx, b->keys, b->tree->order, n);
+    if (status == BVX_OK && b->unnumbered) status = order_by_positions(ctx, b);
+    bvxi_free(ctx, b->keys, n * sizeof *b->keys);
+    return status;
+}
+
+static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double from, double to,
+                                     closest_builder *b)
+{
+    bvxi_closest_tree *const tree = b->tree;
+    double const middle = (from + to) * 0.5;
+    uint64_t const order_bytes = tree->triangle_count * sizeof *tree->order;
+    uint64_t const node_bytes = tree->node_count * sizeof *tree->nodes;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
+    BVXI_TRY(sort_along_curve(ctx, stage, from, middle, b));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
+                        &tree->corners));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
+    b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
+    BVXI_TRY(bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_lowest_boxes, b));
+    for (int32_t l = 1; l < tree->level_count; l++)
+        fill_box_level(tree, l, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2]);
+    return BVX_OK;
+}
+
+static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from, double to,
+                                closest_builder *b)
+{
+    bvx_status const status = build_closest_tree(ctx, stage, from, to, b);
+
+    if (status != BVX_OK) bvxi_closest_free(ctx, b->tree);
+    return status;
+}
+
+bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to,
+                              const bvx_mesh_view *view, const double low[3], const double high[3],
+                              double scale, bvxi_closest_tree *tree)
+{
+    closest_builder b = {.tree = tree, .view = view};
+
+    plan_closest_tree(view, low, high, scale, tree);
+    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+    return build_or_free(ctx, stage, from, to, &b);
+}
+
+bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to,
+                                         const bvx_mesh_view *view, const double low[3], const double high[3],
+                                         double scale, bvxi_closest_tree *tree)
+{
+    closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
+
+    plan_closest_tree(view, low, high, scale, tree);
+    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+    BVXI_TRY(build_or_free(ctx, stage, from, to, &b));
+
+    /* Of equally near triangles the one that comes first along the curve counts. */
+    for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;
+    return BVX_OK;
+}
+
+void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree)
+{
+    bvxi_free(ctx, tree->nodes, tree->node_count * sizeof *tree->nodes);
+    bvxi_free(ctx, tree->corners, closest_corner_bytes(tree));
+    bvxi_free(ctx, tree->order, tree->triangle_count * sizeof *tree->order);
+    memset(tree, 0, sizeof *tree);
+}

@@ -1,0 +1,272 @@
+/* distance.c - how far two meshes are apart, by samples.
+ *
+ * Sample i of n takes its place in the i-th n-th of the surface's area, the triangles lying along the search
+ * tree's curve through space (stratified, so noise falls faster than with independent points, and the next
+ * search finds its boxes where the last one left them; no numbering of the mesh shows), and a uniform place
+ * in the triangle that owns it. Its random numbers come from a counter, so samples do not depend on each
+ * other. The closest point of the other mesh is exact up to rounding.
+ * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never
+ * show.
+ * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
+ * 2014. */
+#include "nearest/distance.h"
+#include "mesh/facet.h"
+#include "mesh/scale.h"
+#include "mesh/view.h"
+
+#include <math.h>
+
+typedef struct distance_sums {
+    double sum, max, normal_sum;
+    uint64_t normal_count;
+} distance_sums;
+
+typedef struct distance_work {
+    const bvxi_closest_tree *from, *to;
+    /* twice the area along the curve up to and with place i [Size: triangles of from] */
+    const double *area_before;
+    uint64_t samples, key;
+    int32_t blocks;
+    distance_sums *sums; /* [Size: blocks] */
+} distance_work;
+
+static uint64_t distance_mix(uint64_t z)
+{
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return z ^ z >> 31;
+}
+
+/* Random number of a counter, in [0, 1). */
+static double distance_random(uint64_t key, uint64_t counter)
+{
+    return (double)(distance_mix(key + (counter + 1) * UINT64_C(0x9e3779b97f4a7c15)) >> 11) * 0x1p-53;
+}
+
+static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
+{
+    double t[3][3], n[3], sum = 0.0;
+    for (uint64_t i = 0; i < tree->triangle_count; i++) {
+        bvxi_closest_corners(tree, i, t);
+        sum += bvxi_facet_normal((const double(*)[3])t, n);
+        area_before[i] = sum;
+    }
+}
+
+/* Which place of the curve owns a share of the area; never that of a triangle without area. */
+static uint64_t owner_of_area(const double *area_before, uint64_t count, double share)
+{
+    uint64_t low = 0, high = count - 1;
+
+    /* rounding reached the end */
+    if (share >= area_before[high]) share = area_before[high] * (1.0 - 0x1p-53);
+    while (low < high) {
+        uint64_t const middle = low + (high - low) / 2;
+        if (area_before[middle] > share) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
+static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closest *nearest, distance_sums *s)
+{
+    const bvxi_closest_tree *const from = w->from;
+    double const total = w->area_before[from->triangle_count - 1];
+    double const share = ((double)i + distance_random(w->key, 3 * i)) / (double)w->samples * total;
+    double const r = sqrt(distance_random(w->key, 3 * i + 1)), q = distance_random(w->key, 3 * i + 2);
+    double t[3][3], p[3], n[3], m[3], d;
+
+    bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
+    for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
+    double const length = bvxi_facet_normal((const double(*)[3])t, n);
+    bvxi_closest_find(w->to, p, nearest->place, nearest);
+    d = sqrt(nearest->distance2);
+    s->sum += d;
+    s->max = d > s->max ? d : s->max;
+    bvxi_closest_corners(w->to, nearest->place, t);
+    double const other = bvxi_facet_normal((const double(*)[3])t, m);
+    if (other > 0.0) {
+        double const cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / length / other;
+        s->normal_sum += cosine < 1.0 ? 1.0 - cosine : 0.0;
+        s->normal_count++;
+    }
+}
+
+static void measure_distance_block(void *user, int32_t index, int32_t worker)
+{
+    const distance_work *const w = user;
+    distance_sums s = {0.0, 0.0, 0.0, 0};
+    bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(w->samples, w->blocks, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
+    w->sums[index] = s;
+}
+
+typedef struct distance_way {
+    double mean, max, normal;
+} distance_way;
+
+static void add_distance_blocks(const distance_work *w, distance_way *way)
+{
+    distance_sums all = {0.0, 0.0, 0.0, 0};
+
+    for (int32_t b = 0; b < w->blocks; b++) {
+        all.sum += w->sums[b].sum;
+        all.max = w->sums[b].max > all.max ? w->sums[b].max : all.max;
+        all.normal_sum += w->sums[b].normal_sum;
+        all.normal_count += w->sums[b].normal_count;
+    }
+    way->mean = all.sum / (double)w->samples / w->to->scale;
+    way->max = all.max / w->to->scale;
+    way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
+}
+
+static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_tree *from,
+                                           const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
+                                           double progress, distance_way *way)
+{
+    uint64_t const area_bytes = from->triangle_count * sizeof(double);
+    int32_t const blocks = bvxi_piece_count(samples, 64);
+    double *areas = NULL;
+    distance_sums *sums = NULL;
+    distance_work w = {from, to, NULL, samples, key, blocks, NULL};
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, area_bytes, "the distance's areas", &areas);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums);
+    if (status == BVX_OK) {
+        add_curve_areas(from, areas);
+        w.area_before = areas;
+        w.sums = sums;
+        status = bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w);
+    }
+    if (status == BVX_OK) add_distance_blocks(&w, way);
+    bvxi_free(ctx, sums, (uint64_t)blocks * sizeof *sums);
+    bvxi_free(ctx, areas, area_bytes);
+    return status;
+}
+
+static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples,
+                                 uint64_t seed, bvx_distance_report *r)
+{
+    r->samples = samples;
+    r->seed = seed;
+    r->mean_a_to_b = ab->mean;
+    r->max_a_to_b = ab->max;
+    r->normal_a_to_b = ab->normal;
+    r->mean_b_to_a = ba->mean;
+    r->max_b_to_a = ba->max;
+    r->normal_b_to_a = ba->normal;
+    r->mean = (ab->mean + ba->mean) * 0.5;
+    r->max = ab->max > ba->max ? ab->max : ba->max;
+}
+
+/* A mesh and its bounds. */
+typedef struct distance_side {
+    const bvx_mesh_view *view;
+    double low[3], high[3];
+} distance_side;
+
+static double distance_scale(const distance_side *a, const distance_side *b)
+{
+    double low[3], high[3];
+    for (int k = 0; k < 3; k++) {
+        low[k] = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
+        high[k] = a->high[k] > b->high[k] ? a->high[k] : b->high[k];
+    }
+    return bvxi_unit_scale(low, high);
+}
+
+/* Samples need an area to lie on. */
+static bvx_status require_area(bvx_context *ctx, const char *function, const bvx_mesh_view *v, double scale)
+{
+    double t[3][3], n[3];
+    uint32_t c[3];
+
+    for (uint64_t i = 0; i < v->triangle_count; i++) {
+        bvxi_view_triangle(v, i, c);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(v, c[k], t[k]);
+            for (int a = 0; a < 3; a++) t[k][a] *= scale;
+        }
+        if (bvxi_facet_normal((const double(*)[3])t, n) > 0.0) return BVX_OK;
+    }
+    return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);
+}
+
+void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept)
+{
+    if (kept->built) bvxi_closest_free(ctx, &kept->tree);
+    kept->built = 0;
+}
+
+static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, double scale,
+                                  bvxi_distance_tree *kept)
+{
+    if (kept->built && kept->tree.scale == scale) return BVX_OK;
+    bvxi_distance_forget(ctx, kept);
+    BVXI_TRY(bvxi_closest_build_unnumbered(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale,
+                                           &kept->tree));
+    kept->built = 1;
+    return BVX_OK;
+}
+
+static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a,
+                                             bvxi_distance_tree *kept, const distance_side *b, double scale,
+                                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
+{
+    uint64_t const key_a = distance_mix(seed), key_b = distance_mix(key_a + 1);
+    const bvxi_closest_tree *const tree_a = &kept->tree;
+    bvxi_closest_tree tree_b;
+    distance_way ab, ba;
+    bvx_status status;
+
+    BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
+    status = bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale,
+                                           &tree_b);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab);
+    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba);
+    if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);
+    bvxi_closest_free(ctx, &tree_b);
+    return status;
+}
+
+bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi_distance_tree *kept,
+                              const bvx_mesh_view *b, uint64_t samples, uint64_t seed,
+                              bvx_distance_report *report)
+{
+    static const char *const function_a = "bvx_mesh_distance, mesh a";
+    static const char *const function_b = "bvx_mesh_distance, mesh b";
+    distance_side side_a, side_b;
+    double scale;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
+    memset(report, 0, sizeof *report);
+    BVXI_TRY(bvxi_view_check(context, function_a, a));
+    BVXI_TRY(bvxi_view_check(context, function_b, b));
+    if (samples < 1 || samples > INT32_MAX)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_mesh_distance: samples is %u, not 1 to 2147483647",
+                         samples);
+    side_a.view = a;
+    side_b.view = b;
+    BVXI_TRY(bvxi_view_bounds(context, function_a, a, side_a.low, side_a.high));
+    BVXI_TRY(bvxi_view_bounds(context, function_b, b, side_b.low, side_b.high));
+    scale = distance_scale(&side_a, &side_b);
+    BVXI_TRY(require_area(context, function_a, a, scale));
+    BVXI_TRY(require_area(context, function_b, b, scale));
+    return measure_distance_both_ways(context, &side_a, kept, &side_b, scale, samples, seed, report);
+}
+
+bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
+{
+    bvxi_distance_tree tree = {.built = 0};
+    bvx_status const status = BVXI_CALL(context,
+                                        bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
+    if (tree.built) bvxi_distance_forget(context, &tree);
+    return status;
+}

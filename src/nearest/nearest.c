@@ -1,0 +1,122 @@
+/* nearest.c - a mesh made ready for questions about the closest points of a lattice's centres.
+ *
+ * The closest point is that of the least (distance squared, triangle number) of the evaluation in
+ * point_triangle.c, over all triangles. Centres are origin + (index + 1/2) spacing in doubles; centre and
+ * corners are multiplied by the power of two that brings the mesh within [-1, 1] first, which is exact, so
+ * vectors and distances are those of bvx_closest_find at the centre. Error: the distance is that to some
+ * point of the mesh but for rounding, and never above the true one by more than 2^-26 of the longest edge of
+ * a needle, 10^-15 of the largest coordinate without needles (point_triangle.c).
+ * How: a tree of boxes over eight triangles a leaf (nearest_build.c, nearest_leaf.c), leaves listed for 64
+ * centres at once (nearest_cell.c), sieved for eight (nearest_eight.c), the last candidates evaluated
+ * (nearest_pairs.c, nearest_brick.c). */
+#include "nearest/nearest_walk.h"
+#include "mesh/facet.h"
+#include "mesh/scale.h"
+
+/* The power of two of the evaluation; a lattice that reaches beyond 2^300
+ * meshes could not be squared, so the mesh gives way. */
+static double near_scale(const bvx_lattice *l, const double low[3], const double high[3])
+{
+    double s = bvxi_unit_scale(low, high), largest = 0.0;
+
+    for (int a = 0; a < 3; a++) {
+        double const end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
+        largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
+        largest = end > largest ? end : -end > largest ? -end : largest;
+    }
+    while (largest * s > 0x1p300) s *= 0.5;
+    return s;
+}
+
+/* Above all rounding of the evaluation: 2^-48 of the largest coordinate [Units: box]. */
+static double near_rounding(const bvxi_nearest *n)
+{
+    double largest = 1.0;
+
+    for (int a = 0; a < 3; a++) {
+        double const first = n->lattice.origin[a] * n->scale;
+        double const end = first + (double)n->lattice.dims[a] * n->lattice.spacing[a] * n->scale;
+        largest = first > largest ? first : -first > largest ? -first : largest;
+        largest = end > largest ? end : -end > largest ? -end : largest;
+    }
+    return largest * n->box_scale * 0x1p-48;
+}
+
+static bvx_status require_near_area(bvx_context *ctx, const char *function, const bvxi_nearest *n)
+{
+    double t[3][3], normal[3];
+    for (uint64_t i = 0; i < n->triangle_count; i++) {
+        bvxi_near_corners(n, (uint32_t)i, t);
+        if (bvxi_facet_normal((const double(*)[3])t, normal) > 0.0) return BVX_OK;
+    }
+    return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no triangle has an area", function);
+}
+
+/* Every centre has a finite place, and so has every difference of places and every distance. */
+static bvx_status check_near_range(bvx_context *ctx, const char *function, const bvx_lattice *l,
+                                   const double low[3], const double high[3])
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
+        double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
+        if (!(last - last == 0.0))
+            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's last voxel has no finite place along %s",
+                             function, axis_name[a]);
+        if (!(above - below < 0x1p1023))
+            return bvxi_fail(
+                ctx, BVX_ERR_RANGE,
+                "%s: along %s lattice and mesh reach from %g to %g, too far for distances in doubles",
+                function, axis_name[a], below, above);
+    }
+    return BVX_OK;
+}
+
+static bvx_status open_near(bvx_context *ctx, const char *function, const char *stage, double from, double to,
+                            bvxi_nearest *n)
+{
+    double low[3], high[3];
+
+    BVXI_TRY(bvxi_view_bounds(ctx, function, &n->view, low, high));
+    BVXI_TRY(check_near_range(ctx, function, &n->lattice, low, high));
+    n->scale = near_scale(&n->lattice, low, high);
+    BVXI_TRY(require_near_area(ctx, function, n));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *n->memo, "the field's memory", &n->memo));
+    BVXI_TRY(bvxi_near_build(ctx, stage, from, to, low, high, n));
+    n->rounding = near_rounding(n);
+    return BVX_OK;
+}
+
+bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char *stage, double from,
+                             double to, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                             bvxi_nearest **nearest)
+{
+    bvxi_nearest *n = NULL;
+    bvx_status status;
+
+    *nearest = NULL;
+    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *n, "the search tree's head", &n));
+    n->view = *mesh;
+    n->lattice = *lattice;
+    n->triangle_count = mesh->triangle_count;
+    status = open_near(ctx, function, stage, from, to, n);
+    if (status == BVX_OK) *nearest = n;
+    else bvxi_nearest_close(ctx, n);
+    return status;
+}
+
+void bvxi_nearest_prefer_planes(bvxi_nearest *nearest)
+{
+    nearest->by_planes = 1;
+}
+
+void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest)
+{
+    if (nearest == NULL) return;
+    bvxi_near_free(ctx, nearest);
+    if (nearest->memo != NULL) bvxi_near_forget(ctx, nearest->memo);
+    bvxi_free(ctx, nearest->memo, sizeof *nearest->memo);
+    bvxi_free(ctx, nearest, sizeof *nearest);
+}

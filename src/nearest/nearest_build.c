@@ -1,0 +1,336 @@
+/* nearest_build.c - the hierarchy of boxes over a mesh's triangles.
+ *
+ * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space (nearest_order.c), then
+ * pack up to eight neighbours into a leaf and up to eight boxes into a node, level by level; no pointers, no
+ * recursion. Where the curve jumps a leaf or a node ends before its eighth child. Boxes are floats rounded
+ * outwards. */
+#include "nearest/nearest_order.h"
+#include "nearest/nearest_pairs.h"
+#include "mesh/scale.h"
+
+#include <math.h>
+#if BVXI_HAVE_AVX2
+#include <immintrin.h>
+#endif
+
+enum {
+    NEAR_LEAF_GRAIN = 4096, /* least triangles a task */
+    NEAR_AHEAD = 24,        /* triangles that memory is asked for ahead */
+    NEAR_CUT_LEVELS = 2     /* levels of nodes that are cut where the curve jumps */
+};
+
+typedef struct near_box {
+    float low[3], high[3];
+    float point[3]; /* of a leaf: from low to the foot of the first triangle's frame */
+} near_box;
+
+typedef struct near_builder {
+    bvxi_nearest *n;
+    bvxi_near_order order;
+    near_box *boxes;     /* of leaves [Size: leaves] */
+    uint64_t first[257]; /* first leaf of each piece */
+    int32_t pieces, fast;
+} near_builder;
+
+/* ---- Boxes ---- */
+
+/* Floats outside by one to three units in the last place, without a look back
+ * at what rounding did: some compilers (gcc 12) take a rounding to float away
+ * when its result is widened again. Box units are far from a float's ends. */
+static inline float near_float_below(double x)
+{
+    float const f = (float)x;
+    return f - (f < 0.0f ? -f : f) * 0x1p-23f - 0x1p-120f;
+}
+
+static inline float near_float_above(double x)
+{
+    return -near_float_below(-x);
+}
+
+/* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
+static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NEAR_WIDTH],
+                             double corner[9][BVXI_NEAR_WIDTH])
+{
+    for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
+        uint32_t c[3];
+        bvxi_view_triangle(&n->view, order[k], c);
+        for (int v = 0; v < 3; v++) {
+            double p[3];
+            bvxi_view_position(&n->view, c[v], p);
+            for (int a = 0; a < 3; a++) corner[3 * v + a][k] = p[a];
+        }
+    }
+}
+
+static void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH], near_box *box,
+                            float local[9][BVXI_NEAR_WIDTH])
+{
+    for (int a = 0; a < 3; a++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int v = a; v < 9; v += 3)
+            for (int k = 0; k < BVXI_NEAR_WIDTH; k++) {
+                double const x = corner[v][k] = (corner[v][k] * n->scale - n->middle[a]) * n->box_scale;
+                low = x < low ? x : low;
+                high = x > high ? x : high;
+            }
+        box->low[a] = near_float_below(low);
+        box->high[a] = near_float_above(high);
+        for (int v = a; v < 9; v += 3)
+            for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
+                local[v][k] = (float)(corner[v][k] - (double)box->low[a]);
+    }
+}
+
+#if BVXI_HAVE_AVX2
+/* The same in vectors. */
+BVXI_AVX2 static void bound_near_leaf_avx2(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
+                                           near_box *box, float local[9][BVXI_NEAR_WIDTH])
+{
+    __m256d const scale = _mm256_set1_pd(n->scale), box_scale = _mm256_set1_pd(n->box_scale);
+
+    for (int a = 0; a < 3; a++) {
+        __m256d const middle = _mm256_set1_pd(n->middle[a]);
+        __m256d x[6], low, high;
+        double end[4];
+        for (int i = 0; i < 6; i++)
+            x[i] = (_mm256_loadu_pd(&corner[a + 3 * (i / 2)][i % 2 * 4]) * scale - middle) * box_scale;
+        low = _mm256_min_pd(_mm256_min_pd(_mm256_min_pd(x[0], x[1]), _mm256_min_pd(x[2], x[3])),
+                            _mm256_min_pd(x[4], x[5]));
+        high = _mm256_max_pd(_mm256_max_pd(_mm256_max_pd(x[0], x[1]), _mm256_max_pd(x[2], x[3])),
+                             _mm256_max_pd(x[4], x[5]));
+        low = _mm256_min_pd(low, _mm256_permute2f128_pd(low, low, 1));
+        high = _mm256_max_pd(high, _mm256_permute2f128_pd(high, high, 1));
+        low = _mm256_unpacklo_pd(_mm256_min_pd(low, _mm256_permute_pd(low, 5)),
+                                 _mm256_max_pd(high, _mm256_permute_pd(high, 5)));
+        _mm256_storeu_pd(end, low);
+        box->low[a] = near_float_below(end[0]);
+        box->high[a] = near_float_above(end[1]);
+        low = _mm256_set1_pd((double)box->low[a]);
+        for (int i = 0; i < 6; i++)
+            _mm_storeu_ps(&local[a + 3 * (i / 2)][i % 2 * 4], _mm256_cvtpd_ps(x[i] - low));
+    }
+}
+#endif
+
+/* Ask for the memory of a triangle some leaves ahead: first of its indices, then of its vertices. */
+static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end)
+{
+    const bvx_mesh_view *const v = &b->n->view;
+    uint32_t c[3];
+    if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
+    BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
+    bvxi_view_triangle(v, bvxi_near_order_number(&b->order, i + NEAR_AHEAD), c);
+    for (int k = 0; k < 3; k++) BVXI_PREFETCH(bvxi_view_position_at(v, c[k]));
+}
+
+/* Leaf number `leaf` from count triangles; the piece has all before end. */
+static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count, uint64_t end, uint64_t leaf)
+{
+    const bvxi_nearest *const n = b->n;
+    uint32_t order[BVXI_NEAR_WIDTH];
+    double corner[9][BVXI_NEAR_WIDTH];
+    float local[9][BVXI_NEAR_WIDTH];
+
+    for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
+        order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
+        prefetch_near(b, first + k, end);
+    }
+    gather_near_leaf(n, order, corner);
+#if BVXI_HAVE_AVX2
+    if (b->fast) bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local);
+    else bound_near_leaf(n, corner, &b->boxes[leaf], local);
+#else
+    bound_near_leaf(n, corner, &b->boxes[leaf], local);
+#endif
+    bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
+                        &n->leaves[leaf]);
+    for (int a = 0; a < 3; a++)
+        b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
+}
+
+static void count_near_leaves(void *user, int32_t index, int32_t worker)
+{
+    near_builder *const b = user;
+    uint64_t begin, end, leaves = 0;
+    (void)worker;
+    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
+    for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
+    b->first[index + 1] = leaves;
+}
+
+static void fill_near_leaves(void *user, int32_t index, int32_t worker)
+{
+    const near_builder *const b = user;
+    uint64_t begin, end, leaf = b->first[index];
+
+    (void)worker;
+    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
+    while (begin < end) {
+        uint32_t const count = bvxi_near_order_run(&b->order, begin, end);
+        fill_near_leaf(b, begin, count, end, leaf++);
+        begin += count;
+    }
+}
+
+static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double from, double to,
+                                   near_builder *b)
+{
+    bvxi_nearest *const n = b->n;
+    double const middle = from + (to - from) * 0.125;
+
+    b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
+    BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, b->pieces, count_near_leaves, b));
+    for (int32_t i = 0; i < b->pieces; i++) b->first[i + 1] += b->first[i];
+    n->leaf_count = b->first[b->pieces];
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *n->leaves, "the search tree's triangles",
+                        &n->leaves));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *b->boxes, "the search tree's boxes",
+                        &b->boxes));
+    return bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_near_leaves, b);
+}
+
+/* ---- Nodes ---- */
+
+static inline void join_near_box(near_box *to, const near_box *box)
+{
+    for (int a = 0; a < 3; a++) {
+        to->low[a] = box->low[a] < to->low[a] ? box->low[a] : to->low[a];
+        to->high[a] = box->high[a] > to->high[a] ? box->high[a] : to->high[a];
+    }
+}
+
+static inline float near_box_sides(const near_box *b)
+{
+    return (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]) + (b->high[2] - b->low[2]);
+}
+
+/* How many of the next boxes, at most eight, make a node: those before the
+ * best place to cut, when that is worth it. */
+static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
+{
+    uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;
+
+    while (cut && count > 1) {
+        float behind[BVXI_NEAR_WIDTH], best = 0.0f;
+        near_box box = boxes[count - 1];
+        uint32_t at = 0;
+        for (uint32_t i = count - 1; i > 0; i--) {
+            join_near_box(&box, &boxes[i]);
+            behind[i] = near_box_sides(&box);
+        }
+        box = boxes[0];
+        for (uint32_t i = 1; i < count; i++) {
+            float const sides = near_box_sides(&box) + behind[i];
+            if (at == 0 || sides < best) {
+                best = sides;
+                at = i;
+            }
+            join_near_box(&box, &boxes[i]);
+        }
+        if (4.0f * best >= 3.0f * near_box_sides(&box)) break;
+        count = at;
+    }
+    return count;
+}
+
+static uint64_t count_near_nodes(const near_box *boxes, uint64_t count, int cut)
+{
+    uint64_t nodes = 0;
+    for (uint64_t i = 0; i < count; nodes++) i += near_box_run(boxes + i, count - i, cut);
+    return nodes;
+}
+
+/* Make the nodes of a level; their own boxes take the place of their
+ * children's. Children that there are not are points far from everything. */
+static void fill_near_nodes(near_box *boxes, uint64_t count, int cut, bvxi_near_node *nodes)
+{
+    uint64_t made = 0;
+
+    for (uint64_t first = 0; first < count; made++) {
+        uint32_t const run = near_box_run(boxes + first, count - first, cut);
+        near_box box = boxes[first];
+        nodes[made].first = (uint32_t)first;
+        for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++)
+            for (int a = 0; a < 3; a++) {
+                nodes[made].low[a][k] = k < run ? boxes[first + k].low[a] : 0x1p62f;
+                nodes[made].high[a][k] = k < run ? boxes[first + k].high[a] : 0x1p62f;
+                nodes[made].point[a][k] = k < run ? boxes[first + k].point[a] : 0.0f;
+            }
+        for (uint32_t k = 1; k < run; k++) join_near_box(&box, &boxes[first + k]);
+        boxes[made] = box; /* made <= first: that child is in a node already */
+        first += run;
+    }
+}
+
+static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
+{
+    bvxi_nearest *const n = b->n;
+    uint64_t count = n->leaf_count;
+
+    do {
+        int const cut = n->level_count < NEAR_CUT_LEVELS && n->leaf_count < BVXI_NEAR_CUT_BELOW;
+        int32_t const level = n->level_count;
+        n->level_nodes[level] = count_near_nodes(b->boxes, count, cut);
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->level_nodes[level] * sizeof **n->level,
+                            "the search tree's nodes", &n->level[level]));
+        n->level_count++;
+        fill_near_nodes(b->boxes, count, cut, n->level[level]);
+        count = n->level_nodes[level];
+    } while (count > 1);
+    return BVX_OK;
+}
+
+/* ---- The whole ---- */
+
+/* Box units: floats are finest round the lattice's middle. The curve's grid lies where mesh and lattice are,
+ * so that triangles far off leave it fine: their places are moved onto its sides. */
+static void plan_near_tree(const double low[3], const double high[3], near_builder *b)
+{
+    bvxi_nearest *const n = b->n;
+    const bvx_lattice *const l = &n->lattice;
+    double half[3], minus[3];
+
+    for (int a = 0; a < 3; a++) {
+        double const first = l->origin[a] * n->scale;
+        double const last = (l->origin[a] + (double)l->dims[a] * l->spacing[a]) * n->scale;
+        n->middle[a] = first + (last - first) * 0.5;
+        half[a] = (last - first) * 0.5;
+        minus[a] = -half[a];
+    }
+    n->box_scale = bvxi_unit_scale(minus, half);
+    while (n->box_scale > 0x1p50) n->box_scale *= 0.5; /* the mesh itself must be within reach of floats */
+    for (int a = 0; a < 3; a++) {
+        double const x = (low[a] * n->scale - n->middle[a]) * n->box_scale;
+        double const y = (high[a] * n->scale - n->middle[a]) * n->box_scale;
+        double const from = x > -2.0 ? x : y < -2.0 ? x : -2.0, to = y < 2.0 ? y : x > 2.0 ? y : 2.0;
+        b->order.grid_low[a] = from;
+        b->order.grid_side = to - from > b->order.grid_side ? to - from : b->order.grid_side;
+    }
+}
+
+bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, double to, const double low[3],
+                           const double high[3], bvxi_nearest *n)
+{
+    double const middle = (from + to) * 0.5;
+    near_builder b;
+    bvx_status status;
+
+    memset(&b, 0, sizeof b);
+    b.n = n;
+    b.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+    plan_near_tree(low, high, &b);
+    status = bvxi_near_order_make(ctx, stage, from, middle, n, &b.order);
+    if (status == BVX_OK) status = make_near_leaves(ctx, stage, middle, to, &b);
+    if (status == BVX_OK) status = make_near_nodes(ctx, &b);
+    bvxi_free(ctx, b.boxes, n->leaf_count * sizeof *b.boxes);
+    bvxi_near_order_free(ctx, &b.order);
+    return status;
+}
+
+void bvxi_near_free(bvx_context *ctx, bvxi_nearest *n)
+{
+    for (int32_t l = n->level_count; l-- > 0;)
+        bvxi_free(ctx, n->level[l], n->level_nodes[l] * sizeof **n->level);
+    bvxi_free(ctx, n->leaves, n->leaf_count * sizeof *n->leaves);
+}

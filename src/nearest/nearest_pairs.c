@@ -1,0 +1,94 @@
+/* nearest_pairs.c - closest points on triangles, four pairs of a point and a triangle at a time.
+ *
+ * Corners are gathered while the next are on their way; nearest/point_triangle_four.h evaluates them. Pairs
+ * that it leaves go to point_triangle.c itself, and without vectors all pairs.
+ * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
+#include "nearest/nearest_pairs.h"
+#include "nearest/closest.h"
+#include "mesh/facet.h"
+#include "nearest/point_triangle_four.h"
+
+/* ---- Corners ---- */
+
+static void order_near_corners(bvxi_near_pairs *p)
+{
+    for (int32_t i = 0; i < p->count; i++) {
+        double t[3][3];
+
+        for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
+        bvxi_order_corners(t);
+        for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
+    }
+}
+
+/* Indices of all first, then positions: what is waited for is on its way together. */
+static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
+{
+    const unsigned char *const positions = n->view.positions, *const indices = n->view.indices;
+    uint32_t c[BVXI_NEAR_PAIRS][3];
+
+    for (int32_t i = 0; i < p->count; i++) {
+        memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
+        for (int v = 0; v < 3; v++) BVXI_PREFETCH(positions + (size_t)c[i][v] * 12);
+    }
+    for (int32_t i = 0; i < p->count; i++)
+        for (int v = 0; v < 3; v++) {
+            float f[3];
+            memcpy(f, positions + (size_t)c[i][v] * 12, sizeof f);
+            for (int a = 0; a < 3; a++) p->corner[3 * v + a][i] = (double)f[a] * n->scale;
+        }
+    if (n->by_planes) order_near_corners(p);
+}
+
+static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
+{
+    for (int32_t i = 0; i < p->count; i++) {
+        double t[3][3];
+        bvxi_near_corners(n, p->triangle[i], t);
+        for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
+    }
+    if (n->by_planes) order_near_corners(p);
+}
+
+/* ---- One pair ---- */
+
+static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
+{
+    double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
+    double t[3][3], q[3];
+    for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
+    p->distance2[i] = bvxi_closest_on_triangle(point, (const double(*)[3])t, q);
+    for (int a = 0; a < 3; a++) p->closest[a][i] = q[a];
+}
+
+/* ---- Four pairs ---- */
+
+#if BVXI_SIMD_BASE
+#define BVXI_SIMD_LEVEL _base
+#include "nearest/nearest_pairs_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
+
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "nearest/nearest_pairs_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
+
+void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs)
+{
+    if (bvxi_view_packed_f32(&n->view) && bvxi_view_packed_u32(&n->view)) gather_near_packed(n, pairs);
+    else gather_near_any(n, pairs);
+#if BVXI_HAVE_AVX2
+    if (fast) {
+        evaluate_near_fours_avx2(pairs);
+        return;
+    }
+#endif
+    (void)fast;
+#if BVXI_SIMD_BASE
+    evaluate_near_fours_base(pairs);
+#else
+    for (int32_t i = 0; i < pairs->count; i++) evaluate_near_pair(pairs, i);
+#endif
+}

@@ -1,0 +1,76 @@
+/* crossed_edges.c - centres beside a surface, 64 at a time: a word and its six neighbours. */
+#include "pipeline/crossed_edges.h"
+
+enum { ENDS_GRAIN = 4096 /* least words a piece */ };
+
+typedef struct ends_job {
+    const bvx_grid *inside, *body; /* body: inside itself when there is none */
+    bvx_grid *where;
+    int32_t pieces;
+} ends_job;
+
+/* Bits of word i that differ from those of word n in both grids. */
+static uint64_t differ(const ends_job *job, size_t i, size_t n)
+{
+    return (job->inside->words[i] ^ job->inside->words[n]) & (job->body->words[i] ^ job->body->words[n]);
+}
+
+static uint64_t differ_along_row(const uint64_t *row, int32_t words, int32_t k, int up)
+{
+    uint64_t const next = up ? row[k] >> 1 | (k + 1 < words ? row[k + 1] << 63 : 0)
+                             : row[k] << 1 | (k > 0 ? row[k - 1] >> 63 : 0);
+    return row[k] ^ next;
+}
+
+static void mark_ends_piece(void *user, int32_t index, int32_t worker)
+{
+    const ends_job *const job = user;
+    const bvx_grid *const g = job->inside;
+    size_t const words = (size_t)g->words_per_row, slice = words * (size_t)g->size[1];
+    uint64_t const rows = (uint64_t)g->size[1];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++) {
+        int32_t const y = (int32_t)(r % rows), z = (int32_t)(r / rows);
+        size_t const at = (size_t)r * words;
+        for (int32_t k = 0; k < g->words_per_row; k++) {
+            size_t const i = at + (size_t)k;
+            uint64_t found = 0;
+            for (int up = 0; up < 2; up++)
+                found |= differ_along_row(g->words + at, g->words_per_row, k, up) &
+                         differ_along_row(job->body->words + at, g->words_per_row, k, up);
+            if (y > 0) found |= differ(job, i, i - words);
+            if (y + 1 < g->size[1]) found |= differ(job, i, i + words);
+            if (z > 0) found |= differ(job, i, i - slice);
+            if (z + 1 < g->size[2]) found |= differ(job, i, i + slice);
+            job->where->words[i] = found;
+        }
+        job->where->words[at + words - 1] &= bvxi_tail_mask(g->size[0]);
+    }
+}
+
+bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_grid *body, bvx_grid *where)
+{
+    ends_job job;
+    job.inside = inside;
+    job.body = body != NULL ? body : inside;
+    job.where = where;
+    job.pieces = bvxi_piece_count(bvxi_grid_words(inside), ENDS_GRAIN);
+    if ((uint64_t)job.pieces > bvxi_grid_rows(inside)) job.pieces = (int32_t)bvxi_grid_rows(inside);
+    return bvxi_parallel(ctx, "ends", 0.0, 1.0, job.pieces, mark_ends_piece, &job);
+}
+
+uint64_t bvxi_ends_number(const bvx_grid *where, uint64_t *first)
+{
+    uint64_t const rows = bvxi_grid_rows(where), words = (uint64_t)where->words_per_row;
+    uint64_t count = 0;
+
+    for (uint64_t r = 0; r < rows; r++) {
+        first[r] = count;
+        for (uint64_t k = 0; k < words; k++) count += bvxi_popcount(where->words[r * words + k]);
+    }
+    first[rows] = count;
+    return count;
+}

@@ -1,0 +1,125 @@
+/* edge_balance.c - is a snapped mesh closed and its triangles of one mind? Told without looking for a single
+ * edge.
+ *
+ * Every position has a number of 32 bits, well mixed from its coordinates. An edge from a to b adds a b (b -
+ * a), modulo 2^64; the three of a triangle together are (b - a) (c - a) (c - b), after Vandermonde. What two
+ * triangles add along an edge in opposite directions cancels, so the sum of all is 0 when triangles run along
+ * each edge as often one way as the other. When not, the sum is a polynomial of mixed numbers that is not
+ * zero, and 0 by chance alone (about 2^-30): such a mesh would be taken for closed.
+ *
+ * Source: Schwartz. Fast Probabilistic Algorithms for Verification of Polynomial Identities. 1980.
+ * Guarantee: the answer follows from the snapped triangles alone, on every machine. */
+#include "solid/solid.h"
+
+enum { BALANCE_GRAIN = 8192, BALANCE_PIECES = 64 };
+
+typedef struct balance_work {
+    const bvx_mesh_view *view;
+    const int32_t *xyz;
+    uint32_t *mixed; /* by vertex */
+    /* bad: the first triangle with an index beyond the vertices, or UINT64_MAX */
+    uint64_t sum[BALANCE_PIECES], bad[BALANCE_PIECES];
+    int32_t pieces;
+} balance_work;
+
+static inline uint64_t mix_once(uint64_t h)
+{
+    h *= UINT64_C(0x9e3779b97f4a7c15);
+    return h ^ h >> 32;
+}
+
+static void mix_vertices(void *user, int32_t piece, int32_t worker)
+{
+    const balance_work *const w = user;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(w->view->vertex_count, w->pieces, piece, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        const int32_t *const p = w->xyz + 3 * v;
+        uint64_t const xy = (uint64_t)(uint32_t)p[0] << 32 | (uint32_t)p[1];
+
+        w->mixed[v] =
+            (uint32_t)(mix_once(mix_once(xy + 1) ^ (uint64_t)(uint32_t)p[2] << 16 ^ (uint32_t)p[2]) >> 16);
+    }
+}
+
+/* Most meshes: three uint32_t a triangle. Returns where it stopped: end, or
+ * at a triangle with an index beyond the vertices. */
+static uint64_t sum_packed(const balance_work *w, uint64_t begin, uint64_t end, uint64_t *sum)
+{
+    const unsigned char *const indices = bvxi_view_index_at(w->view, 0);
+    uint64_t const vertices = w->view->vertex_count;
+    uint64_t s = 0, t = begin;
+
+    for (; t < end; t++) {
+        uint64_t a, b, d;
+        uint32_t c[3];
+
+        memcpy(c, indices + 12 * t, sizeof c);
+        if (BVXI_UNLIKELY((c[0] >= vertices) | (c[1] >= vertices) | (c[2] >= vertices))) break;
+        a = w->mixed[c[0]];
+        b = w->mixed[c[1]];
+        d = w->mixed[c[2]];
+        s += (b - a) * (d - a) * (d - b);
+    }
+    *sum = s;
+    return t;
+}
+
+static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uint64_t *sum)
+{
+    uint64_t s = 0, t = begin;
+
+    for (; t < end; t++) {
+        uint64_t a, b, d;
+        uint32_t c[3];
+
+        if (BVXI_UNLIKELY(!bvxi_view_triangle(w->view, t, c))) break;
+        a = w->mixed[c[0]];
+        b = w->mixed[c[1]];
+        d = w->mixed[c[2]];
+        s += (b - a) * (d - a) * (d - b);
+    }
+    *sum = s;
+    return t;
+}
+
+static void sum_triangles(void *user, int32_t piece, int32_t worker)
+{
+    balance_work *const w = user;
+    uint64_t begin, end, stop;
+    (void)worker;
+
+    bvxi_piece(w->view->triangle_count, w->pieces, piece, &begin, &end);
+    stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
+                                         : sum_any(w, begin, end, &w->sum[piece]);
+    w->bad[piece] = stop < end ? stop : UINT64_MAX;
+}
+
+bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, double at, int32_t *balanced)
+{
+    uint64_t const bytes = job->view->vertex_count * 4;
+    uint64_t sum = 0, bad = UINT64_MAX;
+    balance_work w;
+    bvx_status status;
+
+    w.view = job->view;
+    w.xyz = job->snapped.xyz;
+    w.pieces = bvxi_piece_count(job->view->triangle_count, BALANCE_GRAIN);
+    if (w.pieces > BALANCE_PIECES) w.pieces = BALANCE_PIECES;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' numbers", &w.mixed));
+    status = bvxi_parallel(ctx, "solid", at, at, w.pieces, mix_vertices, &w);
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w);
+    bvxi_free(ctx, w.mixed, bytes);
+    if (status != BVX_OK) return status;
+
+    for (int32_t i = 0; i < w.pieces; i++) {
+        sum += w.sum[i];
+        bad = w.bad[i] < bad ? w.bad[i] : bad;
+    }
+    if (bad != UINT64_MAX) return bvxi_view_fail_index(ctx, job->function, job->view, bad);
+    *balanced = sum == 0;
+    return BVX_OK;
+}

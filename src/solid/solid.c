@@ -1,0 +1,333 @@
+/* solid.c - the rows of centres inside a mesh, along any axis.
+ *
+ * Source: the scanline solid of "LOD by voxelization and downsampling" 2.3, its offsets replaced by an exact
+ * tie rule (covered_rows.h).
+ *
+ * Vertices are snapped once. In rounds, chunks of triangles find their crossings with rows (crossings.c,
+ * triangle_rows.c) and tiles of rows toggle one bit for each; at the end prefix parity turns toggles into
+ * runs. Rows that do not balance are redone from their crossing lists; the rule nonzero makes lists for all
+ * rows (solid_rows.c).
+ * Guarantee: exact, and the same bits for any order of triangles, threads and windows. */
+#include "solid/solid.h"
+
+enum { CHUNK_GRAIN = 4096 };
+#define CHUNK_BYTES \
+    (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
+
+/* ---- rounds ---- */
+
+/* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
+static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code, int mode, uint64_t *sum)
+{
+    int32_t const j = (int32_t)(at & 0xffff), k = (int32_t)(at >> 16);
+    uint64_t const row = bvxi_block_row(job, j, k);
+
+    if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
+        int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
+        if (x < job->grid->size[0]) {
+            int32_t const bit = x < 0 ? 0 : x;
+            bvxi_block_words(job, j, k)[bit >> 6] ^= UINT64_C(1) << (bit & 63);
+            if (mode == BVXI_TOGGLE_SUMMED) {
+                uint64_t const step = bvxi_step_sum(bvxi_window_row(job, j, k), bit);
+                *sum += (code & 1) != 0 ? 0 - step : step;
+            }
+        } else {
+            job->beyond[row] ^= 1;
+        }
+    } else if (mode == BVXI_HIGHEST) {
+        int32_t *const highest = job->highest + bvxi_window_row(job, j, k);
+        int32_t const x = bvxi_floor_shift(code, 1);
+        if (x > *highest) *highest = x;
+    } else if (job->listed == NULL || job->listed[row]) {
+        if (mode == BVXI_FILL_LIST) job->lists.crossing[job->lists.row_end[row]] = code;
+        job->lists.row_end[row]++;
+    }
+}
+
+typedef struct tile_sink {
+    bvxi_solid_job *job;
+    int32_t tile;
+    uint64_t sum;
+} tile_sink;
+
+static void take_large(void *user, uint32_t row, int32_t code)
+{
+    tile_sink *const sink = user;
+    if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST)
+        sink->job->crossings[sink->tile]++;
+    take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
+}
+
+static void take_tile(void *user, int32_t tile, int32_t worker)
+{
+    bvxi_solid_job *const job = user;
+    bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
+    tile_sink sink = {job, tile, 0};
+
+    (void)worker;
+    for (int32_t c = 0; c < job->chunks; c++) {
+        const bvxi_chunk *const chunk = job->chunk + c;
+        uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
+        const bvxi_crossing *const x = chunk->sorted;
+        if (job->mode == BVXI_TOGGLE) {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
+            job->crossings[tile] += end - begin;
+        } else if (job->mode == BVXI_TOGGLE_SUMMED) {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
+            job->crossings[tile] += end - begin;
+        } else {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
+            if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
+        }
+        for (uint32_t i = 0; i < chunk->large_count; i++)
+            bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
+    }
+    job->tile_sums[tile][0] += sink.sum;
+}
+
+bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
+{
+    uint64_t const all = job->view->triangle_count;
+    uint64_t left = all;
+
+    job->mode = mode;
+    job->rounds = 0;
+    for (int32_t c = 0; c < job->chunks; c++) {
+        bvxi_piece(all, job->chunks, c, &job->chunk[c].next, &job->chunk[c].end);
+        job->chunk[c].bad = UINT64_MAX;
+        job->chunk[c].used = 0;
+    }
+    while (left > 0) {
+        double const at = bvxi_solid_progress(job, from + (to - from) * (1.0 - (double)left / (double)all));
+        BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->chunks, bvxi_find_crossings, job));
+        left = 0;
+        job->rounds++;
+        for (int32_t c = 0; c < job->chunks; c++) {
+            if (job->chunk[c].bad != UINT64_MAX)
+                return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
+            left += job->chunk[c].end - job->chunk[c].next;
+        }
+        BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->tiles.count, take_tile, job));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
+{
+    if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
+    job->mode = mode;
+    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                         job->tiles.count, take_tile, job);
+}
+
+/* ---- toggles to runs ---- */
+
+/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. */
+static uint32_t close_row(uint64_t *words, int32_t n)
+{
+    uint64_t carry = 0;
+
+    for (int32_t k = 0; k < n; k++) {
+        uint64_t const w = words[k];
+        if (w == 0) {
+            words[k] = carry;
+            continue;
+        }
+        words[k] = bvxi_prefix_parity(w) ^ carry;
+        carry = 0 - (words[k] >> 63);
+    }
+    return (uint32_t)(carry & 1);
+}
+
+/* The same, adding the steps of the row's runs to *sum: up where one begins, down where it ends. */
+static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint64_t *sum)
+{
+    uint64_t carry = 0;
+
+    for (int32_t k = 0; k < n; k++) {
+        uint64_t const w = words[k];
+        words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
+        for (uint64_t left = w; left != 0; left &= left - 1) {
+            int32_t const bit = bvxi_lowest(left);
+            uint64_t const step = bvxi_step_sum(row, k * BVXI_WORD_BITS + bit);
+            *sum += (words[k] >> bit & 1) != 0 ? step : 0 - step;
+        }
+        carry = 0 - (words[k] >> 63);
+    }
+    return (uint32_t)(carry & 1);
+}
+
+static void clear_tile(void *user, int32_t tile, int32_t worker)
+{
+    bvxi_solid_job *const job = user;
+    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
+    size_t const slice_bytes = (size_t)(r.j1 - r.j0) * (size_t)job->grid->words_per_row * 8;
+    (void)worker;
+    for (int32_t k = r.k0; k < r.k1; k++) memset(bvxi_block_words(job, r.j0, k), 0, slice_bytes);
+}
+
+static void close_tile(void *user, int32_t tile, int32_t worker)
+{
+    bvxi_solid_job *const job = user;
+    const bvx_grid *const g = job->grid;
+    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
+    uint64_t const tail = bvxi_tail_mask(g->size[0]);
+    uint64_t sum = 0;
+
+    (void)worker;
+    for (int32_t k = r.k0; k < r.k1; k++) {
+        for (int32_t j = r.j0; j < r.j1; j++) {
+            uint64_t *const words = bvxi_block_words(job, j, k);
+            uint64_t const row = bvxi_block_row(job, j, k);
+            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row,
+                                                                 bvxi_window_row(job, j, k), &sum)
+                                              : close_row(words, g->words_per_row)) ^
+                                 job->beyond[row];
+            words[g->words_per_row - 1] &= tail;
+            job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
+            if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
+            job->unbalanced[tile] += odd;
+        }
+    }
+    job->tile_sums[tile][1] = sum;
+}
+
+static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
+{
+    uint64_t unbalanced = 0;
+
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15),
+                           job->tiles.count, clear_tile, job));
+    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
+                           job->tiles.count, close_tile, job));
+    for (int32_t t = 0; t < job->tiles.count; t++) unbalanced += job->unbalanced[t];
+    if (unbalanced == 0 || job->keep_odd) return BVX_OK;
+    job->listed = job->beyond;
+    return bvxi_solid_lists(ctx, job, 0.85);
+}
+
+/* ---- a block, a grid ---- */
+
+static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
+{
+    bvxi_row_lists lists;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.4, &lists));
+    for (int32_t c = 0; c < job->chunks; c++) {
+        report->triangles_used += job->chunk[c].used;
+        job->chunk[c].used = 0;
+    }
+    report->crossings += lists.total;
+    status = job->take_lists(ctx, job, &lists, 0.4, 1.0);
+    for (int32_t c = 0; c < job->chunks; c++) job->chunk[c].used = 0;
+    bvxi_row_lists_free(ctx, &lists);
+    return status;
+}
+
+static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
+{
+    uint64_t const rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
+    bvx_status status;
+
+    job->listed = NULL;
+    memset(job->crossings, 0, sizeof job->crossings);
+    memset(job->unbalanced, 0, sizeof job->unbalanced);
+    memset(job->dropped, 0, sizeof job->dropped);
+    memset(job->tile_sums, 0, sizeof job->tile_sums);
+    bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
+    BVXI_TRY(
+        bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
+    if (job->take_lists != NULL) {
+        status = fill_from_lists(ctx, job, report);
+    } else if (job->fill == BVX_FILL_BELOW) {
+        status = bvxi_solid_rounds(ctx, job, BVXI_HIGHEST, 0.1, 1.0);
+    } else {
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows, "the rows' balance", &job->beyond));
+        status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job, 0.1);
+        bvxi_free(ctx, job->beyond, rows);
+    }
+    for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
+    for (int32_t t = 0; t < job->tiles.count; t++) {
+        report->crossings += job->crossings[t];
+        report->unbalanced_rows += job->unbalanced[t];
+        report->dropped += job->dropped[t];
+        job->signed_sum += job->tile_sums[t][0];
+        job->parity_sum += job->tile_sums[t][1];
+    }
+    return status;
+}
+
+/* Blocks of at most 65535 x 65535 rows: sides that fit the 16 bits of a cell. */
+bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *g, int32_t axis,
+                           int32_t fill, double from, double to, bvx_solid_report *report)
+{
+    int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) *
+                           ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
+
+    BVXI_TRY(bvxi_snap_turn(ctx, axis, from, &job->snapped));
+    job->grid = g;
+    job->fill = fill;
+    job->progress_share = (to - from) / blocks;
+    job->progress_from = from;
+    for (int32_t z = 0; z < g->size[2]; z += BVXI_MAX_CELL_SIDE) {
+        for (int32_t y = 0; y < g->size[1];
+             y += BVXI_MAX_CELL_SIDE, job->progress_from += job->progress_share) {
+            job->block.y0 = g->low[1] + y;
+            job->block.z0 = g->low[2] + z;
+            job->block.ny = g->size[1] - y < BVXI_MAX_CELL_SIDE ? g->size[1] - y : BVXI_MAX_CELL_SIDE;
+            job->block.nz = g->size[2] - z < BVXI_MAX_CELL_SIDE ? g->size[2] - z : BVXI_MAX_CELL_SIDE;
+            BVXI_TRY(fill_block(ctx, job, report));
+        }
+    }
+    return BVX_OK;
+}
+
+/* The chunks and their buffers: one block of scratch. */
+static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
+{
+    unsigned char *memory;
+
+    job->chunks = bvxi_piece_count(job->view->triangle_count, CHUNK_GRAIN);
+    if (job->chunks > BVXI_SOLID_CHUNKS) job->chunks = BVXI_SOLID_CHUNKS;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch,
+                        "the workers' batches", &job->batch));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
+    job->chunk = (bvxi_chunk *)(void *)memory;
+    memory += (size_t)job->chunks * sizeof *job->chunk;
+    for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
+        job->chunk[c].sorted = (bvxi_crossing *)(void *)memory;
+    for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_LARGE * sizeof(uint32_t))
+        job->chunk[c].large = (uint32_t *)(void *)memory;
+    return BVX_OK;
+}
+
+bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                           const bvx_lattice *lattice, bvxi_solid_job *job)
+{
+    bvx_status status;
+
+    memset(job, 0, sizeof *job);
+    job->function = function;
+    job->view = mesh;
+    job->fraction_bits = lattice->fraction_bits;
+    job->cpu = bvxi_cpu(ctx);
+    status = open_chunks(ctx, job);
+    if (status == BVX_OK) status = bvxi_snap(ctx, function, mesh, lattice, &job->snapped);
+    if (status != BVX_OK) bvxi_solid_close(ctx, job);
+    return status;
+}
+
+void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job)
+{
+    bvxi_snap_free(ctx, &job->snapped);
+    bvxi_free(ctx, job->chunk, (uint64_t)job->chunks * CHUNK_BYTES);
+    bvxi_free(ctx, job->batch, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch);
+    job->chunk = NULL;
+    job->batch = NULL;
+}

@@ -1,0 +1,192 @@
+/* thin.c - voxels whose axis cross meets a triangle: the three unit segments through the centre, along x, y
+ * and z.
+ *
+ * Source: Laine. A Topological Approach to Voxelization. 2013 (the target of a 6-separating surface is the
+ * cross).
+ *
+ * A line of centres along an axis meets the triangle in one point at most; the voxel in which that point lies
+ * is marked. Ties fall as everywhere (covered_rows.h): the point that decides is the centre moved by (e_x,
+ * e_y, e_z), e_x >> e_y >> e_z > 0, so along each axis exactly one voxel's segment holds a crossing. Of two
+ * neighbours whose centres lie on different sides of a surface one is marked: the crossing between them lies
+ * in one of their segments.
+ * Most triangles of a scan hold no line, or one or two; lines are counted for a batch at a time, few lines
+ * are tried one by one, rows of many are cut by divisions.
+ * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside
+ * them is in it.
+ * Guarantee: exact; 6-separating. */
+#include "touch/touch_batch.h"
+
+enum { THIN_FEW = 4 }; /* lines of a row that are tried one by one */
+
+/* Axes: the line's, then the two across it in order of their displacement. */
+static const int thin_axes[3][3] = {{0, 1, 2}, {1, 0, 2}, {2, 0, 1}};
+
+/* A triangle's lines along an axis: coordinates and voxels in the order of thin_axes. */
+typedef struct thin_lines {
+    bvxi_surface_tile *tile;
+    const int *axis;
+    uint32_t triangle;
+    /* voxels along the line that the tile holds; lines across: centres in the triangle's range */
+    int32_t low[3], high[3];
+    int32_t ready; /* 1: divider is set up */
+    bvxi_triangle t;
+    bvxi_divider divider;
+} thin_lines;
+
+/* Three edge functions: at the first line, from line to line along u and
+ * along v. Not negative inside, ties included. */
+typedef struct thin_edges {
+    int64_t at[3], along_u[3], along_v[3];
+} thin_edges;
+
+/* The triangle's extent along coordinate a. */
+static double thin_extent(const bvxi_triangle *t, int a)
+{
+    int32_t const p = t->p[0][a], q = t->p[1][a], r = t->p[2][a];
+    int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
+    int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
+    return (double)most - (double)least;
+}
+
+/* The centre that a line crosses the triangle after; -1: before the first of the window. */
+static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
+{
+    int32_t const f = l->tile->job->fraction_bits;
+    double const step = (double)(1 << f), half = 0.5 * step;
+
+    if (!l->ready) {
+        bvxi_divider_setup(&l->t, f, thin_extent(&l->t, 1), thin_extent(&l->t, 2), &l->divider);
+        l->ready = 1;
+    }
+    return bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
+}
+
+static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+{
+    const bvx_grid *const solid = l->tile->job->solid;
+    int32_t at[3];
+
+    if (w < 0 || w >= solid->size[l->axis[0]]) return 0;
+    at[l->axis[0]] = w;
+    at[l->axis[1]] = u;
+    at[l->axis[2]] = v;
+    return (int)(bvxi_surface_words(l->tile->job, solid, at[1], at[2])[at[0] >> 6] >> (at[0] & 63) & 1);
+}
+
+/* The voxel that holds the crossing between centres w and w + 1: one of the two, as thin voxels are. */
+static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int32_t v)
+{
+    int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
+    bvxi_triangle moved = l->t;
+
+    for (int c = 0; c < 3; c++) moved.p[c][0] += half;
+    return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
+}
+
+/* A line (u, v) that the triangle covers: mark where it crosses. */
+static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
+{
+    bvxi_surface_job *const job = l->tile->job;
+    int32_t voxel[3], w = line_crossing(l, u, v);
+
+    if (job->solid != NULL) {
+        if (is_solid_on_line(l, w, u, v) || is_solid_on_line(l, w + 1, u, v)) return;
+        w = voxel_of_crossing(l, w, u, v);
+    }
+    if (w < l->low[0] || w > l->high[0]) return;
+    voxel[l->axis[0]] = w;
+    voxel[l->axis[1]] = u;
+    voxel[l->axis[2]] = v;
+    bvxi_touch_run(job, voxel[1], voxel[2], voxel[0], voxel[0], l->triangle);
+}
+
+static void make_edges(const thin_lines *l, thin_edges *e)
+{
+    int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
+
+    for (int i = 0; i < 3; i++) {
+        const int32_t *const p = l->t.p[i], *const q = l->t.p[i == 2 ? 0 : i + 1];
+        int64_t const du = (int64_t)q[1] - p[1], dv = (int64_t)q[2] - p[2];
+        int64_t const bias = dv < 0 || (dv == 0 && du > 0) ? 0 : 1;
+        e->at[i] = du * (l->low[2] * step + half - p[2]) - dv * (l->low[1] * step + half - p[1]) - bias;
+        e->along_u[i] = -dv * step;
+        e->along_v[i] = du * step;
+    }
+}
+
+static void try_lines(thin_lines *l)
+{
+    thin_edges e;
+
+    make_edges(l, &e);
+    for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
+        int64_t a = e.at[0], b = e.at[1], c = e.at[2];
+        for (int32_t u = l->low[1]; u <= l->high[1]; u++) {
+            if ((a | b | c) >= 0) cross_line(l, u, v);
+            a += e.along_u[0];
+            b += e.along_u[1];
+            c += e.along_u[2];
+        }
+        for (int i = 0; i < 3; i++) e.at[i] += e.along_v[i];
+    }
+}
+
+static void cut_lines(thin_lines *l)
+{
+    int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
+    for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
+        int64_t first = 0, last = (int64_t)l->high[1] - l->low[1];
+        bvxi_cover_span(&l->t, l->low[1] * step + half, v * step + half, step, &first, &last);
+        for (int64_t n = first; n <= last; n++) cross_line(l, l->low[1] + (int32_t)n, v);
+    }
+}
+
+/* Triangle i of the batch along an axis; low and high: the voxels of the tile by axis. */
+static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
+                        const int32_t low[3], const int32_t high[3])
+{
+    int32_t const half = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
+    int32_t q[3][3];
+    thin_lines l;
+
+    l.tile = tile;
+    l.axis = thin_axes[axis];
+    l.triangle = b->triangle[i];
+    l.ready = 0;
+    for (int a = 0; a < 3; a++) {
+        int const from = l.axis[a];
+        l.low[a] = a == 0 || b->low[from][i] < low[from] ? low[from] : b->low[from][i];
+        l.high[a] = a == 0 || b->high[from][i] > high[from] ? high[from] : b->high[from][i];
+        if (l.low[a] > l.high[a]) return;
+        /* a centre where a segment begins */
+        for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? half : 0);
+    }
+    if (!bvxi_triangle_setup(q[0], q[1], q[2], &l.t)) return;
+    bvxi_triangle_walk(&l.t, axis);
+    if (l.high[1] - l.low[1] < THIN_FEW) try_lines(&l);
+    else cut_lines(&l);
+}
+
+void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
+{
+    const bvxi_surface_job *const job = tile->job;
+    int32_t const f = job->fraction_bits, half = 1 << f >> 1;
+    int32_t const low[3] = {0, tile->rows.j0, tile->rows.k0};
+    int32_t const high[3] = {job->size[0] - 1, tile->rows.j1 - 1, tile->rows.k1 - 1};
+    bvxi_touch_batch b;
+
+    for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
+        uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
+        bvxi_batch_gather(job, id, done, n, &b);
+        /* the centres from least on and below the greatest */
+        bvxi_batch_boxes(&b, n, f, half - 1, -half - 1);
+        for (uint32_t i = 0; i < n; i++) {
+            int const x = b.low[0][i] <= b.high[0][i];
+            int const y = b.low[1][i] <= b.high[1][i];
+            int const z = b.low[2][i] <= b.high[2][i];
+            if (y & z) cross_along(tile, &b, i, 0, low, high);
+            if (x & z) cross_along(tile, &b, i, 1, low, high);
+            if (x & y) cross_along(tile, &b, i, 2, low, high);
+        }
+    }
+}

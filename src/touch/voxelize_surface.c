@@ -1,0 +1,288 @@
+/* voxelize_surface.c - the voxels that a mesh's surface touches: bvx_voxelize_surface.
+ *
+ * Vertices are snapped, triangles are sorted by tile of rows (tile_bins.c), each tile writes its own rows by
+ * the definition asked for (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over
+ * the tiles: the first counts by rank, the second fills in.
+ * Guarantee: exact; the same bits for any order of triangles, threads and windows. */
+#include "touch/surface_voxels.h"
+
+enum { SURFACE_GRAIN = 65536 }; /* triangles between looks at progress */
+
+static const char surface_name[] = "bvx_voxelize_surface";
+static const bvx_surface_options surface_defaults = {0};
+
+void bvx_surface_options_init(bvx_surface_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &surface_defaults, sizeof surface_defaults);
+}
+
+void bvx_attached_free(bvx_context *context, bvx_attached *attached)
+{
+    if (context == NULL || attached == NULL) return;
+    if (attached->offsets != NULL) {
+        bvxi_free(context, attached->triangles, attached->triangle_count * 4);
+        bvxi_free(context, attached->offsets, (attached->voxel_count + 1) * 8);
+    }
+    memset(attached, 0, sizeof *attached);
+}
+
+/* ---- tiles ---- */
+
+/* The first triangles that a tile gets find its rows empty. */
+static void begin_tile(bvxi_surface_tile *tile)
+{
+    bvxi_surface_job *const job = tile->job;
+    job->used[tile->number] = job->samples[tile->number] = job->parts[tile->number] = 0;
+    for (int32_t k = tile->rows.k0; job->task == BVXI_TOUCH_SET && k < tile->rows.k1; k++)
+        memset(bvxi_surface_row(job, tile->rows.j0, k), 0,
+               (size_t)(tile->rows.j1 - tile->rows.j0) * (size_t)job->grid->words_per_row * 8);
+}
+
+static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
+{
+    switch (tile->job->mode) {
+    case BVX_SURFACE_CONSERVATIVE: bvxi_touch_conservative(tile, id, count); break;
+    case BVX_SURFACE_THIN: bvxi_touch_thin(tile, id, count); break;
+    default: bvxi_touch_sampled(tile, id, count); break;
+    }
+}
+
+static void touch_tile(void *user, int32_t number, int32_t worker)
+{
+    bvxi_surface_job *const job = user;
+    bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
+    (void)worker;
+    begin_tile(&tile);
+    touch_by_mode(&tile, job->bins.id + job->bins.end[number],
+                  job->bins.end[number + 1] - job->bins.end[number]);
+}
+
+/* A piece of the triangles into the only tile; the pieces come one after the other. */
+static void touch_only_tile(void *user, int32_t piece, int32_t worker)
+{
+    bvxi_surface_job *const job = user;
+    bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, 0), 0};
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
+    job->first = (uint32_t)begin;
+    if (piece == 0) begin_tile(&tile);
+    touch_by_mode(&tile, NULL, end - begin);
+}
+
+static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t task, double from, double to)
+{
+    job->task = task;
+    if (job->bins.id != NULL)
+        return bvxi_parallel(ctx, "surface", from, to, job->tiles.count, touch_tile, job);
+    return bvxi_parallel(ctx, "surface", from, to, job->pieces, touch_only_tile, job);
+}
+
+/* ---- attached triangles ---- */
+
+/* Counts to places: each voxel's first, the total behind the last. */
+static uint64_t place_attached(uint64_t *offset, uint64_t voxels)
+{
+    uint64_t total = 0;
+
+    for (uint64_t v = 0; v < voxels; v++) {
+        uint64_t const n = offset[v];
+        offset[v] = total;
+        total += n;
+    }
+    offset[voxels] = total;
+    return total;
+}
+
+/* Filling has moved each place to its voxel's end, which is where the next one begins. */
+static void restore_places(uint64_t *offset, uint64_t voxels)
+{
+    for (uint64_t v = voxels; v > 0; v--) offset[v] = offset[v - 1];
+    offset[0] = 0;
+}
+
+static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t voxels, bvx_attached *made)
+{
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_RESULT, (voxels + 1) * 8, "the voxels' triangle counts", &made->offsets));
+    made->voxel_count = voxels;
+    job->offset = made->offsets;
+    memset(job->last, 0, (size_t)voxels * 4);
+    BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_COUNT, 0.4, 0.7));
+    uint64_t const total = place_attached(made->offsets, voxels);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, total * 4, "the voxels' triangles", &made->triangles));
+    made->triangle_count = total;
+    job->list = made->triangles;
+    memset(job->last, 0, (size_t)voxels * 4);
+    BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_LIST, 0.7, 1.0));
+    restore_places(made->offsets, voxels);
+    return BVX_OK;
+}
+
+static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_attached *attached)
+{
+    uint64_t const words = bvxi_grid_words(job->grid), bytes = bvxi_rank_bytes(words);
+    bvx_attached made = {0};
+    uint32_t *prefix = NULL;
+    uint64_t voxels = 0;
+    bvx_status status;
+
+    BVXI_TRY(bvx_grid_count(ctx, job->grid, &voxels));
+    if (voxels >= UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE,
+                         "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2", surface_name,
+                         voxels);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the voxels' ranks", &prefix));
+    bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
+    if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
+    bvxi_free(ctx, job->last, voxels * 4);
+    bvxi_free(ctx, prefix, bytes);
+    if (status != BVX_OK) {
+        bvx_attached_free(ctx, &made);
+        return status;
+    }
+    bvx_attached_free(ctx, attached);
+    *attached = made;
+    return BVX_OK;
+}
+
+/* ---- the call ---- */
+
+/* One thread takes all triangles as they come; more get some tiles each, so
+ * that none waits long for the last one. */
+static int32_t choose_tile_count(const bvx_context *ctx)
+{
+    int32_t const threads = bvxi_threads(ctx);
+    return threads == 1 ? 1 : threads < BVXI_SURFACE_TILES / 8 ? 8 * threads : BVXI_SURFACE_TILES;
+}
+
+static const bvxi_option surface_option_rows[] = {
+    BVXI_CHOICE(bvx_surface_options, mode, BVX_SURFACE_CONSERVATIVE, BVX_SURFACE_SAMPLED),
+    BVXI_RESERVED(bvx_surface_options, reserved),
+};
+
+static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view *mesh,
+                                          const bvx_lattice *lattice, const bvx_surface_options *given,
+                                          bvx_surface_options *o, bvx_window *window)
+{
+    BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
+    BVXI_TRY(bvxi_check_options(ctx, surface_name, o, BVXI_OPTIONS(surface_option_rows)));
+    if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: attached brings triangles, which are not used; zero it first", surface_name);
+    BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));
+    if (mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);
+    BVXI_TRY(bvxi_lattice_check(ctx, surface_name, lattice));
+    return bvxi_window_take(ctx, surface_name, lattice, &o->window, window);
+}
+
+static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o,
+                              bvxi_surface_job *job)
+{
+    bvx_status status = bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped);
+    if (status == BVX_OK) status = bvxi_bins_open(ctx, function, job);
+    if (status == BVX_OK)
+        status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
+    if (status == BVX_OK && o->attached != NULL) status = attach_triangles(ctx, job, o->attached);
+    bvxi_bins_close(ctx, job);
+    bvxi_snap_free(ctx, &job->snapped);
+    return status;
+}
+
+/* A job for a grid that is open; the mesh and the lattice have been checked. */
+static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, const bvx_grid *grid,
+                          bvxi_surface_job *job)
+{
+    memset(job, 0, sizeof *job);
+    job->view = mesh;
+    job->grid = grid;
+    job->fraction_bits = grid->lattice.fraction_bits;
+    job->mode = mode;
+    job->cpu = bvxi_cpu(ctx);
+    memcpy(job->size, grid->size, sizeof job->size);
+    memcpy(job->low, grid->low, sizeof job->low);
+    bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx));
+    job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
+}
+
+bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *solid, bvx_grid *lost)
+{
+    bvx_surface_options const o = surface_defaults;
+    bvxi_surface_job job;
+
+    begin_surface(ctx, mesh, BVX_SURFACE_THIN, lost, &job);
+    job.solid = solid;
+    return run_surface(ctx, function, &o, &job);
+}
+
+static void report_surface(const bvxi_surface_job *job, bvx_surface_report *report)
+{
+    memset(report, 0, sizeof *report);
+    for (int32_t t = 0; t < job->tiles.count; t++) {
+        report->triangles += job->used[t];
+        report->samples += job->samples[t];
+        report->parts += job->parts[t];
+    }
+}
+
+static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
+                                       const bvx_lattice *lattice, const bvx_surface_options *options,
+                                       bvx_grid *surface)
+{
+    bvx_surface_options o = surface_defaults;
+    bvx_window window;
+    bvx_grid made;
+    bvxi_surface_job job;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
+    BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
+    bvxi_grid_renew(context, lattice, &window, surface);
+    made = *surface;
+    BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
+    begin_surface(context, mesh, o.mode, &made, &job);
+    status = run_surface(context, surface_name, &o, &job);
+    if (status != BVX_OK) {
+        if (surface->words == NULL) bvx_grid_free(context, &made);
+        return status;
+    }
+    *surface = made;
+    if (o.report != NULL) report_surface(&job, o.report);
+    return BVX_OK;
+}
+
+bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                const bvx_surface_options *options, bvx_grid *surface)
+{
+    return BVXI_CALL(context, run_voxelize_surface(context, mesh, lattice, options, surface));
+}
+
+void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell)
+{
+    bvxi_free(ctx, shell->words, shell->word_capacity * 8);
+    memset(shell, 0, sizeof *shell);
+}
+
+bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                           bvx_grid *shell, uint64_t *voxels)
+{
+    uint64_t const words = bvxi_grid_words(solid);
+    bvx_surface_options o;
+    bvx_status status;
+
+    bvx_surface_options_init(&o, sizeof o);
+    memcpy(o.window.low, solid->low, sizeof o.window.low);
+    memcpy(o.window.size, solid->size, sizeof o.window.size);
+    memset(shell, 0, sizeof *shell);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the conservative surface", &shell->words));
+    shell->word_capacity = words;
+    status = bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell);
+    if (status == BVX_OK) status = bvx_grid_count(ctx, shell, voxels);
+    if (status != BVX_OK) bvxi_shell_close(ctx, shell);
+    return status;
+}

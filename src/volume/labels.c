@@ -1,0 +1,230 @@
+/* labels.c - the values of a label map: bvx_list_labels.
+ *
+ * Rows are read as runs of one value. A run is added to its value's entry, which is looked up among all
+ * entries by hashing, but mostly is that of the run before. Where the table searches too long, as for values
+ * that were made against the hash, a tree takes its place (core/key_tree.h). Guarantee: ascending values;
+ * nothing of the table's order is seen. */
+#include "core/key_tree.h"
+#include "volume/volume.h"
+#include "mesh/radix.h"
+
+static const char labels_name[] = "bvx_list_labels";
+
+enum { FIRST_LABELS = 64 };
+
+/* One value; high is the last voxel of its box. */
+typedef struct label_entry {
+    uint64_t value, voxels;
+    int32_t low[3], high[3];
+} label_entry;
+
+typedef struct label_table {
+    bvx_context *ctx;
+    label_entry *entries;
+    uint32_t *slots;      /* entry and 1, 0 for none [Size: 2 * room]; NULL beside the tree */
+    uint64_t count, room; /* room is a power of two */
+    uint64_t searches, probes;
+    bvxi_key_tree tree;
+} label_table;
+
+static uint64_t label_slot(label_table *t, uint64_t value)
+{
+    uint64_t h = (value ^ value >> 32) * UINT64_C(0x9e3779b97f4a7c15);
+    t->searches++;
+    h = (h >> 29) & (2 * t->room - 1);
+    for (; t->slots[h] != 0 && t->entries[t->slots[h] - 1].value != value; t->probes++)
+        h = (h + 1) & (2 * t->room - 1);
+    return h;
+}
+
+/* A bvxi_key_fn. */
+static void label_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const label_table *const t = user;
+    key[0] = (uint32_t)t->entries[number].value;
+    key[1] = (uint32_t)(t->entries[number].value >> 32);
+}
+
+static void free_label_slots(label_table *t)
+{
+    bvxi_free(t->ctx, t->slots, t->slots == NULL ? 0 : 2 * t->room * sizeof *t->slots);
+    t->slots = NULL;
+}
+
+static bvx_status plant_labels(label_table *t)
+{
+    free_label_slots(t);
+    BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
+    for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
+    return BVX_OK;
+}
+
+static bvx_status grow_labels(label_table *t)
+{
+    uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
+
+    if (room > UINT32_MAX / 2)
+        return bvxi_fail(t->ctx, BVX_ERR_RANGE, "%s: more than 2^30 labels", labels_name);
+    free_label_slots(t);
+    BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
+                         room * sizeof *t->entries, "the labels"));
+    t->room = room;
+    if (t->tree.key != NULL) return bvxi_key_tree_grow(t->ctx, &t->tree, room);
+    BVXI_TRY(
+        bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, 2 * room * sizeof *t->slots, "the table of labels", &t->slots));
+    for (uint64_t i = 0; i < t->count; i++) t->slots[label_slot(t, t->entries[i].value)] = (uint32_t)(i + 1);
+    return BVX_OK;
+}
+
+/* The number of a value's entry: count, known from now on, where there was none. */
+static uint64_t number_of_label(label_table *t, uint64_t value)
+{
+    t->entries[t->count].value = value;
+    if (t->tree.key != NULL) return bvxi_key_tree_find(&t->tree, t->count);
+    uint64_t const slot = label_slot(t, value);
+    if (t->slots[slot] == 0) t->slots[slot] = (uint32_t)(t->count + 1);
+    return t->slots[slot] - 1;
+}
+
+/* The entry of a value, a new one where there is none yet. */
+static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
+{
+    if (t->count == t->room) BVXI_TRY(grow_labels(t));
+    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) BVXI_TRY(plant_labels(t));
+    *entry = number_of_label(t, value);
+    if (*entry == t->count) {
+        label_entry *const e = &t->entries[t->count++];
+        e->voxels = 0;
+        for (int a = 0; a < 3; a++) {
+            e->low[a] = INT32_MAX;
+            e->high[a] = -1;
+        }
+    }
+    return BVX_OK;
+}
+
+static uint64_t whole_sample(const uint8_t *p, int32_t type)
+{
+    uint16_t v16;
+    uint32_t v32;
+    uint64_t v64;
+
+    switch (type) {
+    case BVX_SAMPLE_U8: return *p;
+    case BVX_SAMPLE_I8: return (uint64_t)(int64_t)(*p < 128 ? *p : *p - 256);
+    case BVX_SAMPLE_U16:
+    case BVX_SAMPLE_I16:
+        memcpy(&v16, p, sizeof v16);
+        return type == BVX_SAMPLE_U16 || v16 < 32768 ? v16 : v16 | ~UINT64_C(0xffff);
+    case BVX_SAMPLE_U32:
+    case BVX_SAMPLE_I32:
+        memcpy(&v32, p, sizeof v32);
+        return type == BVX_SAMPLE_U32 || v32 < UINT32_C(0x80000000) ? v32 : v32 | ~UINT64_C(0xffffffff);
+    default: memcpy(&v64, p, sizeof v64); return v64;
+    }
+}
+
+static void add_label_run(label_entry *e, int32_t x, int32_t end, int32_t y, int32_t z)
+{
+    int32_t const low[3] = {x, y, z}, high[3] = {end - 1, y, z};
+    e->voxels += (uint64_t)(end - x);
+    for (int a = 0; a < 3; a++) {
+        if (low[a] < e->low[a]) e->low[a] = low[a];
+        if (high[a] > e->high[a]) e->high[a] = high[a];
+    }
+}
+
+static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8_t *row, int64_t step,
+                           int32_t y, int32_t z, uint64_t *last)
+{
+    int32_t const n = v->size[0];
+
+    for (int32_t x = 0; x < n;) {
+        uint64_t const value = whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
+        int32_t const begin = x;
+        while (++x < n && whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
+        if (value == 0) continue;
+        if (*last >= t->count || t->entries[*last].value != value) BVXI_TRY(find_label(t, value, last));
+        add_label_run(&t->entries[*last], begin, x, y, z);
+    }
+    return BVX_OK;
+}
+
+static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const int64_t stride[3])
+{
+    const uint8_t *const first = v->samples;
+    uint64_t last = 0;
+
+    for (int32_t z = 0; z < v->size[2]; z++) {
+        BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
+        for (int32_t y = 0; y < v->size[1]; y++)
+            BVXI_TRY(
+                list_row(t, v, first + (ptrdiff_t)(y * stride[1] + z * stride[2]), stride[0], y, z, &last));
+    }
+    return BVX_OK;
+}
+
+/* Ascending; those of signed types begin with the negative ones. */
+static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
+{
+    uint64_t const flip = is_signed ? UINT64_C(1) << 63 : 0;
+    uint64_t *keys = NULL;
+    uint32_t *order = NULL;
+    bvx_status status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 8, "the labels' order", &keys);
+
+    if (status == BVX_OK)
+        status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order);
+    for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
+        keys[i] = t->entries[i].value ^ flip;
+        order[i] = (uint32_t)i;
+    }
+    if (status == BVX_OK) status = bvxi_radix_sort(t->ctx, keys, order, t->count);
+    for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
+        const label_entry *const e = &t->entries[order[i]];
+        memset(&labels[i], 0, sizeof labels[i]);
+        memcpy(&labels[i].value, &e->value, sizeof e->value);
+        labels[i].voxels = e->voxels;
+        for (int a = 0; a < 3; a++) {
+            labels[i].low[a] = e->low[a];
+            labels[i].size[a] = e->high[a] - e->low[a] + 1;
+        }
+    }
+    bvxi_free(t->ctx, order, t->count * 4);
+    bvxi_free(t->ctx, keys, t->count * 8);
+    return status;
+}
+
+static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
+                                  uint64_t capacity, uint64_t *count)
+{
+    label_table t = {0};
+    int64_t stride[3];
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
+    BVXI_TRY(bvxi_volume_check(context, labels_name, volume, stride));
+    if (volume->sample_type >= BVX_SAMPLE_F32)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
+                         labels_name);
+    t.ctx = context;
+    status = list_volume(&t, volume, stride);
+    if (status == BVX_OK) {
+        *count = t.count;
+        if (labels != NULL && capacity < t.count)
+            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",
+                               labels_name, t.count, capacity);
+        else if (labels != NULL && t.count != 0)
+            status = give_labels(&t, volume->sample_type % 2 == 0, labels);
+    }
+    free_label_slots(&t);
+    bvxi_key_tree_close(context, &t.tree);
+    bvxi_free(context, t.entries, t.room * sizeof *t.entries);
+    return status;
+}
+
+bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
+                           uint64_t capacity, uint64_t *count)
+{
+    return BVXI_CALL(context, run_list_labels(context, volume, labels, capacity, count));
+}

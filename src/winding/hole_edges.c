@@ -1,0 +1,406 @@
+/* hole_edges.c - the open edges of a snapped mesh.
+ *
+ * An edge waits until a triangle that runs along it the other way has come: the first few beside their lower
+ * corner, others in a table. What waits at the end is open, as often as it is or, where directions are not to
+ * matter, an odd rest once. This is done for corners by their numbers first, which leaves little of most
+ * meshes, then for that by their places. Where a table searches too long, as for input that was made against
+ * its hash, a tree takes its place (core/key_tree.h).
+ * Guarantee: the same edges for any order of triangles, in any order. */
+#include "core/key_tree.h"
+#include "winding/holes.h"
+
+enum { HOLE_TABLE = 1 << 12, HOLE_BESIDE = 4 };
+#define HOLE_EMPTY UINT64_MAX
+
+/* lower << 32 | higher in the next free slot; net: how many more triangles run upwards than downwards, never
+ * 0. With a tree: in the order of their first appearance, where net may become 0. */
+typedef struct edge_table {
+    uint64_t *key;
+    int64_t *net;
+    uint64_t size, used;   /* size: a power of two, at least twice used */
+    uint64_t puts, probes; /* edges put since it was made, steps from slot to slot */
+    bvxi_key_tree tree;    /* its child is NULL: the table is hashed */
+    uint64_t listed;       /* with a tree: edges that key and net hold */
+} edge_table;
+
+static inline uint64_t slot_of_edge(const edge_table *t, uint64_t key)
+{
+    uint64_t const h = key * UINT64_C(0x9e3779b97f4a7c15);
+    return (h ^ h >> 32) & (t->size - 1);
+}
+
+static void close_edge_table(bvx_context *ctx, edge_table *t)
+{
+    bvxi_key_tree_close(ctx, &t->tree);
+    bvxi_free(ctx, t->net, t->size * 8);
+    bvxi_free(ctx, t->key, t->size * 8);
+    memset(t, 0, sizeof *t);
+}
+
+static bvx_status open_edge_table(bvx_context *ctx, uint64_t size, edge_table *t)
+{
+    bvx_status status;
+
+    memset(t, 0, sizeof *t);
+    t->size = size;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges that wait", &t->key);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges' directions", &t->net);
+    if (status != BVX_OK) close_edge_table(ctx, t);
+    else
+        for (uint64_t i = 0; i < size; i++) t->key[i] = HOLE_EMPTY;
+    return status;
+}
+
+/* Edges stand at most twice as far from their places, all together, as they did in the smaller table. */
+static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
+{
+    edge_table larger;
+
+    BVXI_TRY(open_edge_table(ctx, 2 * t->size, &larger));
+    for (uint64_t i = 0; i < t->size; i++) {
+        uint64_t slot;
+        if (t->key[i] == HOLE_EMPTY) continue;
+        slot = slot_of_edge(&larger, t->key[i]);
+        for (; larger.key[slot] != HOLE_EMPTY; larger.probes++) slot = (slot + 1) & (larger.size - 1);
+        larger.key[slot] = t->key[i];
+        larger.net[slot] = t->net[i];
+    }
+    larger.used = t->used;
+    larger.puts = t->puts;
+    larger.probes += t->probes;
+    close_edge_table(ctx, t);
+    *t = larger;
+    return BVX_OK;
+}
+
+/* ---- edges in a tree ---- */
+
+/* A bvxi_key_fn; user: the keys. */
+static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const uint64_t *const keys = user;
+    key[0] = (uint32_t)keys[number];
+    key[1] = (uint32_t)(keys[number] >> 32);
+}
+
+static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
+{
+    uint64_t at;
+
+    t->key[t->listed] = key;
+    t->net[t->listed] = 0;
+    at = bvxi_key_tree_find(&t->tree, t->listed);
+    t->listed += at == t->listed;
+    t->used -= t->net[at] != 0;
+    t->net[at] += direction;
+    t->used += t->net[at] != 0;
+}
+
+static bvx_status plant_edge_tree(bvx_context *ctx, edge_table *t)
+{
+    BVXI_TRY(bvxi_key_tree_open(ctx, &t->tree, waiting_edge_key, t->key, t->size));
+    for (uint64_t i = 0; i < t->size; i++) { /* what is listed lies before i */
+        uint64_t const key = t->key[i];
+        if (key == HOLE_EMPTY) continue;
+        t->key[t->listed] = key;
+        t->net[t->listed] = t->net[i];
+        bvxi_key_tree_find(&t->tree, t->listed++);
+    }
+    for (uint64_t i = t->listed; i < t->size; i++) t->key[i] = HOLE_EMPTY;
+    return BVX_OK;
+}
+
+/* A new table of those that still wait, and its tree. */
+static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
+{
+    edge_table larger;
+    bvx_status status;
+
+    BVXI_TRY(open_edge_table(ctx, 2 * (t->used + 3) > t->size ? 2 * t->size : t->size, &larger));
+    for (uint64_t i = 0; i < t->listed; i++) {
+        if (t->net[i] == 0) continue;
+        larger.key[larger.used] = t->key[i];
+        larger.net[larger.used++] = t->net[i];
+    }
+    close_edge_table(ctx, t);
+    status = larger.size > UINT32_MAX
+                 ? bvxi_fail(ctx, BVX_ERR_RANGE, "more than 2^31 edges of one triangle wait for another")
+                 : plant_edge_tree(ctx, &larger);
+    *t = larger;
+    return status;
+}
+
+/* Room for three edges more, however they are to be found. */
+static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
+{
+    if (BVXI_UNLIKELY(t->tree.child != NULL))
+        return t->listed + 3 > t->size ? grow_edge_tree(ctx, t) : BVX_OK;
+    if (BVXI_UNLIKELY(t->probes > bvxi_probe_limit(t->puts))) {
+        BVXI_TRY(plant_edge_tree(ctx, t));
+        return BVX_OK; /* at most half of it is used */
+    }
+    return BVXI_UNLIKELY(2 * (t->used + 3) > t->size) ? grow_edge_table(ctx, t) : BVX_OK;
+}
+
+/* ---- edges in a table ---- */
+
+/* Later ones move up, so that no search ends too early. */
+static void empty_slot(edge_table *t, uint64_t free)
+{
+    uint64_t const mask = t->size - 1;
+
+    for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
+        if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
+        t->key[free] = t->key[i];
+        t->net[free] = t->net[i];
+        free = i;
+    }
+    t->key[free] = HOLE_EMPTY;
+    t->used--;
+}
+
+static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
+{
+    uint64_t const key = from < to ? (uint64_t)from << 32 | to : (uint64_t)to << 32 | from;
+    int64_t const direction = from < to ? 1 : -1;
+    uint64_t slot = slot_of_edge(t, key);
+
+    if (from == to) return;
+    if (BVXI_UNLIKELY(t->tree.child != NULL)) {
+        put_edge_in_tree(t, key, direction);
+        return;
+    }
+    t->puts++;
+    for (; t->key[slot] != key && t->key[slot] != HOLE_EMPTY; t->probes++) slot = (slot + 1) & (t->size - 1);
+    if (t->key[slot] == HOLE_EMPTY) {
+        t->key[slot] = key;
+        t->net[slot] = direction;
+        t->used++;
+        return;
+    }
+    t->net[slot] += direction;
+    if (t->net[slot] == 0) empty_slot(t, slot);
+}
+
+/* What waits in the end, each as often as it is, or with odd_once once where that is odd; from << 32 | to. */
+static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd_once, uint64_t **edges,
+                                  uint64_t *count)
+{
+    *edges = NULL;
+    *count = 0;
+    for (int fill = 0; fill < 2; fill++) {
+        uint64_t n = 0;
+        for (uint64_t i = 0; i < t->size && t->used > 0; i++) {
+            uint64_t const key = t->key[i];
+            int64_t const net = key == HOLE_EMPTY ? 0 : t->net[i];
+            uint64_t copies = (uint64_t)(net < 0 ? -net : net);
+            if (odd_once) copies &= 1;
+            for (uint64_t k = 0; k < copies && fill; k++)
+                (*edges)[n + k] = net > 0 ? key : key << 32 | key >> 32;
+            n += copies;
+        }
+        if (!fill) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges", edges));
+        *count = n;
+    }
+    return BVX_OK;
+}
+
+/* The first few edges that wait at their lower corner do so beside it:
+ * (higher << 1 | runs downwards) + 1, or 0. */
+static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
+{
+    uint32_t *const slot = beside + (size_t)HOLE_BESIDE * (from < to ? from : to);
+    uint32_t const value = ((from < to ? to << 1 : from << 1 | 1)) + 1, other = ((value - 1) ^ 1) + 1;
+    int free = -1;
+
+    for (int i = 0; i < HOLE_BESIDE; i++) {
+        if (slot[i] == other) {
+            slot[i] = 0;
+            return 1;
+        }
+        if (slot[i] == 0) free = i;
+    }
+    if (free >= 0) slot[free] = value;
+    return free >= 0;
+}
+
+static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uint64_t vertices,
+                                   uint64_t limit, edge_table *t)
+{
+    for (uint64_t v = 0; v < vertices; v++)
+        for (int i = 0; i < HOLE_BESIDE; i++) {
+            uint32_t const value = beside[HOLE_BESIDE * v + (uint64_t)i] - 1;
+            if (value == UINT32_MAX) continue;
+            if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
+            else put_hole_edge(t, value >> 1, (uint32_t)v);
+            BVXI_TRY(make_room_for_edges(ctx, t));
+            if (t->used > limit) return BVX_OK;
+        }
+    return BVX_OK;
+}
+
+static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
+                                uint64_t limit, uint32_t *beside, edge_table *t)
+{
+    int const narrow = view->vertex_count < UINT32_MAX / 2; /* corners fit 31 bits */
+    uint32_t c[3];
+
+    for (uint64_t i = 0; i < view->triangle_count && t->used <= limit; i++) {
+        bvxi_view_triangle(view, i, c);
+        for (int k = 0; k < 3 && same != NULL; k++) c[k] = same[c[k]];
+        for (int k = 0; k < 3; k++) {
+            uint32_t const from = c[k], to = c[k == 2 ? 0 : k + 1];
+            if (from != to && !(narrow && put_beside(beside, from, to))) put_hole_edge(t, from, to);
+        }
+        BVXI_TRY(make_room_for_edges(ctx, t));
+    }
+    return take_from_beside(ctx, beside, view->vertex_count, limit, t);
+}
+
+/* Edges of triangles; same: NULL, or which vertex stands for each. Where
+ * more than limit wait in the end what was done is of no use. */
+static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *same,
+                                   uint64_t limit, edge_table *t)
+{
+    uint64_t const bytes = view->vertex_count * HOLE_BESIDE * 4;
+    uint32_t *beside;
+    bvx_status status;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices' edges", &beside));
+    status = put_triangles(ctx, view, same, limit, beside, t);
+    bvxi_free(ctx, beside, bytes);
+    return status;
+}
+
+/* ---- Corners at one place ---- */
+
+static uint64_t hash_of_place(const int32_t q[3])
+{
+    uint64_t h = (uint32_t)q[0] | (uint64_t)(uint32_t)q[1] << 32;
+    h *= UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ h >> 32 ^ (uint32_t)q[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
+}
+
+/* Vertices by their places. table: a vertex number plus 1, or 0; NULL: the tree is used. */
+typedef struct place_table {
+    const bvxi_snapped *snapped;
+    uint32_t *table;
+    uint64_t size, searches, probes;
+    bvxi_key_tree tree;
+} place_table;
+
+/* For count different vertices. */
+static bvx_status open_place_table(bvx_context *ctx, const bvxi_snapped *s, uint64_t count, place_table *p)
+{
+    memset(p, 0, sizeof *p);
+    p->snapped = s;
+    p->size = count + count / 2 + 1;
+    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, p->size * 4, "the vertices' places", &p->table);
+}
+
+static void close_place_table(bvx_context *ctx, place_table *p)
+{
+    bvxi_key_tree_close(ctx, &p->tree);
+    bvxi_free(ctx, p->table, p->size * 4);
+    p->table = NULL;
+}
+
+/* A bvxi_key_fn. */
+static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WORDS])
+{
+    const bvxi_snapped *const s = user;
+    memcpy(key, s->xyz + 3 * vertex, 12);
+}
+
+static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
+{
+    BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
+    for (uint64_t i = 0; i < p->size; i++)
+        if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
+    bvxi_free(ctx, p->table, p->size * 4);
+    p->table = NULL;
+    return BVX_OK;
+}
+
+/* *first becomes the first vertex that was looked up at v's place. */
+static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint32_t v, uint32_t *first)
+{
+    const int32_t *const xyz = p->snapped->xyz, *const q = xyz + 3 * (uint64_t)v;
+
+    if (BVXI_UNLIKELY(p->table == NULL)) {
+        *first = (uint32_t)bvxi_key_tree_find(&p->tree, v);
+        return BVX_OK;
+    }
+    uint64_t slot = (hash_of_place(q) * p->size) >> 31;
+    for (uint32_t at;
+         (at = p->table[slot]) != 0 && at != v + 1 && memcmp(xyz + 3 * (uint64_t)(at - 1), q, 12) != 0;
+         p->probes++)
+        slot = slot + 1 == p->size ? 0 : slot + 1;
+    if (p->table[slot] == 0) p->table[slot] = v + 1;
+    *first = p->table[slot] - 1;
+    return BVXI_UNLIKELY(p->probes > bvxi_probe_limit(++p->searches)) ? plant_place_tree(ctx, p) : BVX_OK;
+}
+
+/* The edges that are left over by number, by their places. */
+static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count,
+                              edge_table *t)
+{
+    place_table p;
+    uint32_t from = 0, to = 0;
+    bvx_status status = open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count,
+                                         &p);
+
+    for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
+        status = vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from);
+        if (status == BVX_OK) status = vertex_at_place(ctx, &p, (uint32_t)list[i], &to);
+        if (status != BVX_OK) break;
+        put_hole_edge(t, from, to);
+        status = make_room_for_edges(ctx, t);
+    }
+    close_place_table(ctx, &p);
+    return status;
+}
+
+/* All triangles, by their corners' places. */
+static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s,
+                                edge_table *t)
+{
+    uint64_t const bytes = s->vertex_count * 4;
+    uint32_t *same = NULL;
+    place_table p;
+    bvx_status status = open_place_table(ctx, s, s->vertex_count, &p);
+
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same);
+    for (uint64_t v = 0; v < s->vertex_count && status == BVX_OK; v++)
+        status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
+    close_place_table(ctx, &p);
+    if (status == BVX_OK) status = cancel_triangles(ctx, view, same, UINT64_MAX, t);
+    bvxi_free(ctx, same, bytes);
+    return status;
+}
+
+/* By numbers and then what is left by places; where numbers cancel too little, all by places. */
+bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
+                           uint64_t **edges, uint64_t *count)
+{
+    uint64_t *list = NULL, left = 0;
+    uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;
+    edge_table t;
+    int full = 0;
+    bvx_status status;
+
+    *edges = NULL;
+    *count = 0;
+    BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
+    status = cancel_triangles(ctx, view, NULL, limit, &t);
+    full = t.used > limit;
+    if (status == BVX_OK && !full) status = list_open_edges(ctx, &t, 0, &list, &left);
+    close_edge_table(ctx, &t);
+    if (status == BVX_OK) status = open_edge_table(ctx, HOLE_TABLE, &t);
+    if (status == BVX_OK)
+        status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
+    bvxi_free(ctx, list, left * 8);
+    if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
+    close_edge_table(ctx, &t);
+    return status;
+}

@@ -1,0 +1,283 @@
+/* holes.c - the open edges of a snapped mesh, joined to loops.
+ *
+ * At every vertex an even number of open edges meet (a triangle brings two, or none, to each), so a walk
+ * along unused ones ends where it began, and parts into loops.
+ * Guarantee: corners are numbered by their places, edges by their corners, and the walk takes the least
+ * number that the triangles' own direction allows: the loops follow from the geometry alone. */
+#include "winding/holes.h"
+
+enum { HOLE_INSERTION_LIMIT = 32 };
+#define HOLE_NONE UINT32_MAX
+
+/* ---- Edges in order ---- */
+
+static void sift_edges(uint64_t *e, uint64_t at, uint64_t n)
+{
+    uint64_t const value = e[at];
+    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
+        if (child + 1 < n && e[child + 1] > e[child]) child++;
+        if (e[child] <= value) break;
+        e[at] = e[child];
+    }
+    e[at] = value;
+}
+
+static void sort_edges(uint64_t *e, uint64_t n)
+{
+    if (n <= HOLE_INSERTION_LIMIT) {
+        for (uint64_t i = 1; i < n; i++) {
+            uint64_t const value = e[i];
+            uint64_t k = i;
+            for (; k > 0 && e[k - 1] > value; k--) e[k] = e[k - 1];
+            e[k] = value;
+        }
+        return;
+    }
+    for (uint64_t i = n / 2; i-- > 0;) sift_edges(e, i, n);
+    for (uint64_t end = n - 1; end > 0; end--) {
+        uint64_t const top = e[0];
+        e[0] = e[end];
+        e[end] = top;
+        sift_edges(e, 0, end);
+    }
+}
+
+/* ---- Corners numbered by their places ---- */
+
+static int place_before(const int32_t *a, const int32_t *b)
+{
+    if (a[2] != b[2]) return a[2] < b[2];
+    if (a[1] != b[1]) return a[1] < b[1];
+    return a[0] < b[0];
+}
+
+static void sift_places(const int32_t *xyz, uint32_t *v, uint64_t at, uint64_t n)
+{
+    uint32_t const x = v[at];
+    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
+        if (child + 1 < n && place_before(xyz + 3 * (uint64_t)v[child], xyz + 3 * (uint64_t)v[child + 1]))
+            child++;
+        if (!place_before(xyz + 3 * (uint64_t)x, xyz + 3 * (uint64_t)v[child])) break;
+        v[at] = v[child];
+    }
+    v[at] = x;
+}
+
+/* place[n]: the vertex of the n-th corner by place. Edges change to these numbers and are sorted. number:
+ * scratch
+ * [Size: vertex_count]. Returns how many corners there are. */
+static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t count, uint32_t *number,
+                              uint32_t *place)
+{
+    uint64_t n = 0;
+
+    for (uint64_t v = 0; v < s->vertex_count; v++) number[v] = 0;
+    for (uint64_t i = 0; i < 2 * count; i++) {
+        uint32_t const v = (uint32_t)(edges[i / 2] >> (i % 2 != 0 ? 32 : 0));
+        if (number[v]++ == 0) place[n++] = v;
+    }
+    for (uint64_t i = n / 2; i-- > 0;) sift_places(s->xyz, place, i, n);
+    for (uint64_t end = n; end-- > 1;) {
+        uint32_t const top = place[0];
+        place[0] = place[end];
+        place[end] = top;
+        sift_places(s->xyz, place, 0, end);
+    }
+    for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
+    for (uint64_t i = 0; i < count; i++)
+        edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
+    sort_edges(edges, count);
+    return n;
+}
+
+/* ---- Loops ---- */
+
+typedef struct hole_walk {
+    const uint64_t *edges;
+    uint64_t count;
+    /* by corner: the next edge to try that leaves it; the next place in incoming [Size: corners + 1] */
+    uint64_t *out, *in;
+    uint32_t *incoming; /* edges by their end, ascending */
+    uint8_t *used;      /* by edge */
+    uint32_t *trail;    /* corners walked [Size: corners] */
+    uint32_t *met;      /* by corner: its place on the trail plus 1, or 0 */
+} hole_walk;
+
+/* The next unused edge at a corner, or HOLE_NONE: those that leave it first. */
+static uint32_t next_open_edge(hole_walk *w, uint32_t corner)
+{
+    for (; w->out[corner] < w->count && w->edges[w->out[corner]] >> 32 == corner; w->out[corner]++)
+        if (!w->used[w->out[corner]]) return (uint32_t)w->out[corner];
+    for (; w->in[corner] < w->count && (uint32_t)w->edges[w->incoming[w->in[corner]]] == corner;
+         w->in[corner]++)
+        if (!w->used[w->incoming[w->in[corner]]]) return w->incoming[w->in[corner]];
+    return HOLE_NONE;
+}
+
+static void start_hole_walk(hole_walk *w, uint64_t corners)
+{
+    uint64_t sum = 0;
+
+    memset(w->used, 0, (size_t)w->count);
+    memset(w->out, 0, (size_t)(corners + 1) * 8);
+    memset(w->in, 0, (size_t)(corners + 1) * 8);
+    for (uint64_t e = 0; e < w->count; e++) {
+        w->out[(w->edges[e] >> 32) + 1]++;
+        w->in[(uint32_t)w->edges[e] + 1]++;
+    }
+    for (uint64_t c = 1; c <= corners; c++) w->out[c] += w->out[c - 1]; /* starts */
+    for (uint64_t c = 0; c <= corners; c++) {
+        sum += w->in[c];
+        w->in[c] = sum;
+    }
+    for (uint64_t e = 0; e < w->count; e++) w->incoming[w->in[(uint32_t)w->edges[e]]++] = (uint32_t)e;
+    /* filling moved each to the next one's start */
+    for (uint64_t c = corners; c > 0; c--) w->in[c] = w->in[c - 1];
+    w->in[0] = 0;
+}
+
+/* Walk until no edge is left; a corner that the trail meets again closes a
+ * loop, which is taken off it. So loops meet no corner twice. */
+static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
+{
+    for (uint64_t e = 0; e < w->count; e++) {
+        uint32_t at = (uint32_t)(w->edges[e] >> 32), edge = (uint32_t)e;
+        uint64_t length = 1;
+        if (w->used[e]) continue;
+        w->trail[0] = at;
+        w->met[at] = 1;
+        for (; edge != HOLE_NONE; edge = next_open_edge(w, at)) {
+            uint32_t const from = (uint32_t)(w->edges[edge] >> 32);
+            w->used[edge] = 1;
+            at = at == from ? (uint32_t)w->edges[edge] : from;
+            if (w->met[at] == 0) {
+                w->trail[length++] = at;
+                w->met[at] = (uint32_t)length;
+                continue;
+            }
+            for (uint64_t i = w->met[at] - 1; i < length; i++)
+                holes->vertex[holes->points++] = place[w->trail[i]];
+            holes->loop_end[holes->loops++] = holes->points;
+            for (; length > w->met[at]; length--) w->met[w->trail[length - 1]] = 0;
+        }
+        w->met[w->trail[0]] = 0;
+    }
+}
+
+static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t count, const uint32_t *place,
+                             uint64_t corners, bvxi_holes *holes)
+{
+    uint64_t const bytes = (corners + 1) * 8;
+    hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out);
+
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the open edges by end", &w.incoming);
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count, "the open edges' marks", &w.used);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the trail along open edges", &w.trail);
+    if (status == BVX_OK)
+        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, corners * 4, "the trail's marks", &w.met);
+    if (status == BVX_OK) {
+        start_hole_walk(&w, corners);
+        walk_loops(&w, place, holes);
+    }
+    bvxi_free(ctx, w.met, corners * 4);
+    bvxi_free(ctx, w.trail, corners * 4);
+    bvxi_free(ctx, w.used, count);
+    bvxi_free(ctx, w.incoming, count * 4);
+    bvxi_free(ctx, w.in, bytes);
+    bvxi_free(ctx, w.out, bytes);
+    return status;
+}
+
+void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
+{
+    bvxi_free(ctx, holes->loop_end, holes->room * 8);
+    bvxi_free(ctx, holes->vertex, holes->room * 4);
+    memset(holes, 0, sizeof *holes);
+}
+
+/* Edges by their corners' numbers, sorted; an edge is never there both ways (hole_edges.c). */
+static int32_t has_repeated_edge(const uint64_t *edges, uint64_t count)
+{
+    for (uint64_t i = 1; i < count; i++)
+        if (edges[i] == edges[i - 1]) return 1;
+    return 0;
+}
+
+static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
+                             bvxi_holes *holes)
+{
+    uint64_t const bytes = s->vertex_count * 4;
+    uint32_t *place = NULL, *number = NULL;
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place);
+
+    holes->room = count;
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end);
+    if (status == BVX_OK) {
+        uint64_t const corners = number_places(s, edges, count, number, place);
+        holes->repeated = has_repeated_edge(edges, count);
+        status = join_loops(ctx, edges, count, place, corners, holes);
+    }
+    bvxi_free(ctx, number, bytes);
+    bvxi_free(ctx, place, count * 8);
+    return status;
+}
+
+static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
+                             int odd_once, bvxi_holes *holes)
+{
+    uint64_t *edges = NULL, count = 0;
+    bvx_status status;
+
+    memset(holes, 0, sizeof *holes);
+    status = bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count);
+    if (status == BVX_OK && count >= HOLE_NONE)
+        status = bvxi_fail(ctx, BVX_ERR_RANGE,
+                           "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
+    if (status == BVX_OK && count > 0) status = make_loops(ctx, snapped, edges, count, holes);
+    bvxi_free(ctx, edges, count * 8);
+    if (status != BVX_OK) bvxi_holes_close(ctx, holes);
+    return status;
+}
+
+bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
+                           bvxi_holes *holes)
+{
+    return open_holes(ctx, view, snapped, 1, holes);
+}
+
+bvx_status bvxi_holes_open_signed(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
+                                  bvxi_holes *holes)
+{
+    return open_holes(ctx, view, snapped, 0, holes);
+}
+
+bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+{
+    uint32_t corner[3];
+    for (uint64_t t = 0; t < view->triangle_count; t++)
+        if (BVXI_UNLIKELY(!bvxi_view_triangle(view, t, corner)))
+            return bvxi_view_fail_index(ctx, function, view, t);
+    return BVX_OK;
+}
+
+bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
+                                const bvx_lattice *lattice, int32_t fill, bvxi_holes *holes)
+{
+    bvxi_snapped snapped;
+    bvx_status status;
+
+    memset(holes, 0, sizeof *holes);
+    BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
+    BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
+    status = open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes);
+    bvxi_snap_free(ctx, &snapped);
+    return status;
+}

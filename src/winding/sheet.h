@@ -1,0 +1,134 @@
+/* sheet.h - how much of all directions a sheet over the holes of a mesh covers. Not installed. */
+#ifndef BVXI_SHEET_H
+#define BVXI_SHEET_H
+
+#include "winding/holes.h"
+#include "core/vec3.h"
+
+#include <math.h>
+
+/* What the sheet over points i .. j of a loop is from far off; kept for the
+ * point halfway. [Units: the largest spacing] */
+typedef struct bvxi_sheet_node {
+    double centre[3], radius; /* a ball that holds all points i .. j */
+    double normal[3];         /* half the cross products: area times direction */
+    double area;              /* of its triangles, each by itself */
+} bvxi_sheet_node;
+
+typedef struct bvxi_sheet_tree bvxi_sheet_tree;
+
+typedef struct bvxi_sheet {
+    const bvxi_holes *holes;
+    const int32_t *xyz;     /* snapped, in the order x y z */
+    double *point;          /* x, y, z of each [Size: holes->points * 3] [Units: the largest spacing] */
+    bvxi_sheet_node *node;  /* [Size: holes->points] */
+    uint32_t *order;        /* loops, neighbours near each other [Size: holes->loops] */
+    bvxi_sheet_node *group; /* of the loops order[i] .. order[j - 1], at i + (j - i) / 2 */
+    bvxi_sheet_tree *tree;  /* where there are very many loops, else NULL (sheet_tree.h) */
+    double scale[3];        /* fixed point to these units */
+    double step[3];         /* one voxel */
+    int32_t fraction_bits;
+    int32_t fast; /* 1: four places at once */
+} bvxi_sheet;
+
+static inline const double *bvxi_sheet_point(const bvxi_sheet *s, uint64_t i)
+{
+    return s->point + 3 * i;
+}
+
+static inline uint64_t bvxi_loop_begin(const bvxi_holes *holes, uint32_t loop)
+{
+    return loop == 0 ? 0 : holes->loop_end[loop - 1];
+}
+
+/* What loops order[i] .. order[j - 1] are from far off. */
+static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint64_t i, uint64_t j)
+{
+    uint64_t begin;
+    if (j - i > 1) return &s->group[i + (j - i) / 2];
+    begin = bvxi_loop_begin(s->holes, s->order[i]);
+    return &s->node[begin + (s->holes->loop_end[s->order[i]] - 1 - begin) / 2];
+}
+
+/* sheet_nodes.c. Scratch: 88 bytes a point, 76 a loop. */
+bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
+                           const bvx_lattice *lattice, bvxi_sheet *sheet);
+void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet);
+
+/* touching_angle.c: half the solid angle of triangle q at the displaced centre p, as that of (re, im), where
+ * doubles cannot tell: in its plane or nearly so. v: the corners as seen from p; det, re, im: what doubles
+ * have, det also for im. Returns 1 where p lies on the side away from its normal, where the angle is
+ * positive. */
+int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const double v[3][3], double det,
+                        double *re, double *im);
+
+/* The sheet's solid angle at the place p of the lattice, as from there displaced, in turns (a closed sheet
+ * has 1 inside).
+ * [Units of p: lattice fixed point] Parts whose error is below near are taken as wholes; near < 0: none,
+ * right to 1e-8. */
+double bvxi_sheet_angle(const bvxi_sheet *sheet, const int64_t p[3], double near);
+
+typedef struct bvxi_sheet_answer {
+    int32_t whole; /* the nearest whole number */
+    int32_t tie;   /* not 0: the angle is a half from whole to 1e-8; 1 above it, -1 below */
+    int32_t clear; /* 1: it is nearer than a quarter; right only when asked for */
+} bvxi_sheet_answer;
+
+bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, const int64_t p[3], int32_t want_clear);
+
+/* Parts are opened until each is off by less; the last opens all. */
+enum { BVXI_SHEET_LEVELS = 3 };
+extern const double bvxi_sheet_near[BVXI_SHEET_LEVELS];
+#define BVXI_SHEET_ROUNDING 1e-8
+#define BVXI_SHEET_NO_BOUND 1e30
+
+/* What turns, off by less than error, say. Returns 1 when nothing is left open. */
+int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer);
+
+/* The angle around a place: at p + h, |h| <= reach, it is turns + gradient h + what the near edges sweep on
+ * the way, to rest + bend (|h| / reach)^2, and whole numbers where the way crosses the near triangles.
+ * [Units: turns; lengths: the largest spacing] */
+enum { BVXI_LOOK_EDGES = 16, BVXI_LOOK_TRIANGLES = 8 };
+
+/* A point of a loop, as seen from a place. */
+typedef struct bvxi_seen_point {
+    double v[3], length;
+} bvxi_seen_point;
+
+typedef struct bvxi_near_edge {
+    bvxi_seen_point a, b;
+    double n[3], ab; /* a x b, a . b */
+} bvxi_near_edge;
+
+typedef struct bvxi_near_triangle {
+    bvxi_seen_point p[3];
+    double n[3], det; /* twice its area times direction; six times the volume that it has with the place */
+} bvxi_near_triangle;
+
+typedef struct bvxi_sheet_look {
+    double turns, gradient[3], rest, bend;
+    double edge_gradient[3], edge_bend; /* the near edges as linear too, where they allow it */
+    int32_t edges;
+    int32_t triangles; /* that may lie within reach; BVXI_LOOK_TRIANGLES + 1: too many to be told */
+    bvxi_near_edge edge[BVXI_LOOK_EDGES];
+    bvxi_near_triangle triangle[BVXI_LOOK_TRIANGLES];
+} bvxi_sheet_look;
+
+/* edge_rest: edges whose share of rest is larger are left to look->edge, as far as there is room. */
+void bvxi_sheet_around(const bvxi_sheet *sheet, const int64_t p[3], double reach, double near,
+                       double edge_rest, bvxi_sheet_look *look);
+
+/* sheet_four.c: the same for four places, some of which may be one. Angles have the same digits, near >= 0;
+ * around the places, with one reach, what is told is as right in others. */
+void bvxi_sheet_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], double near, double turns[4]);
+void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], double reach, double near,
+                            double edge_rest, bvxi_sheet_look look[4]);
+void bvxi_sheet_turns_four(const bvxi_sheet *sheet, const int64_t p[4][3], int32_t want_clear,
+                           bvxi_sheet_answer answer[4]);
+
+/* sheet_near.c: what the near edges sweep on the straight way from the place by h, added to *turns; and how
+ * often that enters the near triangles, more than leaves. 0: doubles cannot tell. */
+int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns);
+int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times);
+
+#endif

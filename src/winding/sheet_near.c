@@ -1,0 +1,94 @@
+/* sheet_near.c - the angle of the sheet on straight ways that are short, where it is not linear.
+ *
+ * Source: what an edge adds to the angle on a way is the solid angle of the parallelogram that it sweeps as
+ * seen from the one who goes (Maxwell. A Treatise on Electricity and Magnetism. 1873, 417 ff.), less than
+ * half of all directions as it is flat.
+ *
+ * Guarantee: answers are right or none is given; where the way passes an edge or a triangle's edge by less
+ * than rounding can tell, or ends in its plane, there is none. */
+#include "winding/sheet.h"
+#include "core/angle.h"
+#include "core/vec3.h"
+
+/* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b
+ * - h and a, c, d = a - h, have the volume - h (a x b) with the origin; half their solid angles are those of
+ * the complex numbers below, all edges' a product. */
+int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns)
+{
+    double const hh = bvxi_vec_dot(h, h);
+    double re = 1, im = 0;
+    int32_t rounds = 0;
+
+    for (int32_t i = 0; i < look->edges; i++) {
+        const bvxi_near_edge *const e = &look->edge[i];
+        double const la = e->a.length;
+        double const lb = e->b.length;
+        double const ah = bvxi_vec_dot(e->a.v, h);
+        double const bh = bvxi_vec_dot(e->b.v, h);
+        double const nh = bvxi_vec_dot(e->n, h);
+        double const c2 = lb * lb - 2 * bh + hh, d2 = la * la - 2 * ah + hh;
+        double const lc = c2 > 0 ? sqrt(c2) : 0, ld = d2 > 0 ? sqrt(d2) : 0;
+        double const ac = e->ab - ah, size = la * la * lb * lc * lc * ld;
+        double const first = la * lb * lc + e->ab * lc + (lb * lb - bh) * la + ac * lb;
+        double const second = la * lc * ld + ac * ld + (ac - bh + hh) * la + (la * la - ah) * lc;
+        /* turned round, as the angle falls by it */
+        double const x = first * second - nh * nh, y = nh * (first + second);
+        double const next_re = re * x - im * y;
+        double const next_im = re * y + im * x;
+        double const most = 1e-9 * size;
+        double const small = 1e-6 * (la + lb);
+        /* nearly half of all directions, or at a corner: which way round? */
+        if (lc < small || ld < small || (x <= most && y <= most && y >= -most)) return 0;
+        if (y > 0 && im >= 0 && next_im < 0) rounds++;
+        if (y < 0 && im < 0 && next_im >= 0) rounds--;
+        re = next_re;
+        im = next_im;
+        if (i % 4 == 3) { /* a factor is the sixth power of a distance */
+            double const far = re < 0 ? -re : re, high = im < 0 ? -im : im, large = far > high ? far : high;
+            re /= large;
+            im /= large;
+        }
+    }
+    *turns += (im < 0 ? -bvxi_angle(re, -im) : bvxi_angle(re, im)) / (2 * BVXI_PI) + rounds;
+    return 1;
+}
+
+/* The sign of a determinant, or 0 where it is not sure; size: the product of its vectors' lengths. */
+static int sure_sign(double v, double size)
+{
+    return v > 1e-10 * size ? 1 : v < -1e-10 * size ? -1 : 0;
+}
+
+/* Does the way h cross the triangle? 2: not sure, else what it adds. */
+static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
+{
+    double const area = sqrt(bvxi_vec_dot(t->n, t->n)), far = t->p[0].length + bvxi_vec_length(h);
+    int const from = sure_sign(t->det, area * far);
+    int const to = sure_sign(t->det - bvxi_vec_dot(t->n, h), area * far);
+    int turn[3], sum;
+
+    if (from == to && from != 0) return 0;
+    for (int i = 0; i < 3; i++) {
+        const bvxi_seen_point *const a = &t->p[i], *const b = &t->p[(i + 1) % 3];
+        const double *const u = a->v, *const v = b->v;
+        double const det = h[0] * (u[1] * v[2] - u[2] * v[1]) + h[1] * (u[2] * v[0] - u[0] * v[2]) +
+                           h[2] * (u[0] * v[1] - u[1] * v[0]);
+        turn[i] = sure_sign(det, (far - t->p[0].length) * a->length * b->length);
+    }
+    for (int i = 0; i < 3; i++)
+        if (turn[i] * turn[(i + 1) % 3] < 0) return 0; /* the line passes it by */
+    sum = turn[0] + turn[1] + turn[2];
+    if (from == 0 || to == 0 || (sum != 3 && sum != -3)) return 2;
+    return to > 0 ? 1 : -1;
+}
+
+int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times)
+{
+    *times = 0;
+    for (int32_t t = 0; t < look->triangles; t++) {
+        int32_t const added = enter_triangle(&look->triangle[t], h);
+        if (added == 2) return 0;
+        *times += added;
+    }
+    return 1;
+}

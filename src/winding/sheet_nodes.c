@@ -1,0 +1,194 @@
+/* sheet_nodes.c - what the parts of a sheet over holes are from far off:
+ * balls and areas; parts of loops, loops, groups of loops. */
+#include "winding/sheet_tree.h"
+#include "mesh/radix.h"
+
+/* Half the cross product of b - a and c - a. */
+static void sheet_normal(const double a[3], const double b[3], const double c[3], double n[3])
+{
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    n[0] = 0.5 * (u[1] * v[2] - u[2] * v[1]);
+    n[1] = 0.5 * (u[2] * v[0] - u[0] * v[2]);
+    n[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
+}
+
+static double sheet_distance(const double a[3], const double b[3])
+{
+    double const v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    return bvxi_vec_length(v);
+}
+
+/* A ball around points i .. j: about the middle of their box. */
+static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
+{
+    double low[3], high[3];
+
+    memcpy(low, bvxi_sheet_point(s, i), sizeof low);
+    memcpy(high, low, sizeof high);
+    for (uint64_t k = i + 1; k <= j; k++) {
+        const double *const p = bvxi_sheet_point(s, k);
+        for (int a = 0; a < 3; a++) {
+            if (p[a] < low[a]) low[a] = p[a];
+            if (p[a] > high[a]) high[a] = p[a];
+        }
+    }
+    node->radius = 0;
+    for (int a = 0; a < 3; a++) node->centre[a] = 0.5 * (low[a] + high[a]);
+    for (uint64_t k = i; k <= j; k++) {
+        double const d = sheet_distance(node->centre, bvxi_sheet_point(s, k));
+        if (d > node->radius) node->radius = d;
+    }
+    node->radius *= 1.0 + 1e-12; /* beyond what rounding takes */
+}
+
+/* Sums over all points of i .. j: each of them is in about log2 nodes. */
+static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
+{
+    bvxi_sheet_walk w;
+    uint64_t from, to;
+
+    memset(node, 0, sizeof *node);
+    enclose_points(s, i, j, node);
+    w.count = 0;
+    bvxi_sheet_push(&w, i, j);
+    while (bvxi_sheet_take(&w, &from, &to)) {
+        uint64_t const m = from + (to - from) / 2;
+        double n[3];
+        if (to - from < 2) continue;
+        sheet_normal(bvxi_sheet_point(s, from), bvxi_sheet_point(s, m), bvxi_sheet_point(s, to), n);
+        for (int a = 0; a < 3; a++) node->normal[a] += n[a];
+        node->area += bvxi_vec_length(n);
+        bvxi_sheet_push(&w, from, m);
+        bvxi_sheet_push(&w, m, to);
+    }
+}
+
+void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
+{
+    bvxi_sheet_tree_close(ctx, sheet->tree);
+    bvxi_free(ctx, sheet->group, sheet->holes->loops * sizeof *sheet->group);
+    bvxi_free(ctx, sheet->order, sheet->holes->loops * 4);
+    bvxi_free(ctx, sheet->node, sheet->holes->points * sizeof *sheet->node);
+    bvxi_free(ctx, sheet->point, sheet->holes->points * 24);
+    memset(sheet, 0, sizeof *sheet);
+}
+
+/* The sum of two parts, and a ball around both. */
+static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
+{
+    double const d = sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
+    double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
+
+    memset(both, 0, sizeof *both);
+    for (int i = 0; i < 3; i++) {
+        both->normal[i] = a->normal[i] + b->normal[i];
+        both->centre[i] = a->centre[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b->centre[i] - a->centre[i]);
+    }
+    both->area = a->area + b->area;
+    both->radius = (radius > a->radius ? radius : a->radius);
+    if (both->radius < b->radius) both->radius = b->radius;
+    both->radius *= 1.0 + 1e-12;
+}
+
+/* Bits of a loop's first point in turn (Morton's order): what is near in it is near in space. */
+static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
+{
+    const int32_t *const q = s->xyz + 3 * (uint64_t)s->holes->vertex[bvxi_loop_begin(s->holes, loop)];
+    uint64_t key = 0;
+    for (int bit = 20; bit >= 0; bit--)
+        for (int a = 0; a < 3; a++) key = key << 1 | ((uint32_t)(q[a] + (1 << 30)) >> (bit + 10) & 1);
+    return key;
+}
+
+/* Groups from small to large: a group's halves come after it on the walk,
+ * so a list of them is gone through backwards. */
+static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
+{
+    uint64_t const loops = s->holes->loops;
+    uint64_t *key = NULL, *range = NULL, count = 0, i, j;
+    bvxi_sheet_walk w;
+    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 8, "the holes' places", &key);
+
+    if (status == BVX_OK) {
+        for (uint32_t l = 0; l < loops; l++) {
+            key[l] = loop_place(s, l);
+            s->order[l] = l;
+        }
+        status = bvxi_radix_sort(ctx, key, s->order, loops);
+    }
+    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 16, "the groups of holes", &range);
+    if (status == BVX_OK) {
+        w.count = 0;
+        if (loops > 0) bvxi_sheet_push(&w, 0, loops);
+        while (bvxi_sheet_take(&w, &i, &j)) {
+            if (j - i < 2) continue;
+            range[2 * count] = i;
+            range[2 * count++ + 1] = j;
+            bvxi_sheet_push(&w, i, i + (j - i) / 2);
+            bvxi_sheet_push(&w, i + (j - i) / 2, j);
+        }
+        while (count-- > 0) {
+            uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
+            join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
+                       &s->group[m]);
+        }
+    }
+    bvxi_free(ctx, range, loops * 16);
+    bvxi_free(ctx, key, loops * 8);
+    return status;
+}
+
+static void fill_sheet(bvxi_sheet *s)
+{
+    uint64_t begin = 0;
+
+    for (uint64_t i = 0; i < 3 * s->holes->points; i++)
+        s->point[i] = (double)s->xyz[3 * (uint64_t)s->holes->vertex[i / 3] + i % 3] * s->scale[i % 3];
+    for (uint64_t l = 0; l < s->holes->loops; begin = s->holes->loop_end[l++]) {
+        bvxi_sheet_walk w;
+        uint64_t i, j;
+        w.count = 0;
+        bvxi_sheet_push(&w, begin, s->holes->loop_end[l] - 1);
+        while (bvxi_sheet_take(&w, &i, &j)) {
+            uint64_t const m = i + (j - i) / 2;
+            if (j - i < 2) continue;
+            make_node(s, i, j, &s->node[m]);
+            bvxi_sheet_push(&w, i, m);
+            bvxi_sheet_push(&w, m, j);
+        }
+    }
+}
+
+bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
+                           const bvx_lattice *lattice, bvxi_sheet *sheet)
+{
+    double const largest = bvxi_largest_spacing(lattice);
+    bvx_status status;
+
+    memset(sheet, 0, sizeof *sheet);
+    sheet->holes = holes;
+    sheet->xyz = snapped->xyz;
+    sheet->fraction_bits = lattice->fraction_bits;
+    sheet->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+    for (int a = 0; a < 3; a++) {
+        sheet->step[a] = lattice->spacing[a] / largest;
+        sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);
+    }
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node,
+                            "the sheet over the holes", &sheet->node);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
+                            &sheet->group);
+    if (status == BVX_OK) {
+        fill_sheet(sheet);
+        status = group_loops(ctx, sheet);
+    }
+    if (status == BVX_OK) status = bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);
+    if (status != BVX_OK) bvxi_sheet_close(ctx, sheet);
+    return status;
+}

@@ -1,0 +1,115 @@
+/* sheet_series.c - sums over the terms of sheet_series.h. */
+#include "winding/sheet_series.h"
+#include "core/angle.h"
+
+#include <math.h>
+
+void bvxi_series_open(bvxi_series_table *t)
+{
+    uint8_t number[BVXI_SERIES_ORDER + 1][BVXI_SERIES_ORDER + 1][BVXI_SERIES_ORDER + 1] = {{{0}}};
+    uint8_t n = 0;
+
+    memset(t, 0, sizeof *t);
+    for (int degree = 0; degree <= BVXI_SERIES_ORDER; degree++) {
+        for (int x = degree; x >= 0; x--)
+            for (int y = degree - x; y >= 0; y--) {
+                int const z = degree - x - y;
+                t->power[n][0] = (uint8_t)x;
+                t->power[n][1] = (uint8_t)y;
+                t->power[n][2] = (uint8_t)z;
+                t->axis[n] = (uint8_t)(x > 0 ? 0 : y > 0 ? 1 : 2);
+                if (x > 0) t->less[n][0] = number[x - 1][y][z];
+                if (y > 0) t->less[n][1] = number[x][y - 1][z];
+                if (z > 0) t->less[n][2] = number[x][y][z - 1];
+                number[x][y][z] = n++;
+            }
+        t->end[degree] = n;
+    }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            int const x = t->power[i][0] + t->power[k][0];
+            int const y = t->power[i][1] + t->power[k][1];
+            int const z = t->power[i][2] + t->power[k][2];
+            if (x + y + z <= BVXI_SERIES_ORDER) t->sum[i][k] = number[x][y][z];
+        }
+}
+
+static int series_degree(const bvxi_series_table *t, int i)
+{
+    return t->power[i][0] + t->power[i][1] + t->power[i][2];
+}
+
+void bvxi_series_powers(const bvxi_series_table *t, const double v[3], int32_t terms, double *value)
+{
+    static const double part[BVXI_SERIES_ORDER + 1] = {0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
+    value[0] = 1;
+    for (int i = 1; i < terms; i++)
+        value[i] = value[t->less[i][t->axis[i]]] * v[t->axis[i]] * part[t->power[i][t->axis[i]]];
+}
+
+void bvxi_series_move_moments(const bvxi_series_table *t, const double *m, const double v[3], double *sum)
+{
+    double power[BVXI_SERIES_LOCAL];
+    bvxi_series_powers(t, v, BVXI_SERIES_LOCAL, power);
+    for (int k = 0; k < BVXI_SERIES_LOCAL; k++) {
+        int const end = t->end[BVXI_SERIES_ORDER - series_degree(t, k)];
+        for (int i = 1; i < end; i++) sum[t->sum[k][i]] += power[k] * m[i];
+    }
+}
+
+void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const double v[3], double *moved)
+{
+    double power[BVXI_SERIES_LOCAL];
+
+    bvxi_series_powers(t, v, BVXI_SERIES_LOCAL, power);
+    for (int k = 0; k < BVXI_SERIES_LOCAL; k++) {
+        int const end = t->end[BVXI_SERIES_ORDER - 1 - series_degree(t, k)];
+        double sum = 0;
+        for (int i = 0; i < end; i++) sum += power[i] * c[t->sum[k][i]];
+        moved[k] = sum;
+    }
+}
+
+/* Derivatives of 1 / |r| up to a degree: n r^2 D[i] = -(2n - 1) sum i_a r_a D[i less a] - (n - 1) sum i_a
+ * (i_a - 1) D[i less a twice]; and those with x twice, y twice and z twice more than any sum up to 0. */
+static void series_derivatives(const bvxi_series_table *t, const double r[3], double *d)
+{
+    double const inverse = 1 / (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    int const xx = t->sum[1][1], yy = t->sum[2][2];
+    int i = 1;
+
+    d[0] = sqrt(inverse);
+    for (int n = 1; n <= BVXI_SERIES_ORDER; n++) {
+        double const once = -(2 * n - 1) * inverse / n, twice = -(n - 1) * inverse / n;
+        for (; i < t->end[n]; i++) {
+            const uint8_t *const p = t->power[i], *const less = t->less[i];
+            double first = 0, second = 0;
+            if (p[2] >= 2) { /* both are before it */
+                const uint8_t *const sum = t->sum[t->less[less[2]][2]];
+                d[i] = -d[sum[xx]] - d[sum[yy]];
+                continue;
+            }
+            for (int a = 0; a < 3; a++) {
+                first += p[a] * r[a] * d[less[a]];
+                second += p[a] * (p[a] - 1) * d[t->less[less[a]][a]];
+            }
+            d[i] = once * first + twice * second;
+        }
+    }
+}
+
+void bvxi_series_add(const bvxi_series_table *t, const double *m, const double r[3], int32_t first_only,
+                     double *c)
+{
+    int const locals = first_only ? 1 : BVXI_SERIES_LOCAL;
+    double d[BVXI_SERIES_TERMS];
+
+    series_derivatives(t, r, d);
+    for (int k = 0; k < locals; k++) {
+        int const degree = series_degree(t, k), end = t->end[BVXI_SERIES_ORDER - degree];
+        const uint8_t *const at = t->sum[k];
+        double sum = 0;
+        for (int i = 1; i < end; i++) sum += m[i] * d[at[i]];
+        c[k] += sum * ((degree & 1) != 0 ? 1 : -1) / (4 * BVXI_PI);
+    }
+}

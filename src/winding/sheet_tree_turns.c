@@ -1,0 +1,181 @@
+/* sheet_tree_turns.c - the whole number nearest to the angle of a sheet over very many holes, at all centres
+ * of a block.
+ *
+ * Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987: what is far from a brick
+ * becomes a polynomial about its middle, which its eighths take over; they look only at what was too near
+ * (sheet_series.h).
+ *
+ * A brick whose polynomial, with its bound and with all that is near, leaves no doubt has one whole number.
+ * Else small bricks sum the near triangles for each centre. Where the bound is too wide for that a centre
+ * asks the tree, and at last all triangles.
+ * Guarantee: as sheet_turns.c, what each centre would say by itself. */
+#include "winding/sheet_tree.h"
+#include "winding/turns_brick.h"
+#include "core/angle.h"
+
+#include <math.h>
+
+enum { TREE_BRICKS = 64, TREE_SMALL = 2, TREE_BRICK_STACK = 128 };
+
+/* cells that look smaller from a brick are in its polynomial */
+static const double tree_near = 0.45;
+/* the same for a single centre, one after the other */
+static const double tree_ask[3] = {0.25, 0.0625, 0.02};
+#define TREE_ROUNDING 1e-8
+
+/* A brick's polynomial. */
+typedef struct tree_view {
+    double middle[3], half[3], reach; /* [Units: the largest spacing] */
+    double local[BVXI_SERIES_LOCAL], error;
+    double near; /* no less than what is near can be; 1 or more: anything */
+    uint64_t pendings;
+} tree_view;
+
+static void start_view(const bvxi_turns_block *block, const turns_brick *b, const tree_view *from,
+                       tree_view *v)
+{
+    const bvxi_sheet *const s = block->sheet;
+    double way[3];
+
+    v->reach = 0;
+    for (int a = 0; a < 3; a++) {
+        v->half[a] = 0.5 * (b->size[a] - 1) * s->step[a];
+        v->middle[a] = (block->low[a] + b->at[a] + 0.5 * b->size[a]) * s->step[a];
+        v->reach += v->half[a] * v->half[a];
+        way[a] = from == NULL ? 0 : v->middle[a] - from->middle[a];
+    }
+    v->reach = sqrt(v->reach) * (1 + 1e-9);
+    v->error = from == NULL ? TREE_ROUNDING : from->error;
+    v->near = 0;
+    v->pendings = 0;
+    if (from == NULL) memset(v->local, 0, sizeof v->local);
+    else bvxi_series_move_local(&s->tree->table, from->local, way, v->local);
+}
+
+/* Cells that are near stay pending; larger ones than the brick in their halves. */
+static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32_t *pending, tree_view *v)
+{
+    uint32_t stack[TREE_BRICK_STACK];
+    int32_t count = 1;
+
+    stack[0] = number;
+    while (count-- > 0) {
+        const bvxi_sheet_cell *const c = &tree->cell[stack[count]];
+        double const r[3] = {c->centre[0] - v->middle[0], c->centre[1] - v->middle[1],
+                             c->centre[2] - v->middle[2]};
+        double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], reach = c->radius + v->reach;
+        if (reach * reach < tree_near * tree_near * d2) {
+            bvxi_series_add(&tree->table, c->moment, r, 0, v->local);
+            v->error += c->area * bvxi_series_rest(d2, reach / sqrt(d2));
+        } else if (c->second != 0 && 1.5 * c->radius > v->reach) {
+            uint32_t const first = stack[count] + 1;
+            stack[count++] = c->second;
+            stack[count++] = first;
+        } else {
+            double const gap = sqrt(d2) * (1 - 1e-9) - reach;
+            v->near += gap <= 0 ? 1 : c->area / (4 * BVXI_PI * gap * gap);
+            pending[v->pendings++] = stack[count];
+        }
+    }
+}
+
+/* 1 when all centres of the brick have one whole number. */
+static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int32_t *whole, int *clear)
+{
+    double power[BVXI_SERIES_LOCAL], spread = v->error + v->near, n;
+    if (v->near >= 0.5) return 0;
+    bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
+    for (int i = 1; i < BVXI_SERIES_LOCAL; i++)
+        spread += power[i] * (v->local[i] < 0 ? -v->local[i] : v->local[i]);
+    if (!is_certain(block, v->local[0], spread, &n, clear)) return 0;
+    *whole = (int32_t)n;
+    return 1;
+}
+
+static int tell_by_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
+{
+    for (int i = 0; i < 3; i++) {
+        double error, n, turns = bvxi_sheet_tree_angle(block->sheet, p, tree_ask[i], &error);
+        if (!is_certain(block, turns, error + TREE_ROUNDING, &n, clear)) continue;
+        *whole = (int32_t)n;
+        return 1;
+    }
+    return 0;
+}
+
+static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint32_t *pending,
+                        const tree_view *v)
+{
+    const bvxi_sheet *const s = block->sheet;
+    int64_t const step = (int64_t)1 << s->fraction_bits;
+    double power[BVXI_SERIES_LOCAL], h[3], turns = 0, n;
+    int64_t p[3];
+    int32_t whole;
+    int clear;
+
+    for (int a = 0; a < 3; a++) {
+        p[a] = (block->low[a] + at[a]) * step + step / 2;
+        h[a] = (block->low[a] + at[a] + 0.5) * s->step[a] - v->middle[a];
+    }
+    bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
+    for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+    if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
+    if (is_certain(block, turns, v->error, &n, &clear)) whole = (int32_t)n;
+    else if (!tell_by_tree(block, p, &whole, &clear)) {
+        ask_centre(block, at[0], at[1], at[2]);
+        return;
+    }
+    set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], whole, block->want_clear && clear);
+}
+
+static void view_centres(bvxi_turns_block *block, const turns_brick *b, const uint32_t *pending,
+                         const tree_view *v)
+{
+    int32_t at[3];
+    for (at[2] = b->at[2]; at[2] < b->at[2] + b->size[2]; at[2]++)
+        for (at[1] = b->at[1]; at[1] < b->at[1] + b->size[1]; at[1]++)
+            for (at[0] = b->at[0]; at[0] < b->at[0] + b->size[0]; at[0]++)
+                if ((block->open[bvxi_turns_row(at[1], at[2])] >> at[0] & 1) != 0)
+                    view_centre(block, at, pending, v);
+}
+
+/* 1 when the brick is done with. above: what the brick that it is an eighth of has left, or NULL. */
+static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_view *above,
+                      const uint32_t *left, uint32_t *pending, tree_view *v)
+{
+    const bvxi_sheet_tree *const tree = block->sheet->tree;
+    int32_t whole;
+    int clear;
+
+    start_view(block, b, above, v);
+    if (above == NULL) view_sheet_cell(tree, 0, pending, v);
+    else
+        for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(tree, left[i], pending, v);
+    if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
+    else if (b->side > TREE_SMALL) return 0;
+    else view_centres(block, b, pending, v);
+    return 1;
+}
+
+void bvxi_sheet_tree_block(bvxi_turns_block *block)
+{
+    uint64_t const leaves = block->sheet->tree->leaves;
+    turns_brick stack[TREE_BRICKS];
+    tree_view view[BVXI_TURNS_LEVELS];
+    int32_t count = 1;
+
+    block->dirty = 0;
+    memset(stack[0].at, 0, sizeof stack[0].at);
+    memcpy(stack[0].size, block->size, sizeof stack[0].size);
+    stack[0].side = BVXI_TURNS_SIDE;
+    while (count > 0) {
+        turns_brick const b = stack[--count];
+        int level = 0;
+        while (BVXI_TURNS_SIDE >> level > b.side) level++;
+        if (!block->all_open && !brick_is_open(block, &b)) continue;
+        if (!view_brick(block, &b, level == 0 ? NULL : &view[level - 1],
+                        level == 0 ? NULL : block->pending + (uint64_t)(level - 1) * leaves,
+                        block->pending + (uint64_t)level * leaves, &view[level]))
+            cut_brick(&b, stack, &count);
+    }
+}

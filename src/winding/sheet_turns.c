@@ -1,0 +1,206 @@
+/* sheet_turns.c - the whole number nearest to the sheet's angle, at all centres of a block.
+ *
+ * Bricks, and centres by themselves, are asked four at a time (sheet_four.c).
+ *
+ * Source: the hierarchy is that of Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for Soups
+ * and Clouds. 2018, on the side of the questions.
+ *
+ * A brick is asked at its middle, where the angle comes with its gradient and with a bound on how far it may
+ * be from linear within the brick (sheet.c). Where that leaves no doubt for any centre, and no sheet is near,
+ * all have one whole number. Else the brick is cut into eight. A small one tells what its centres have: the
+ * linear angle, what near edges sweep on the way from the middle, and which near triangles that way crosses
+ * (sheet_near.c). Centres nearer than the bound to a half are asked by themselves.
+ * Guarantee: what each centre would say by itself, so where bricks lie does not matter. */
+#include "winding/sheet_tree.h"
+#include "winding/turns_brick.h"
+
+enum { TURNS_STACK = 160, TURNS_SMALL = 4, TURNS_PLAIN = 8, TURNS_LANES = 4 };
+
+/* parts of the sheet are opened until each is off by less; in small bricks */
+static const double turns_near[2] = {1e-2, 1e-3};
+static const double turns_edge = 1e-2; /* in small bricks edges are near when they alone are off by more */
+static const double turns_doubt = 0.2; /* small bricks are cut further when their bound is above */
+
+/* Centres that are to be asked by themselves. */
+typedef struct turns_asked {
+    int32_t at[TURNS_LANES][3];
+    int32_t count;
+} turns_asked;
+
+static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
+{
+    int64_t const step = (int64_t)1 << block->sheet->fraction_bits;
+    bvxi_sheet_answer answer[TURNS_LANES];
+    int64_t p[TURNS_LANES][3];
+
+    if (asked->count == 0) return;
+    for (int32_t i = 0; i < TURNS_LANES; i++)
+        for (int32_t a = 0; a < 3; a++)
+            p[i][a] = (block->low[a] + asked->at[i < asked->count ? i : 0][a]) * step + step / 2;
+    if (asked->count == 1) answer[0] = bvxi_sheet_turns(block->sheet, p[0], block->want_clear);
+    else bvxi_sheet_turns_four(block->sheet, (const int64_t(*)[3])p, block->want_clear, answer);
+    for (int32_t i = 0; i < asked->count; i++) {
+        const bvxi_sheet_answer *const a = &answer[i];
+        uint32_t const row = bvxi_turns_row(asked->at[i][1], asked->at[i][2]);
+        int32_t const x = asked->at[i][0];
+        set_turns(block, row, x, a->whole, block->want_clear && a->clear);
+        if (block->ties && a->tie != 0) {
+            block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a->whole + a->tie;
+            block->dirty = 1;
+        }
+    }
+    asked->count = 0;
+}
+
+static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, turns_asked *asked)
+{
+    int32_t *const at = asked->at[asked->count++];
+    at[0] = x;
+    at[1] = y;
+    at[2] = z;
+    if (asked->count == TURNS_LANES) ask_centres(block, asked);
+}
+
+/* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
+static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
+                       const double h[3], int32_t *whole, int *clear)
+{
+    double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
+    const double *const g = look->gradient, *const e = look->edge_gradient;
+    double turns = look->turns + g[0] * h[0] + g[1] * h[1] + g[2] * h[2], n;
+    double const linear = turns + e[0] * h[0] + e[1] * h[1] + e[2] * h[2];
+    int32_t entered = 0;
+
+    if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
+        if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
+        if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
+    }
+    if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
+    if (look->triangles > 0 && !bvxi_sheet_entered(look, h, &entered)) return 0;
+    *whole = (int32_t)n + entered;
+    return 1;
+}
+
+static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                       double reach2, turns_asked *asked)
+{
+    const double *const step = block->sheet->step;
+    double middle[3], h[3];
+    int32_t whole;
+    int clear;
+
+    for (int32_t a = 0; a < 3; a++) middle[a] = b->at[a] + 0.5 * (b->size[a] - 1);
+    for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
+        for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++) {
+            uint32_t const row = bvxi_turns_row(y, z);
+            h[1] = (y - middle[1]) * step[1];
+            h[2] = (z - middle[2]) * step[2];
+            for (int32_t x = b->at[0]; x < b->at[0] + b->size[0]; x++) {
+                if ((block->open[row] >> x & 1) == 0) continue;
+                h[0] = (x - middle[0]) * step[0];
+                if (tell_centre(block, look, reach2, h, &whole, &clear))
+                    set_turns(block, row, x, whole, block->want_clear && clear);
+                else ask_later(block, x, y, z, asked);
+            }
+        }
+}
+
+/* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
+static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                      int32_t *whole, int *clear)
+{
+    double spread = look->rest + look->bend + look->edge_bend, n;
+
+    for (int32_t a = 0; a < 3; a++) {
+        double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
+                           (look->gradient[a] + look->edge_gradient[a]);
+        spread += way < 0 ? -way : way;
+    }
+    if (look->triangles > 0 || !is_certain(block, look->turns, spread, &n, clear)) return 0;
+    *whole = (int32_t)n;
+    return 1;
+}
+
+/* 1 when the brick is done with. */
+static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look, double reach,
+                     turns_asked *asked)
+{
+    int32_t whole;
+    int clear;
+
+    if (is_settled(block, b, look, &whole, &clear)) {
+        settle_brick(block, b, whole, block->want_clear && clear);
+        return 1;
+    }
+    if (b->side > TURNS_PLAIN ||
+        (b->side > 2 && (look->rest + look->bend > turns_doubt || look->triangles > BVXI_LOOK_TRIANGLES)))
+        return 0;
+    tell_brick(block, b, look, reach * reach, asked);
+    return 1;
+}
+
+/* The middle of a brick, and how far its centres lie from it. */
+static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3])
+{
+    const bvxi_sheet *const s = block->sheet;
+    int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
+    double reach = 0;
+
+    for (int32_t a = 0; a < 3; a++) {
+        double const way = 0.5 * (b->size[a] - 1) * s->step[a];
+        reach += way * way;
+        p[a] = (2 * ((int64_t)block->low[a] + b->at[a]) + b->size[a]) * half;
+    }
+    return sqrt(reach) * (1 + 1e-9);
+}
+
+/* Bricks of one side; those that are not done with are cut. */
+static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_t bricks, turns_brick *stack,
+                           int32_t *count, turns_asked *asked)
+{
+    int const small = b->side <= TURNS_SMALL;
+    double const edge = small ? turns_edge : 1e60;
+    bvxi_sheet_look look[TURNS_LANES];
+    int64_t p[TURNS_LANES][3];
+    double reach = 0;
+
+    for (int32_t i = 0; i < TURNS_LANES; i++) {
+        double const own = middle_of_brick(block, &b[i < bricks ? i : 0], p[i]);
+        reach = own > reach ? own : reach;
+    }
+    if (bricks == 1) bvxi_sheet_around(block->sheet, p[0], reach, turns_near[small], edge, look);
+    else bvxi_sheet_around_four(block->sheet, (const int64_t(*)[3])p, reach, turns_near[small], edge, look);
+    for (int32_t i = 0; i < bricks; i++)
+        if (!take_look(block, &b[i], &look[i], reach, asked)) cut_brick(&b[i], stack, count);
+}
+
+void bvxi_sheet_block(bvxi_turns_block *block)
+{
+    turns_brick stack[TURNS_STACK]; /* four times seven more, and one, at each of four cuts */
+    turns_asked asked;
+    int32_t count = 1;
+
+    asked.count = 0;
+    if (block->pending != NULL) {
+        bvxi_sheet_tree_block(block);
+        return;
+    }
+    block->dirty = 0;
+    memset(stack[0].at, 0, sizeof stack[0].at);
+    memcpy(stack[0].size, block->size, sizeof stack[0].size);
+    stack[0].side = BVXI_TURNS_SIDE;
+    while (count > 0) {
+        int32_t const side = stack[count - 1].side;
+        turns_brick b[TURNS_LANES];
+        int32_t bricks = 0;
+        while (count > 0 && bricks < TURNS_LANES && stack[count - 1].side == side) {
+            b[bricks] = stack[--count];
+            if (!block->all_open && !brick_is_open(block, &b[bricks])) continue;
+            if (b[bricks].size[0] == 1 && b[bricks].size[1] == 1 && b[bricks].size[2] == 1)
+                ask_later(block, b[bricks].at[0], b[bricks].at[1], b[bricks].at[2], &asked);
+            else bricks++;
+        }
+        if (bricks > 0) look_at_bricks(block, b, bricks, stack, &count, &asked);
+    }
+    ask_centres(block, &asked);
+}
