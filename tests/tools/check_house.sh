@@ -82,6 +82,12 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
+# The contents at the top of the header name its sections, in their order.
+contents_of_the_header() {
+    sed -n '/^ \* Contents/,/^ \* What holds/s/^ \*     //p' include/bitvox.h | sed 's/  .*//' | tr ',' '\n' | sed 's/^ *//' >"$work/contents.txt"
+    sed -n 's|^/\* ---- \(.*[^ -]\) -* \*/$|\1|p' include/bitvox.h | diff "$work/contents.txt" - && [ -s "$work/contents.txt" ]
+}
+
 # Names of values come from the header's lists: no list of a source begins with the first two names of one. A name is the constant's own
 # in small letters, as the Python package takes it. Texts of endings come from src/cli_shell/endings.h, and a reserved field is refused
 # in one wording.
@@ -282,6 +288,7 @@ check 'every function is one rise of progress' every_function_rises
 check 'no caller reads messages' nobody_reads_messages
 check 'every result can be passed again' every_result_reused
 check 'lists stand once' lists_stand_once
+check 'the contents of the header are its sections' contents_of_the_header
 check 'options agree in header, library, program and package' options_agree
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven
 check 'global names of the static library' static_names
