@@ -528,8 +528,6 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
     report->wall = report->voxels != 0 ? common_wall(bins, report->voxels) : 0;
 }
 
-/* ---- */
-
 bvx_status bvxi_walls_open(bvxi_walls *t)
 {
     t->unit = bvxi_largest_spacing(&t->solid->lattice);

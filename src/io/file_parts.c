@@ -1,4 +1,4 @@
-/* file_parts.c - the writing of long files by several workers.
+/* file_parts.c - the bytes of files that are written: buffers, and long files by several workers.
  *
  * The things of all parts, counted through, are cut into pieces. Each piece is written where it would begin
  * if everything before it had its greatest length; afterwards the pieces are pushed together. So text is made
@@ -81,5 +81,22 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
         return status;
     }
     file->size = head + close_file_gaps(&job);
+    return BVX_OK;
+}
+
+bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file)
+{
+    if (file == NULL) return bvxi_fail_null(ctx, function, "file");
+    if (file->bytes != NULL && file->capacity == 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file brings bytes, which are not used; zero it first",
+                         function);
+    bvx_buffer_free(ctx, file);
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_buffer(bvx_context *ctx, uint64_t size, const char *what, bvx_buffer *file)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, what, &file->bytes));
+    file->size = file->capacity = size;
     return BVX_OK;
 }

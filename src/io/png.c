@@ -165,10 +165,3 @@ bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffe
 {
     return BVXI_CALL(context, run_write_png(context, image, file));
 }
-
-void bvx_image_free(bvx_context *context, bvx_image *image)
-{
-    if (context == NULL || image == NULL) return;
-    bvxi_free(context, image->pixels, (uint64_t)image->width * (uint64_t)image->height * 3);
-    memset(image, 0, sizeof *image);
-}

@@ -47,3 +47,10 @@ void bvxi_unit_normal(const double sum[3], float normal[3])
     length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     for (int a = 0; a < 3; a++) normal[a] = (float)(u[a] / length);
 }
+
+bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum)
+{
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->vertex_count * BVXI_NORMAL_SUM, "the normals", sum));
+    bvxi_add_normals(view, scale, *sum);
+    return BVX_OK;
+}

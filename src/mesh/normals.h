@@ -10,6 +10,10 @@
  * machine. */
 void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum);
 
+/* The same as scratch: BVXI_NORMAL_SUM bytes a vertex, freed by the caller. */
+enum { BVXI_NORMAL_SUM = 24 };
+bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum);
+
 /* The normal of a triangle as bvxi_add_normals adds it. corner: vertex numbers */
 void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3],
                           double normal[3]);

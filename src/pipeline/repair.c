@@ -10,8 +10,6 @@
 
 #include <math.h>
 
-const char bvxi_repair_name[] = "bvx_repair";
-
 static const bvx_repair_options repair_defaults = {0,
                                                    NULL,
                                                    256,
@@ -146,8 +144,6 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     *resolution = low;
     return BVX_OK;
 }
-
-/* ---- */
 
 enum {
     REPAIR_TAKE,

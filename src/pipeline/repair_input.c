@@ -10,6 +10,8 @@
 #include "mesh/weld.h"
 #include "pipeline/repair.h"
 
+const char bvxi_repair_name[] = "bvx_repair";
+
 /* The minority of each patch is turned round, so that winding numbers are right; *sign becomes VOTE where
  * that is not to be had: a patch with one side only, or closed patches that stay against each other. */
 static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const double high[3],

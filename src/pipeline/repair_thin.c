@@ -51,8 +51,6 @@ static bvx_status tell_walls(repair_walls *t)
     return count_thin_components(t);
 }
 
-/* ---- */
-
 static bvx_status thicken(repair_walls *t)
 {
     BVXI_TRY(bvxi_walls_find(&t->walls));

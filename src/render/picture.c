@@ -177,3 +177,10 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     memset(&p->image, 0, sizeof p->image);
     return status;
 }
+
+void bvx_image_free(bvx_context *context, bvx_image *image)
+{
+    if (context == NULL || image == NULL) return;
+    bvxi_free(context, image->pixels, (uint64_t)image->width * (uint64_t)image->height * 3);
+    memset(image, 0, sizeof *image);
+}

@@ -138,3 +138,24 @@ void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t i
         scene_unit(seen->normal);
     }
 }
+
+/* Corners in the camera's axes: right, up and towards the eye [Units: samples]. */
+void bvxi_mesh_scene_corners(const bvxi_mesh_scene *s, uint32_t t, uint32_t c[3], double p[3][3])
+{
+    double const part = 1.0 / (double)((int64_t)1 << s->picture.raster.fraction_bits);
+
+    bvxi_view_triangle(s->view, t, c);
+    for (int k = 0; k < 3 && s->cut.on; k++) { /* corners that are cut off have no place in the frame */
+        double at[3], q[3];
+        bvxi_view_position(s->view, c[k], at);
+        bvxi_camera_turn(&s->picture.camera, at, q);
+        bvxi_camera_place(&s->picture.camera, q, p[k]);
+        p[k][1] = -p[k][1];
+    }
+    for (int k = 0; k < 3 && !s->cut.on; k++) {
+        const bvxi_scene_vertex *const v = &s->vertex[c[k]];
+        p[k][0] = (double)v->x * part;
+        p[k][1] = (double)v->y * -part;
+        p[k][2] = (double)v->z;
+    }
+}

@@ -7,16 +7,6 @@
 
 #include <math.h>
 
-double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
-{
-    double sum = 0.0;
-    for (uint32_t i = c->first; i < c->first + c->count; i++) {
-        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
-        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
-    }
-    return sum;
-}
-
 /* Follow the lines into loops: points in order, contours, directions of
  * holes. behind: [vertices] the next one, or none. */
 static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count,

@@ -406,3 +406,13 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     bvxi_free(s->ctx, owner, (uint64_t)plane->contour_count * 4);
     return status;
 }
+
+double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
+{
+    double sum = 0.0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
+        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
+    }
+    return sum;
+}

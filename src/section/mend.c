@@ -8,54 +8,6 @@
 #include "section/mend.h"
 #include "section/section_field.h"
 
-/* ---- the stack that is made ---- */
-
-static bvx_status mended_room(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item)
-{
-    uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
-
-    if (count < *room) return BVX_OK;
-    if (larger > INT32_MAX) return bvxi_fail(ctx, BVX_ERR_RANGE, "mended loops have more than 2^31 points");
-    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the mended loops"));
-    *room = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *m, uint32_t section, int32_t label)
-{
-    bvx_sections *const s = &m->sections;
-    bvx_section_loop *l;
-
-    BVXI_TRY(mended_room(ctx, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops));
-    l = &s->loops[s->loop_count++];
-    memset(l, 0, sizeof *l);
-    l->first_point = s->point_count;
-    l->section = section;
-    l->label = label;
-    return BVX_OK;
-}
-
-bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double at[3], int32_t u, int32_t v)
-{
-    bvx_sections *const s = &m->sections;
-
-    BVXI_TRY(mended_room(ctx, &s->points, s->point_count, &s->point_capacity, 24));
-    BVXI_TRY(mended_room(ctx, &m->nudge, s->point_count, &m->nudge_room, sizeof *m->nudge));
-    memcpy(s->points + 3 * s->point_count, at, 24);
-    m->nudge[s->point_count][0] = (int8_t)u;
-    m->nudge[s->point_count++][1] = (int8_t)v;
-    s->loops[s->loop_count - 1].point_count++;
-    return BVX_OK;
-}
-
-void bvxi_mended_close(bvx_context *ctx, bvxi_mended *m)
-{
-    bvxi_free(ctx, m->nudge, m->nudge_room * sizeof *m->nudge);
-    bvxi_free(ctx, m->sections.loops, m->sections.loop_capacity * sizeof *m->sections.loops);
-    bvxi_free(ctx, m->sections.points, m->sections.point_capacity * 24);
-    memset(m, 0, sizeof *m);
-}
-
 /* ---- loops that are lines or points ---- */
 
 static int mend_has_three_points(const bvx_sections *given, const bvx_section_loop *l)

@@ -161,6 +161,12 @@ typedef struct bvxi_stack {
     uint32_t cap_edge_count[2], cap_edge_room[2];
 } bvxi_stack;
 
+/* A point's coordinate along an axis of the stack. */
+static inline double bvxi_along_axis(const double axis[3], const double p[3])
+{
+    return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
+}
+
 /* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left 
  * */
 

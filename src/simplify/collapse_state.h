@@ -37,6 +37,12 @@ struct bvxi_collapse {
     bvxi_star star;              /* of the edge that is tried */
 };
 
+/* Nearest value of the type that positions have in the result. */
+static inline double bvxi_collapse_rounded(const bvxi_collapse *c, double x)
+{
+    return c->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
+}
+
 /* Evaluate the edge opposite to a corner and let it wait. */
 void bvxi_collapse_put(bvxi_collapse *c, int32_t corner);
 /* The bucket of its cost. */

@@ -29,9 +29,9 @@ cppcheck uninitvar src/surface/disjoint_triangles.c the first corner sets both e
 tidy bugprone-integer-division src/refine/children_batch.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
-tidy bugprone-not-null-terminated-result src/io/write_glb.c bytes of a file, no text
-tidy bugprone-not-null-terminated-result src/io/write_vox.c bytes of a file, no text
-tidy bugprone-signed-char-misuse src/io/read_ply.c a small number, no character
+tidy bugprone-not-null-terminated-result src/io_mesh/write_glb.c bytes of a file, no text
+tidy bugprone-not-null-terminated-result src/io_grid/write_vox.c bytes of a file, no text
+tidy bugprone-signed-char-misuse src/io_mesh/read_ply.c a small number, no character
 clang core.BitwiseShift src/mesh/orient.c no exponent lies below the lowest of its axis
 clang core.BitwiseShift src/surface/cells.h at least one word is looked at
 clang core.BitwiseShift src/surface/face_rectangles.c a word is asked for only where the run meets it
@@ -47,14 +47,14 @@ clang core.uninitialized.Assign src/winding/sheet.c as above
 clang unix.Errno src/cli_inputs/files.c a size that cannot be told is 0 and no failure; errno is set to 0 before each read
 clang unix.Stream src/cli_inputs/files.c a last read of nothing ends the loop
 clang core.BitwiseShift src/refine/expand.c no node of the last level is entered, so none has a level below it
-clang core.DivideZero src/io/read_volume.c the kind of samples is one of those that have a size
+clang core.DivideZero src/io_grid/read_volume.c the kind of samples is one of those that have a size
 clang core.NullDereference src/nearest/nearest_fill.c where nothing is remembered all slots are unknown
 clang core.NullDereference src/grid/coverage.c a part of the grid that has rows has words
 clang core.NullDereference src/morphology/transform.c the places are there when the nearest are asked for, which a callee does not change
-clang core.NullDereference src/io/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
+clang core.NullDereference src/io_grid/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
 clang core.UndefinedBinaryOperatorResult src/grid/coverage.c no word behind the row's last is taken
 clang core.uninitialized.Assign src/mesh/view.c a block has a vertex at least, so three lanes
-gcc -Wanalyzer-null-dereference src/io/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
+gcc -Wanalyzer-null-dereference src/io_grid/read_bvx.c runs are unpacked after all of them were checked; a NULL was refused there
 gcc -Wanalyzer-null-dereference src/winding/sheet_lanes_body.h edges are kept only where reach is above 0, which goes with a place to look
 END
 

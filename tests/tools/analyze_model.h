@@ -10,10 +10,10 @@
 #define _POSIX_C_SOURCE 200809L
 #endif
 #include "core/core.h"
-#include "io/contour_text.h"
+#include "io_contour/contour_text.h"
 #include "io/formats.h"
-#include "io/grid_formats.h"
-#include "io/ply_file.h"
+#include "io_grid/grid_formats.h"
+#include "io_mesh/ply_file.h"
 #include "mesh/view.h"
 #ifdef IN_cli
 #include "cli_commands/commands.h"

@@ -2,7 +2,7 @@
  * chunks, description, arrays, and what a viewer would make of them. */
 #include "glb_support.h"
 
-#include "io/glb.h"
+#include "io_mesh/glb.h"
 
 #include <math.h>
 

@@ -1,0 +1,85 @@
+/* contour_text.c - contour stacks as readers make them, and which reader a format has. */
+#include "io_contour/contour_text.h"
+#include "io/formats.h"
+
+static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
+{
+    uint64_t line = 1;
+    for (const char *p = f->begin; p < at; p++) line += *p == '\n';
+    return line;
+}
+
+bvx_status bvxi_contour_fail(const bvxi_contour_file *f, const char *at, bvx_status status, const char *what)
+{
+    return bvxi_fail(f->ctx, status, "%s: line %u: %s", f->format, contour_line(f, at), what);
+}
+
+bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, const char *what,
+                                    uint64_t number, const char *rest)
+{
+    return bvxi_fail(f->ctx, BVX_ERR_FORMAT, "%s: line %u: %s%u%s", f->format, contour_line(f, at), what,
+                     number, rest);
+}
+
+static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room,
+                               uint64_t item, const char *what)
+{
+    uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
+    if (count < *room) return BVX_OK;
+    if (larger > INT32_MAX)
+        return bvxi_fail(f->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", f->format, what);
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, block, *room * item, larger * item, what));
+    *room = larger;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_section(bvxi_contour_file *f, double position)
+{
+    bvx_sections *const s = &f->sections;
+    BVXI_TRY(contour_room(f, &s->positions, s->section_count, &s->section_capacity, 8, "the sections"));
+    s->positions[s->section_count++] = position;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label)
+{
+    bvx_sections *const s = &f->sections;
+    bvx_section_loop *l;
+
+    BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
+    l = &s->loops[s->loop_count++];
+    memset(l, 0, sizeof *l);
+    l->first_point = s->point_count;
+    l->section = section;
+    l->label = label;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3])
+{
+    bvx_sections *const s = &f->sections;
+    BVXI_TRY(contour_room(f, &s->points, s->point_count, &s->point_capacity, 24, "the points"));
+    memcpy(s->points + 3 * s->point_count++, p, 24);
+    s->loops[s->loop_count - 1].point_count++;
+    return BVX_OK;
+}
+
+bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
+{
+    bvx_sections *const s = &f->sections;
+
+    if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8,
+                         "the sections"));
+    s->section_capacity = s->section_count;
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
+                         s->loop_count * sizeof *s->loops, "the loops"));
+    s->loop_capacity = s->loop_count;
+    BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
+                         "the points"));
+    s->point_capacity = s->point_count;
+    bvx_sections_free(f->ctx, sections);
+    *sections = *s;
+    memset(s, 0, sizeof *s);
+    return BVX_OK;
+}

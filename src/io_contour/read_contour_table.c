@@ -1,0 +1,297 @@
+/* read_contour_table.c - contours as a table (CSV): a head line that names columns, a line for each point.
+ *
+ * Columns section, position, loop, x and y, in any order; label too where there are several bodies; others
+ * are left alone. Words are parted by commas, semicolons or tabs, whichever the head line has. Lines of one
+ * loop follow each other. Sections and loops are known by what stands in their columns, so they may be
+ * numbers or names. */
+#include "core/key_tree.h"
+#include "io_contour/contour_text.h"
+
+#include "mesh/radix.h"
+
+enum { TABLE_SECTION, TABLE_POSITION, TABLE_LOOP, TABLE_X, TABLE_Y, TABLE_LABEL, TABLE_COLUMNS };
+
+typedef struct table_word {
+    const char *at;
+    size_t size;
+} table_word;
+
+typedef struct table_reader {
+    bvxi_contour_file *f;
+    char between;
+    int32_t column[TABLE_COLUMNS];  /* where each stands, -1: nowhere */
+    table_word word[TABLE_COLUMNS]; /* of the line */
+    table_word loop, section;       /* of the loop that is being read */
+    const char *line;
+    double close_gap;
+    uint64_t *section_hash; /* of each section's word */
+    uint64_t *loop_hash;    /* of each loop's words */
+    uint64_t section_room, loop_room;
+    bvxi_key_tree sections; /* by these hashes */
+} table_reader;
+
+static const char *table_line_end(const bvxi_contour_file *f, const char *p)
+{
+    return bvxi_find_byte(p, f->end, '\n');
+}
+
+/* Without space and quotes around it. */
+static table_word trim_word(const char *p, const char *end)
+{
+    table_word w;
+    while (p < end && (bvxi_contour_blank(*p) || *p == '"')) p++;
+    while (end > p && (bvxi_contour_blank(end[-1]) || end[-1] == '"')) end--;
+    w.at = p;
+    w.size = (size_t)(end - p);
+    return w;
+}
+
+static int word_is(table_word w, const char *name)
+{
+    size_t const n = bvxi_text_length(name);
+    if (w.size != n) return 0;
+    for (size_t i = 0; i < n; i++) {
+        char const c = w.at[i];
+        if ((c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c) != name[i]) return 0;
+    }
+    return 1;
+}
+
+static int same_word(table_word a, table_word b)
+{
+    return a.size == b.size && (a.size == 0 || memcmp(a.at, b.at, a.size) == 0);
+}
+
+static bvx_status read_table_head(table_reader *r, const char *p, const char *end)
+{
+    static const char *const name[TABLE_COLUMNS] = {"section", "position", "loop", "x", "y", "label"};
+    int32_t number = 0;
+
+    r->between = ',';
+    for (const char *c = p; c < end; c++)
+        if (*c == ';' || *c == '\t') {
+            r->between = *c;
+            break;
+        } else if (*c == ',') {
+            break;
+        }
+    for (int i = 0; i < TABLE_COLUMNS; i++) r->column[i] = -1;
+    for (;; number++) {
+        const char *const stop = bvxi_find_byte(p, end, r->between);
+        table_word const w = trim_word(p, stop);
+        for (int i = 0; i < TABLE_COLUMNS; i++) {
+            if (!word_is(w, name[i])) continue;
+            if (r->column[i] >= 0)
+                return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                         "a column stands in the head line twice");
+            r->column[i] = number;
+        }
+        if (stop == end) break;
+        p = stop + 1;
+    }
+    for (int i = 0; i < TABLE_LABEL; i++)
+        if (r->column[i] < 0)
+            return bvxi_fail(
+                r->f->ctx, BVX_ERR_FORMAT,
+                "%s: line 1: the head line has no column %s (section, position, loop, x, y are needed)",
+                r->f->format, name[i]);
+    return BVX_OK;
+}
+
+static bvx_status split_table_line(table_reader *r, const char *p, const char *end)
+{
+    int found = 0, wanted = 0;
+
+    for (int i = 0; i < TABLE_COLUMNS; i++) wanted += r->column[i] >= 0;
+    for (int32_t number = 0;; number++) {
+        const char *const stop = bvxi_find_byte(p, end, r->between);
+        for (int i = 0; i < TABLE_COLUMNS; i++)
+            if (r->column[i] == number) {
+                r->word[i] = trim_word(p, stop);
+                found++;
+            }
+        if (stop == end) break;
+        p = stop + 1;
+    }
+    return found == wanted ? BVX_OK
+                           : bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                               "the line has fewer columns than the head line");
+}
+
+static bvx_status table_number(table_reader *r, int column, const char *what, double *value)
+{
+    table_word const w = r->word[column];
+    if (w.size == 0 || bvxi_parse_double(w.at, w.at + w.size, value) != w.size)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, what);
+    if (!(*value - *value == 0.0))
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_RANGE, "a number is not finite");
+    return BVX_OK;
+}
+
+/* ---- loops ---- */
+
+/* Take back a last point that repeats the first. */
+static bvx_status end_table_loop(table_reader *r, const char *at)
+{
+    bvx_sections *const s = &r->f->sections;
+    bvx_section_loop *l;
+    const double *first, *last;
+    double x, y;
+
+    if (s->loop_count == 0) return BVX_OK;
+    l = &s->loops[s->loop_count - 1];
+    first = s->points + 3 * l->first_point;
+    last = s->points + 3 * (s->point_count - 1);
+    x = last[0] - first[0];
+    y = last[1] - first[1];
+    if (l->point_count > 1 && x == 0.0 && y == 0.0) {
+        l->point_count--;
+        s->point_count--;
+    } else if (r->close_gap > 0.0 && x * x + y * y > r->close_gap * r->close_gap) {
+        return bvxi_contour_fail(
+            r->f, at, BVX_ERR_FORMAT,
+            "the loop that ends before this line is open: its ends lie further apart than close_gap");
+    }
+    return BVX_OK;
+}
+
+static bvx_status remember(table_reader *r, uint64_t **hash, uint64_t count, uint64_t *room, uint64_t value)
+{
+    if (count == *room) {
+        uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
+        BVXI_TRY(bvxi_resize(r->f->ctx, BVXI_SCRATCH, hash, *room * 8, larger * 8, "the names of loops"));
+        *room = larger;
+    }
+    (*hash)[count] = value;
+    return BVX_OK;
+}
+
+static uint64_t word_hash(table_word w, uint64_t seed)
+{
+    return bvx_hash(w.at, w.size, seed);
+}
+
+/* A bvxi_key_fn. */
+static void section_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const table_reader *const r = user;
+    key[0] = (uint32_t)r->section_hash[number];
+    key[1] = (uint32_t)(r->section_hash[number] >> 32);
+}
+
+/* The section of the line's word. */
+static bvx_status find_table_section(table_reader *r, double position, uint32_t *section)
+{
+    bvx_sections *const s = &r->f->sections;
+    uint64_t const next = s->section_count, room = r->section_room;
+
+    BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
+    if (r->sections.key == NULL)
+        BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
+    else if (r->section_room > room) BVXI_TRY(bvxi_key_tree_grow(r->f->ctx, &r->sections, r->section_room));
+    *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
+    if (*section != next) {
+        if (s->positions[*section] != position)
+            return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                     "the section has another position on an earlier line");
+        return BVX_OK;
+    }
+    return bvxi_contour_add_section(r->f, position);
+}
+
+static bvx_status read_table_line(table_reader *r, const char *p, const char *end)
+{
+    bvx_sections *const s = &r->f->sections;
+    double position, point[3], label = 1.0;
+
+    BVXI_TRY(split_table_line(r, p, end));
+    BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
+    BVXI_TRY(table_number(r, TABLE_X, "expected a number as x", &point[0]));
+    BVXI_TRY(table_number(r, TABLE_Y, "expected a number as y", &point[1]));
+    if (r->column[TABLE_LABEL] >= 0)
+        BVXI_TRY(table_number(r, TABLE_LABEL, "expected a number as the label", &label));
+    if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is no whole number");
+    point[2] = position;
+    if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
+        !same_word(r->section, r->word[TABLE_SECTION])) {
+        uint32_t section = 0;
+        BVXI_TRY(end_table_loop(r, r->line));
+        BVXI_TRY(find_table_section(r, position, &section));
+        BVXI_TRY(remember(r, &r->loop_hash, s->loop_count, &r->loop_room,
+                          word_hash(r->word[TABLE_LOOP], word_hash(r->word[TABLE_SECTION], 1))));
+        BVXI_TRY(bvxi_contour_add_loop(r->f, section, (int32_t)label));
+        r->loop = r->word[TABLE_LOOP];
+        r->section = r->word[TABLE_SECTION];
+    }
+    if (s->positions[s->loops[s->loop_count - 1].section] != position)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                 "the section has another position on an earlier line");
+    if (s->loops[s->loop_count - 1].label != (int32_t)label)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                 "the loop has another label on an earlier line");
+    return bvxi_contour_add_point(r->f, point);
+}
+
+/* A loop whose lines stand apart would be two. */
+static bvx_status refuse_parted_loops(table_reader *r)
+{
+    const bvx_sections *const s = &r->f->sections;
+    uint64_t const n = s->loop_count;
+    uint32_t *order = NULL;
+    bvx_status status = bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order);
+
+    if (status != BVX_OK) return status;
+    for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
+    status = bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n);
+    for (uint64_t i = 1; i < n && status == BVX_OK; i++)
+        if (r->loop_hash[i] == r->loop_hash[i - 1])
+            status = bvxi_fail(
+                r->f->ctx, BVX_ERR_FORMAT,
+                "%s: loops %u and %u of the file (section at %g) have one name in one section: lines of a "
+                "loop stand together",
+                r->f->format, (uint64_t)order[i - 1], (uint64_t)order[i],
+                s->positions[s->loops[order[i]].section]);
+    bvxi_free(r->f->ctx, order, n * 4);
+    return status;
+}
+
+static bvx_status read_table_lines(table_reader *r)
+{
+    bvxi_contour_file *const f = r->f;
+    int headed = 0;
+    uint64_t lines = 0;
+
+    while (f->p < f->end) {
+        const char *const end = table_line_end(f, f->p);
+        table_word const all = trim_word(f->p, end);
+        r->line = f->p;
+        if (all.size != 0 && *all.at != '#') {
+            BVXI_TRY(headed ? read_table_line(r, f->p, end) : read_table_head(r, f->p, end));
+            headed = 1;
+        }
+        f->p = end < f->end ? end + 1 : end;
+        if ((++lines & 0xffff) == 0)
+            BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
+    }
+    if (!headed) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file has no head line", f->format);
+    BVXI_TRY(end_table_loop(r, f->end));
+    return refuse_parted_loops(r);
+}
+
+bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
+{
+    table_reader r;
+    bvx_status status;
+
+    memset(&r, 0, sizeof r);
+    r.f = f;
+    r.close_gap = close_gap;
+    f->sections.normal[2] = 1.0;
+    if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
+    status = read_table_lines(&r);
+    bvxi_free(f->ctx, r.loop_hash, r.loop_room * 8);
+    bvxi_free(f->ctx, r.section_hash, r.section_room * 8);
+    bvxi_key_tree_close(f->ctx, &r.sections);
+    return status;
+}

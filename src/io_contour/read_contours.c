@@ -1,0 +1,54 @@
+/* read_contours.c - contour stacks from the bytes of a file: bvx_read_sections. */
+#include "io_contour/contour_text.h"
+#include "io/formats.h"
+#include "section/section.h"
+
+void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size)
+{
+    bvx_read_sections_options d;
+    memset(&d, 0, sizeof d);
+    bvxi_give_options(options, size, &d, sizeof d);
+}
+
+static const bvxi_option read_sections_rows[] = {
+    BVXI_REAL(bvx_read_sections_options, close_gap, 0.0, BVXI_FINITE),
+    BVXI_RESERVED(bvx_read_sections_options, reserved),
+};
+
+static bvx_status run_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                    const bvx_read_sections_options *options, bvx_sections *sections)
+{
+    static const char *const function = "bvx_read_sections";
+    bvx_read_sections_options o;
+    bvxi_contour_file f;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
+    BVXI_TRY(bvxi_sections_check_result(context, function, sections));
+    bvx_read_sections_options_init(&o, sizeof o);
+    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(read_sections_rows)));
+    if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)
+        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format,
+                                BVX_SECTIONS_READ);
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses",
+                         function, size);
+    memset(&f, 0, sizeof f);
+    f.ctx = context;
+    f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";
+    f.begin = f.p = bytes != NULL ? (const char *)bytes : "";
+    f.end = f.begin + (size_t)size;
+    f.sections.owned = 1;
+    status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f) : bvxi_read_contour_table(&f, o.close_gap);
+    if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
+    bvx_sections_free(context, &f.sections);
+    return status;
+}
+
+bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                             const bvx_read_sections_options *options, bvx_sections *sections)
+{
+    return BVXI_CALL(context, run_read_sections(context, bytes, size, format, options, sections));
+}

@@ -1,0 +1,64 @@
+/* read_grid.c - a grid from the bytes of a file: the checks around the readers. */
+#include "io_grid/grid_formats.h"
+
+static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
+{
+    bvxi_dense dense;
+    memset(&dense, 0, sizeof dense);
+    BVXI_TRY(format == BVX_FORMAT_NPY    ? bvxi_find_npy(source, &dense)
+             : format == BVX_FORMAT_NRRD ? bvxi_find_nrrd(source, &dense)
+                                         : bvxi_find_vti(source, &dense));
+    return bvxi_read_dense_grid(source, &dense, grid);
+}
+
+static bvx_status read_grid_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
+{
+    switch (format) {
+    case BVX_FORMAT_NPY:
+    case BVX_FORMAT_NRRD:
+    case BVX_FORMAT_VTI: return read_dense_as(source, format, grid);
+    case BVX_FORMAT_BINVOX: return bvxi_read_binvox(source, grid);
+    case BVX_FORMAT_VOX: return bvxi_read_vox(source, grid);
+    case BVX_FORMAT_BVX: return bvxi_read_bvx(source, grid);
+    default:
+        return bvxi_fail_format(source->ctx, BVX_ERR_ARGUMENT, "bvx_read_grid", "grid", format,
+                                BVX_GRIDS_READ);
+    }
+}
+
+static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                const bvx_window *window, bvx_grid *grid)
+{
+    static const char *const function = "bvx_read_grid";
+    bvxi_grid_source source;
+    bvx_grid made;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (grid == NULL) return bvxi_fail_null(context, function, "grid");
+    if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
+                         size);
+    if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", function);
+    source.ctx = context;
+    source.begin = bytes;
+    source.end = source.begin + (size_t)size;
+    source.window = window;
+    source.volume = NULL;
+    made = *grid; /* brings the caller's words along */
+    status = read_grid_as(&source, format, &made);
+    if (status != BVX_OK) {
+        if (grid->owned == 1) *grid = made; /* its words, or others in their stead */
+        else if (made.words != grid->words) bvx_grid_free(context, &made);
+        return status;
+    }
+    *grid = made;
+    return BVX_OK;
+}
+
+bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                         const bvx_window *window, bvx_grid *grid)
+{
+    return BVXI_CALL(context, run_read_grid(context, bytes, size, format, window, grid));
+}

@@ -1,0 +1,231 @@
+/* read_npy.c - NumPy's .npy: where the samples of an array of three axes [x,y,z] stand.
+ *
+ * Source: numpy.lib.format, versions 1.0, 2.0 and 3.0. The head is a Python dictionary of exactly three keys,
+ * read by a parser of that and nothing else: no code, no nesting. C order (z fastest) and Fortran order (x
+ * fastest) are both read.
+ * Guarantee: the bytes behind the head are held against the shape before anything is made. */
+#include "io_grid/grid_formats.h"
+
+typedef struct npy_head {
+    uint64_t shape[3];
+    int32_t kind; /* BVX_SAMPLE_..., BVXI_SAMPLE_F16 */
+    int32_t big, fortran;
+    const uint8_t *data;
+} npy_head;
+
+/* The dictionary, and where reading stands in it. */
+typedef struct npy_text {
+    bvx_context *ctx;
+    const char *file, *p, *end;
+} npy_text;
+
+static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
+{
+    char found[2] = {0, 0};
+    if (t->p == t->end)
+        return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head ends where %s was expected", what);
+    found[0] = *t->p == 0 ? '?' : *t->p;
+    return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: byte %u: expected %s, found '%s'",
+                     (uint64_t)(t->p - t->file), what, found);
+}
+
+/* 1 when c comes next, behind any space; it is taken. */
+static int npy_take(npy_text *t, char c)
+{
+    t->p = bvxi_skip_space(t->p, t->end);
+    if (t->p == t->end || *t->p != c) return 0;
+    t->p++;
+    return 1;
+}
+
+static int npy_take_word(npy_text *t, const char *word)
+{
+    size_t const n = bvxi_text_length(word);
+    t->p = bvxi_skip_space(t->p, t->end);
+    if ((size_t)(t->end - t->p) < n || memcmp(t->p, word, n) != 0) return 0;
+    t->p += n;
+    return 1;
+}
+
+/* What stands between quotes of either kind. */
+static bvx_status npy_take_string(npy_text *t, const char *what, const char **text, size_t *length)
+{
+    char quote;
+
+    if (npy_take(t, '\'')) quote = '\'';
+    else if (npy_take(t, '"')) quote = '"';
+    else return npy_expected(t, what);
+    *text = t->p;
+    while (t->p < t->end && *t->p != quote && *t->p != '\\' && *t->p != '\n') t->p++;
+    *length = (size_t)(t->p - *text);
+    return npy_take(t, quote) ? BVX_OK : npy_expected(t, "the string's end");
+}
+
+/* '<f4' and the like. Where the byte order is left open ('|', '='), little-endian is as good as any: it
+ * matters for the sign of a zero alone, and NumPy writes neither for numbers of several bytes. */
+static bvx_status npy_take_type(npy_text *t, npy_head *h)
+{
+    static const struct {
+        char name[3];
+        uint8_t kind;
+    } known[] = {{"b1", BVX_SAMPLE_U8},   {"u1", BVX_SAMPLE_U8},  {"i1", BVX_SAMPLE_I8},
+                 {"u2", BVX_SAMPLE_U16},  {"i2", BVX_SAMPLE_I16}, {"u4", BVX_SAMPLE_U32},
+                 {"i4", BVX_SAMPLE_I32},  {"u8", BVX_SAMPLE_U64}, {"i8", BVX_SAMPLE_I64},
+                 {"f2", BVXI_SAMPLE_F16}, {"f4", BVX_SAMPLE_F32}, {"f8", BVX_SAMPLE_F64}};
+    const char *text;
+    char shown[16];
+    size_t n;
+    t->p = bvxi_skip_space(t->p, t->end);
+    if (t->p < t->end && *t->p == '[')
+        return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED,
+                         "NPY: the array's elements are records; save one field of them");
+    BVXI_TRY(npy_take_string(t, "the type of the array's elements", &text, &n));
+    if (n == 3 && (*text == '<' || *text == '>' || *text == '|' || *text == '='))
+        for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+            if (memcmp(text + 1, known[i].name, 2) == 0) {
+                h->kind = known[i].kind;
+                h->big = *text == '>';
+                return BVX_OK;
+            }
+    if (n > sizeof shown - 1) n = sizeof shown - 1;
+    memcpy(shown, text, n);
+    shown[n] = 0;
+    return bvxi_fail(
+        t->ctx, BVX_ERR_UNSUPPORTED,
+        "NPY: elements of type '%s'; bool, whole numbers and floats of 2, 4 and 8 bytes are read", shown);
+}
+
+static bvx_status npy_take_number(npy_text *t, uint64_t *value)
+{
+    const char *start;
+    uint64_t v = 0;
+
+    t->p = start = bvxi_skip_space(t->p, t->end);
+    for (; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
+        if (v < UINT64_MAX / 16) v = v * 10 + (uint64_t)(*t->p - '0'); /* too many digits stay too large */
+    if (t->p == start) return npy_expected(t, "a whole number");
+    if (t->p < t->end && *t->p == 'L') t->p++; /* long integers of Python 2 */
+    *value = v;
+    return BVX_OK;
+}
+
+static bvx_status npy_take_shape(npy_text *t, npy_head *h)
+{
+    uint64_t axes = 0, n = 0;
+
+    if (!npy_take(t, '(')) return npy_expected(t, "'(' and the array's shape");
+    while (!npy_take(t, ')')) {
+        BVXI_TRY(npy_take_number(t, &n));
+        if (axes < 3) h->shape[axes] = n;
+        axes++;
+        if (npy_take(t, ',')) continue;
+        if (!npy_take(t, ')')) return npy_expected(t, "',' or ')'");
+        break;
+    }
+    if (axes != 3)
+        return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED, "NPY: an array of %u axes; a grid has three: [x,y,z]",
+                         axes);
+    return BVX_OK;
+}
+
+static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
+{
+    static const char *const keys[3] = {"descr", "fortran_order", "shape"};
+    const char *text, *const at = t->p;
+    size_t n;
+    int key = 0;
+
+    BVXI_TRY(npy_take_string(t, "'descr', 'fortran_order' or 'shape'", &text, &n));
+    while (key < 3 && (n != bvxi_text_length(keys[key]) || memcmp(text, keys[key], n) != 0)) key++;
+    if (key == 3 || (*seen >> key & 1) != 0) {
+        t->p = at;
+        return npy_expected(t, "'descr', 'fortran_order' and 'shape', once each");
+    }
+    *seen |= 1 << key;
+    if (!npy_take(t, ':')) return npy_expected(t, "':'");
+    if (key == 0) return npy_take_type(t, h);
+    if (key == 2) return npy_take_shape(t, h);
+    h->fortran = npy_take_word(t, "True");
+    return h->fortran || npy_take_word(t, "False") ? BVX_OK : npy_expected(t, "True or False");
+}
+
+static bvx_status npy_take_dict(npy_text *t, npy_head *h)
+{
+    int seen = 0;
+
+    if (!npy_take(t, '{')) return npy_expected(t, "'{'");
+    while (!npy_take(t, '}')) {
+        BVXI_TRY(npy_take_entry(t, h, &seen));
+        if (npy_take(t, ',')) continue;
+        if (!npy_take(t, '}')) return npy_expected(t, "',' or '}'");
+        break;
+    }
+    if (seen != 7)
+        return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head lacks one of descr, fortran_order and shape");
+    t->p = bvxi_skip_space(t->p, t->end);
+    return t->p == t->end ? BVX_OK : npy_expected(t, "the end of the head");
+}
+
+static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
+{
+    static const uint8_t magic[6] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
+    const uint8_t *const b = source->begin;
+    uint64_t const size = (uint64_t)(source->end - b);
+    npy_text t;
+
+    if (size < 10 || memcmp(b, magic, sizeof magic) != 0)
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                         "NPY: the file does not begin with \\x93NUMPY and a version");
+    if (b[6] < 1 || b[6] > 3 || b[7] != 0)
+        return bvxi_fail(source->ctx, BVX_ERR_UNSUPPORTED, "NPY: version %u.%u; 1.0, 2.0 and 3.0 are read",
+                         (uint64_t)b[6], (uint64_t)b[7]);
+    uint64_t const prefix = b[6] == 1 ? 10 : 12;
+    uint64_t const length = b[6] == 1   ? bvxi_load_u16(b + 8, 0)
+                            : size < 12 ? UINT32_MAX
+                                        : bvxi_load_u32(b + 8, 0);
+    if (size < prefix || length > size - prefix)
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "NPY: a head of %u bytes in a file of %u", length,
+                         size);
+    t.ctx = source->ctx;
+    t.file = (const char *)b;
+    t.p = t.file + prefix;
+    t.end = t.p + length;
+    h->data = b + prefix + length;
+    return npy_take_dict(&t, h);
+}
+
+/* The bytes must be exactly those that the shape asks for. */
+static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head *h)
+{
+    uint64_t const have = (uint64_t)(source->end - h->data);
+    int fits = 1;
+    uint64_t n = bvxi_sample_size(h->kind);
+    for (int a = 0; a < 3; a++) n = bvxi_mul(n, h->shape[a], &fits);
+    if (fits && n == have) return BVX_OK;
+    return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                     "NPY: %u x %u x %u elements of %u bytes, but %u bytes stand behind the head",
+                     h->shape[0], h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
+}
+
+bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
+{
+    static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+    npy_head h = {{0, 0, 0}, 0, 0, 0, NULL};
+
+    BVXI_TRY(npy_read_head(source, &h));
+    BVXI_TRY(bvxi_file_box(source->ctx, "NPY", zero, one, h.shape, &dense->box));
+    BVXI_TRY(npy_check_size(source, &h));
+    int64_t const size = (int64_t)bvxi_sample_size(h.kind);
+    int64_t const nx = (int64_t)h.shape[0];
+    int64_t const ny = (int64_t)h.shape[1];
+    int64_t const nz = (int64_t)h.shape[2];
+    dense->format = "NPY";
+    dense->size = (uint64_t)(source->end - h.data);
+    dense->samples.first = h.data;
+    dense->samples.kind = h.kind;
+    dense->samples.big = h.big;
+    dense->samples.stride[0] = h.fortran ? size : size * ny * nz;
+    dense->samples.stride[1] = h.fortran ? size * nx : size * nz;
+    dense->samples.stride[2] = h.fortran ? size * nx * ny : size;
+    return BVX_OK;
+}

@@ -1,0 +1,314 @@
+/* read_tree.c - an octree from our own format: bvx_read_octree; the layout stands in tree_file.h.
+ *
+ * Heads, lengths, checksums and what the levels say of each other are all checked on the file's bytes, and
+ * only then is there a tree: a damaged file allocates nothing, and one whose damage has right checksums is
+ * still no tree that later calls could stumble over. The least level that is wrong is the one reported,
+ * whatever the threads. */
+#include "io_grid/tree_file.h"
+
+static const char read_tree_name[] = "bvx_read_octree";
+
+/* What can be wrong within a level. */
+enum { TREE_LEVEL_GOOD = 0, TREE_LEVEL_CHECKSUM, TREE_LEVEL_BOTH, TREE_LEVEL_SPLIT, TREE_LEVEL_PADDING };
+
+typedef struct tree_level {
+    const uint8_t *begin; /* of its head in the file */
+    uint64_t words, size; /* size: bytes with its head */
+    uint64_t octets;      /* level 0: rows */
+    uint64_t split;       /* voxels that are split */
+    uint32_t kind;        /* BVXI_SPLIT_... */
+    int32_t wrong;
+} tree_level;
+
+typedef struct tree_reading {
+    bvx_context *ctx;
+    const uint8_t *begin, *end;
+    bvx_lattice lattice;
+    int32_t base[3], levels, row_words;
+    uint64_t frame;
+    tree_level level[BVXI_OCTREE_LEVELS + 1];
+    bvx_octree *tree;
+} tree_reading;
+
+/* ---- head ---- */
+
+static int32_t load_tree_number(const uint8_t *p)
+{
+    uint32_t const v = bvxi_load_u32(p, 0);
+    return v <= INT32_MAX ? (int32_t)v : -1;
+}
+
+static bvx_status check_tree_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
+{
+    static const uint8_t grid[4] = {0x89, 'B', 'V', 'X'};
+    const uint8_t *const magic = bvxi_tree_magic();
+
+    if (size >= 4 && memcmp(head, grid, 4) == 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: byte 3: the file holds a grid, no octree: bvx_read_grid reads it");
+    if (size < 8 || memcmp(head, magic, 4) != 0)
+        return bvxi_fail(
+            ctx, BVX_ERR_FORMAT,
+            "BVX: byte 0: the file does not begin as .bvx files of octrees do (89 42 56 4f 0d 0a 1a 0a)");
+    if (memcmp(head, magic, 8) != 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
+    if (size < BVXI_TREE_AT_VERSION + 4)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
+    if (bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0) > BVXI_TREE_VERSION)
+        return bvxi_fail(
+            ctx, BVX_ERR_UNSUPPORTED, "BVX: the octree is of version %u, this library reads version %u",
+            (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0), (uint64_t)BVXI_TREE_VERSION);
+    if (size < BVXI_TREE_HEAD)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
+                         (uint64_t)BVXI_TREE_HEAD);
+    if (bvxi_load_u64(head + BVXI_TREE_AT_CHECK, 0) != bvx_hash(head, BVXI_TREE_AT_CHECK, 0))
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
+                         (uint64_t)BVXI_TREE_HEAD - 1);
+    if (bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0) != BVXI_TREE_VERSION)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: there is no version 0",
+                         (uint64_t)BVXI_TREE_AT_VERSION);
+    if (bvxi_load_u32(head + BVXI_TREE_AT_HEAD_SIZE, 0) != BVXI_TREE_HEAD)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a head of %u bytes; version %u has %u",
+                         (uint64_t)BVXI_TREE_AT_HEAD_SIZE,
+                         (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_HEAD_SIZE, 0),
+                         (uint64_t)BVXI_TREE_VERSION, (uint64_t)BVXI_TREE_HEAD);
+    for (uint32_t i = BVXI_TREE_AT_RESERVED; i < BVXI_TREE_AT_CHECK; i++)
+        if (head[i] != 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)i);
+    return BVX_OK;
+}
+
+static bvx_status take_tree_head(tree_reading *job)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    bvx_context *const ctx = job->ctx;
+    const uint8_t *const head = job->begin;
+    uint64_t voxels = 1;
+    bvx_status status;
+
+    BVXI_TRY(check_tree_start(ctx, head, (uint64_t)(job->end - head)));
+    job->levels = load_tree_number(head + BVXI_TREE_AT_LEVELS);
+    if (job->levels < 0 || job->levels > BVXI_OCTREE_LEVELS)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u is the last; 0 to %u are possible",
+                         (uint64_t)BVXI_TREE_AT_LEVELS,
+                         (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_LEVELS, 0),
+                         (uint64_t)BVXI_OCTREE_LEVELS);
+    for (int32_t a = 0; a < 3; a++) {
+        int32_t const n = load_tree_number(head + BVXI_TREE_AT_BASE + 4 * a);
+        if (n < 1 || n > BVXI_MAX_SIDE >> job->levels)
+            return bvxi_fail(
+                ctx, BVX_ERR_FORMAT,
+                "BVX: byte %u: a base of %u voxels along %s; 1 to %d are possible with %d levels",
+                (uint64_t)BVXI_TREE_AT_BASE + 4 * (uint64_t)a,
+                (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_BASE + 4 * a, 0), axis_name[a],
+                (int64_t)(BVXI_MAX_SIDE >> job->levels), (int64_t)job->levels);
+        job->base[a] = n;
+        job->lattice.origin[a] = bvxi_load_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, 0);
+        job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_TREE_AT_SPACING + 8 * a, 0);
+        job->lattice.dims[a] = n << job->levels;
+        voxels = voxels < (uint64_t)1 << 31 ? voxels * (uint64_t)n : voxels; /* at most 2^56 */
+    }
+    if (voxels >= (uint64_t)1 << 31)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: a base of %d x %d x %d voxels; fewer than 2^31 are possible",
+                         (int64_t)job->base[0], (int64_t)job->base[1], (int64_t)job->base[2]);
+    job->lattice.fraction_bits = load_tree_number(head + BVXI_TREE_AT_FRACTION);
+    status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+    if (status != BVX_OK) return BVX_ERR_FORMAT; /* the argument at fault is the file */
+    job->row_words = bvxi_row_words(job->base[0]);
+    job->frame = bvxi_tree_frame(head);
+    return BVX_OK;
+}
+
+/* ---- lengths ---- */
+
+/* The level that begins at p. */
+static bvx_status take_level_head(tree_reading *job, int32_t number, const uint8_t *p)
+{
+    bvx_context *const ctx = job->ctx;
+    tree_level *const level = &job->level[number];
+    uint64_t const at = (uint64_t)(p - job->begin), left = (uint64_t)(job->end - p);
+
+    if (left < BVXI_TREE_LEVEL_HEAD)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in the head of level %d",
+                         at + left, (int64_t)number);
+    if (bvxi_load_u32(p + 8, 0) != (uint32_t)number)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u stands where %d belongs", at + 8,
+                         (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)number);
+    level->kind = bvxi_load_u32(p + 12, 0);
+    if (level->kind > BVXI_SPLIT_SOME || (level->kind == BVXI_SPLIT_NONE) != (number == job->levels))
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %d of %d cannot be split in way %u",
+                         at + 12, (int64_t)number, (int64_t)job->levels, (uint64_t)level->kind);
+    level->begin = p;
+    level->words = bvxi_load_u64(p + 16, 0);
+    if (level->words > (left - BVXI_TREE_LEVEL_HEAD) / 8 / bvxi_tree_arrays(level->kind))
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "BVX: byte %u: level %d has %u words an array, the file ends before", at + 16,
+                         (int64_t)number, level->words);
+    level->size = BVXI_TREE_LEVEL_HEAD + 8 * level->words * bvxi_tree_arrays(level->kind);
+    return BVX_OK;
+}
+
+static bvx_status take_level_heads(tree_reading *job)
+{
+    const uint8_t *p = job->begin + BVXI_TREE_HEAD;
+    uint64_t const rows = (uint64_t)job->base[1] * (uint64_t)job->base[2];
+
+    for (int32_t l = 0; l <= job->levels; l++) {
+        BVXI_TRY(take_level_head(job, l, p));
+        p += job->level[l].size;
+    }
+    if (p != job->end)
+        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file goes on behind its last level",
+                         (uint64_t)(p - job->begin));
+    job->level[0].octets = rows;
+    if (job->level[0].words != rows * (uint64_t)job->row_words)
+        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: level 0 has %u words, its base %u",
+                         (uint64_t)BVXI_TREE_HEAD + 16, job->level[0].words, rows * (uint64_t)job->row_words);
+    return BVX_OK;
+}
+
+/* ---- what the levels hold ---- */
+
+/* Bits of level 0's word that are voxels. */
+static inline uint64_t tree_row_mask(const tree_reading *job, uint64_t word)
+{
+    return (word + 1) % (uint64_t)job->row_words == 0 ? bvxi_tail_mask(job->base[0]) : ~UINT64_C(0);
+}
+
+static int32_t look_into_level(const tree_reading *job, int32_t number, tree_level *level)
+{
+    const uint8_t *const touched = level->begin + BVXI_TREE_LEVEL_HEAD;
+    const uint8_t *const outside = touched + 8 * level->words;
+    const uint8_t *const split = level->kind == BVXI_SPLIT_SOME ? outside + 8 * level->words : touched;
+
+    if (bvxi_load_u64(level->begin, 0) != bvx_hash(level->begin + 8, (size_t)level->size - 8, job->frame))
+        return TREE_LEVEL_CHECKSUM;
+    level->split = 0;
+    for (uint64_t i = 0; i < level->words; i++) {
+        uint64_t const t = bvxi_load_u64(touched + 8 * i, 0);
+        uint64_t const o = bvxi_load_u64(outside + 8 * i, 0);
+        uint64_t const s = bvxi_load_u64(split + 8 * i, 0);
+        if ((t & o) != 0) return TREE_LEVEL_BOTH;
+        if ((s & ~t) != 0) return TREE_LEVEL_SPLIT;
+        if (number == 0 && ((t | o) & ~tree_row_mask(job, i)) != 0) return TREE_LEVEL_PADDING;
+        level->split += bvxi_popcount(s);
+    }
+    if (level->kind == BVXI_SPLIT_NONE) level->split = 0;
+    return TREE_LEVEL_GOOD;
+}
+
+static void look_into_levels(void *user, int32_t number, int32_t worker)
+{
+    tree_reading *const job = user;
+    (void)worker;
+    job->level[number].wrong = look_into_level(job, number, &job->level[number]);
+}
+
+static bvx_status fail_level(const tree_reading *job, int32_t number)
+{
+    static const char *const why[] = {"", "is damaged, its checksum differs",
+                                      "has a voxel that is touched and outside",
+                                      "splits a voxel that no triangle touches", "has bits past its voxels"};
+    const tree_level *const level = &job->level[number];
+    uint64_t const at = (uint64_t)(level->begin - job->begin);
+    return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: bytes %u to %u: level %d %s", at, at + level->size - 1,
+                     (int64_t)number, why[level->wrong]);
+}
+
+/* Each level has the octets that the one above is split into. */
+static bvx_status join_levels(tree_reading *job)
+{
+    for (int32_t l = 0; l <= job->levels; l++) {
+        tree_level *const level = &job->level[l];
+        uint64_t const at = (uint64_t)(level->begin - job->begin);
+        if (level->wrong != TREE_LEVEL_GOOD) return fail_level(job, l);
+        if (l == 0) continue;
+        level->octets = job->level[l - 1].split;
+        if (level->octets >= (uint64_t)1 << 28)
+            return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
+                             "BVX: byte %u: level %d splits %u voxels; fewer than 2^28 are possible", at,
+                             (int64_t)l - 1, level->octets);
+        if (level->words != bvxi_octet_words(level->octets))
+            return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
+                             "BVX: byte %u: level %d has %u words an array; %u split voxels take %u", at + 16,
+                             (int64_t)l, level->words, level->octets, bvxi_octet_words(level->octets));
+        for (uint64_t n = level->octets; n < 8 * level->words; n++) /* the bytes past the last octet */
+            for (uint64_t array = 0; array < 2; array++)
+                if (level->begin[BVXI_TREE_LEVEL_HEAD + 8 * level->words * array + n] != 0)
+                    level->wrong = TREE_LEVEL_PADDING;
+        if (level->wrong != TREE_LEVEL_GOOD) return fail_level(job, l);
+    }
+    return BVX_OK;
+}
+
+/* ---- the tree ---- */
+
+static void load_tree_words(const uint8_t *p, uint64_t count, uint64_t *words)
+{
+    for (uint64_t i = 0; i < count; i++) words[i] = bvxi_load_u64(p + 8 * i, 0);
+}
+
+static void load_tree_level(void *user, int32_t number, int32_t worker)
+{
+    const tree_reading *const job = user;
+    const tree_level *const level = &job->level[number];
+    const uint8_t *const p = level->begin + BVXI_TREE_LEVEL_HEAD;
+    bvxi_octets *const o = number == 0 ? &job->tree->root : &job->tree->octets[number - 1];
+
+    (void)worker;
+    load_tree_words(p, level->words, o->touched);
+    load_tree_words(p + 8 * level->words, level->words, o->outside);
+    if (level->kind == BVXI_SPLIT_SOME) load_tree_words(p + 16 * level->words, level->words, o->split);
+    bvxi_octets_count(o);
+}
+
+static bvx_status make_read_tree(tree_reading *job)
+{
+    bvx_status status = BVX_OK;
+
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_RESULT, sizeof *job->tree, "the octree", &job->tree));
+    job->tree->lattice = job->lattice;
+    memcpy(job->tree->base, job->base, sizeof job->tree->base);
+    job->tree->levels = job->levels;
+    job->tree->row_words = job->row_words;
+    for (int32_t l = 0; l <= job->levels && status == BVX_OK; l++)
+        status = bvxi_octets_open(job->ctx, job->level[l].octets, job->level[l].words,
+                                  (int)job->level[l].kind,
+                                  l == 0 ? &job->tree->root : &job->tree->octets[l - 1]);
+    if (status == BVX_OK)
+        status = bvxi_parallel(job->ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
+    if (status != BVX_OK) bvx_octree_free(job->ctx, job->tree);
+    return status;
+}
+
+static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
+{
+    tree_reading job;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
+    if (bytes == NULL) return bvxi_fail_null(context, read_tree_name, "bytes");
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold",
+                         read_tree_name, size);
+    if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
+    memset(&job, 0, sizeof job);
+    job.ctx = context;
+    job.begin = bytes;
+    job.end = job.begin + (size_t)size;
+    BVXI_TRY(take_tree_head(&job));
+    BVXI_TRY(take_level_heads(&job));
+    BVXI_TRY(bvxi_parallel(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
+    BVXI_TRY(join_levels(&job));
+    BVXI_TRY(make_read_tree(&job));
+    bvx_octree_free(context, *tree);
+    *tree = job.tree;
+    return BVX_OK;
+}
+
+bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree)
+{
+    return BVXI_CALL(context, run_read_octree(context, bytes, size, tree));
+}

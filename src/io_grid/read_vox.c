@@ -1,0 +1,160 @@
+/* read_vox.c - a grid from MagicaVoxel's .vox, versions 150 and 200, of one model.
+ *
+ * Source: https://github.com/ephtracy/voxel-model, file format and its extension. Chunks lie one behind the
+ * other in MAIN; those for models are PACK (how many there are), SIZE and XYZI. All others (colours,
+ * materials, the nodes of a scene) are passed, as are a model's place and turn in a scene. Everything is
+ * checked before there is a grid; a grid is at most 2 MiB. */
+#include "io_grid/grid_formats.h"
+
+enum { VOX_HEAD = 12, VOX_BEGIN = 8, VOX_LONGEST_SIDE = 256 };
+
+typedef struct vox_model {
+    const uint8_t *size;   /* content of the first SIZE chunk */
+    const uint8_t *voxels; /* of the first XYZI chunk, behind its count */
+    uint64_t count;
+    uint64_t sizes, models; /* SIZE and XYZI chunks */
+    uint64_t said;          /* by PACK; 0: nothing was said */
+} vox_model;
+
+static uint64_t vox_at(const bvxi_grid_source *source, const uint8_t *p)
+{
+    return (uint64_t)(p - source->begin);
+}
+
+/* One chunk with content of n bytes. */
+static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *chunk, uint32_t n,
+                                 vox_model *model)
+{
+    bvx_context *const ctx = source->ctx;
+    const uint8_t *const content = chunk + VOX_HEAD;
+
+    if (memcmp(chunk, "PACK", 4) == 0) {
+        if (n != 4)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: PACK has %u bytes, not 4",
+                             vox_at(source, chunk), (uint64_t)n);
+        model->said = bvxi_load_u32(content, 0);
+        if (model->said == 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: PACK says 0 models",
+                             vox_at(source, content));
+    } else if (memcmp(chunk, "SIZE", 4) == 0) {
+        if (n != 12)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: SIZE has %u bytes, not 12",
+                             vox_at(source, chunk), (uint64_t)n);
+        if (model->sizes++ == 0) model->size = content;
+    } else if (memcmp(chunk, "XYZI", 4) == 0) {
+        uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);
+        if (n < 4 || n - 4 != 4 * count)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: XYZI has %u bytes; its %u voxels take %u",
+                             vox_at(source, chunk), (uint64_t)n, count, 4 + 4 * count);
+        if (model->sizes == 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: XYZI before any SIZE",
+                             vox_at(source, chunk));
+        if (model->models++ == 0) {
+            model->count = count;
+            model->voxels = content + 4;
+        }
+    }
+    return BVX_OK;
+}
+
+/* The chunks from p to end, which must be whole. */
+static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox_model *model)
+{
+    bvx_context *const ctx = source->ctx;
+
+    while (p != source->end) {
+        uint64_t const left = (uint64_t)(source->end - p);
+        if (left < VOX_HEAD)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends in a chunk's head",
+                             vox_at(source, p) + left);
+        uint32_t const content = bvxi_load_u32(p + 4, 0), children = bvxi_load_u32(p + 8, 0);
+        if ((uint64_t)content + children > left - VOX_HEAD)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: a chunk of %u bytes, %u are left",
+                             vox_at(source, p), (uint64_t)content + children, left - VOX_HEAD);
+        BVXI_TRY(vox_take_chunk(source, p, content, model));
+        p += VOX_HEAD + (size_t)content + (size_t)children;
+    }
+    return BVX_OK;
+}
+
+static bvx_status vox_check_start(const bvxi_grid_source *source)
+{
+    bvx_context *const ctx = source->ctx;
+    const uint8_t *const p = source->begin;
+    uint64_t const size = (uint64_t)(source->end - p);
+
+    if (size < VOX_BEGIN || memcmp(p, "VOX ", 4) != 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                         "VOX: byte 0: the file does not begin with \"VOX \" and a version");
+    uint32_t const version = bvxi_load_u32(p + 4, 0);
+    if (version != 150 && version != 200)
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "VOX: byte 4: version %u; 150 and 200 can be read",
+                         (uint64_t)version);
+    if (size < VOX_BEGIN + VOX_HEAD)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends before its MAIN chunk", size);
+    if (memcmp(p + VOX_BEGIN, "MAIN", 4) != 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 8: the first chunk is not MAIN");
+    uint64_t const content = bvxi_load_u32(p + VOX_BEGIN + 4, 0);
+    uint64_t const children = bvxi_load_u32(p + VOX_BEGIN + 8, 0);
+    if (content + children != size - VOX_BEGIN - VOX_HEAD)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 12: MAIN holds %u bytes, the file has %u",
+                         content + children, size - VOX_BEGIN - VOX_HEAD);
+    return BVX_OK;
+}
+
+/* One model, its sides, and all its voxels inside them. */
+static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_model *model, uint64_t dims[3])
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    bvx_context *const ctx = source->ctx;
+
+    if (model->models > 1 || model->sizes > 1)
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "VOX: the file has %u models; files of one can be read",
+                         model->models > model->sizes ? model->models : model->sizes);
+    if (model->models == 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends without a model (SIZE and XYZI)",
+                         vox_at(source, source->end));
+    if (model->said > 1)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: PACK says %u models, the file has 1", model->said);
+    for (int32_t a = 0; a < 3; a++) {
+        dims[a] = bvxi_load_u32(model->size + 4 * a, 0);
+        if (dims[a] < 1 || dims[a] > VOX_LONGEST_SIDE)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                             "VOX: byte %u: SIZE says %u voxels along %s; 1 to %u are possible",
+                             vox_at(source, model->size) + 4 * (uint64_t)a, dims[a], axis_name[a],
+                             (uint64_t)VOX_LONGEST_SIDE);
+    }
+    for (uint64_t i = 0; i < model->count; i++)
+        for (int32_t a = 0; a < 3; a++) {
+            const uint8_t *const at = model->voxels + 4 * i + (uint64_t)a;
+            if (*at >= dims[a])
+                return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: voxel %u has %s = %u, SIZE says %u",
+                                 vox_at(source, at), i, axis_name[a], (uint64_t)*at, dims[a]);
+        }
+    return BVX_OK;
+}
+
+bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    vox_model model = {0};
+    uint64_t dims[3];
+    bvx_lattice box;
+    bvx_window whole, part;
+
+    BVXI_TRY(vox_check_start(source));
+    BVXI_TRY(vox_walk(source,
+                      source->begin + VOX_BEGIN + VOX_HEAD + bvxi_load_u32(source->begin + VOX_BEGIN + 4, 0),
+                      &model));
+    BVXI_TRY(vox_check_model(source, &model, dims));
+    BVXI_TRY(bvxi_progress(source->ctx, "read", 0.0));
+    BVXI_TRY(bvxi_file_box(source->ctx, "VOX", origin, spacing, dims, &box));
+    memset(whole.low, 0, sizeof whole.low);
+    memcpy(whole.size, box.dims, sizeof whole.size);
+    BVXI_TRY(bvxi_open_file_grid(source, "VOX", &box, &whole, &part, grid));
+    for (uint64_t i = 0; i < model.count; i++) {
+        const uint8_t *const p = model.voxels + 4 * i;
+        bvxi_set_file_run(grid, &part, p[0], (int64_t)p[0] + 1, p[1], p[2]);
+    }
+    return BVX_OK;
+}

@@ -1,0 +1,59 @@
+/* mesh_arrays.c - the arrays of a mesh that is read, in exact sizes. */
+#include "io_mesh/mesh_formats.h"
+
+bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * (type == BVX_F64 ? 24 : 12), "the vertices of the file",
+                        &mesh->positions));
+    mesh->position_type = type;
+    mesh->vertex_count = mesh->vertex_capacity = count;
+    mesh->owned = 1;
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 12, "the triangles of the file", &mesh->triangles));
+    mesh->triangle_count = mesh->triangle_capacity = count;
+    mesh->owned = 1;
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 4, "the colours of the file", &mesh->colours);
+}
+
+bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
+{
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, count * 8, "the texture coordinates of the file", &mesh->uvs));
+    mesh->uv_count = count;
+    return BVX_OK;
+}
+
+bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 12, "the texture numbers of the file",
+                      &mesh->uv_triangles);
+}
+
+void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh)
+{
+    bvxi_free(ctx, mesh->colours, mesh->vertex_capacity * 4);
+    mesh->colours = NULL;
+}
+
+void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
+{
+    bvxi_free(ctx, mesh->uv_triangles, mesh->triangle_capacity * 12);
+    bvxi_free(ctx, mesh->uvs, mesh->uv_count * 8);
+    mesh->uv_triangles = NULL;
+    mesh->uvs = NULL;
+    mesh->uv_count = 0;
+}
+
+int bvxi_mesh_is_empty(const bvx_mesh *m)
+{
+    return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL &&
+           m->triangle_keys == NULL && m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
+}

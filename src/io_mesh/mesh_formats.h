@@ -1,0 +1,90 @@
+/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share. Not installed. */
+#ifndef BVXI_MESH_FORMATS_H
+#define BVXI_MESH_FORMATS_H
+
+#include "io/formats.h"
+
+/* ---- readers: arguments are checked, mesh is all zero and freed by the caller on failure ---- */
+
+bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
+bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
+bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
+bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
+/* The vertices alone. */
+bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points);
+
+/* 1 when a mesh holds no array. */
+int bvxi_mesh_is_empty(const bvx_mesh *m);
+/* The arrays of a mesh that is read, in exact sizes. */
+bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count);
+bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
+/* Behind positions and triangles: colours of the vertices, texture
+ * coordinates, and numbers of these for the triangles. */
+bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh);
+bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
+bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh);
+void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh);
+void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh);
+
+/* A share of 1 as a byte, to the nearest; what is beyond 0 and 1 is taken back to them. */
+static inline uint8_t bvxi_colour_byte(double share)
+{
+    double const bytes = share > 0.0 ? share < 1.0 ? share * 255.0 + 0.5 : 255.0 : 0.0;
+    return (uint8_t)bytes;
+}
+
+/* ---- writers: arguments are checked, positions with frame and uvs are finite, indices are in range ---- */
+
+/* What is written of one mesh; normal: the sums of bvxi_sum_normals, or NULL for a file without normals. */
+typedef struct bvxi_written {
+    const bvx_mesh *mesh;
+    const double *normal;
+} bvxi_written;
+
+bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
+/* The meshes as levels of detail of one file, the finest first. */
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file);
+
+#define BVXI_NORMALS_SHARE 0.3 /* the part of a file's work that is done when its writer has them */
+
+/* "GLB: level 3": how messages about one of several levels begin.
+ * before: below 40 bytes; text [Size: BVXI_LEVEL_NAME] */
+enum { BVXI_LEVEL_NAME = 80 };
+void bvxi_level_name(const char *before, uint64_t level, char *text);
+
+/* The least double that rounds to an infinite float: (2 - 2^-24) * 2^127. */
+#define BVXI_FLOAT_LIMIT 3.4028235677973366e38
+
+/* 1 when positions are written as floats: those that the mesh has, with no frame to add. */
+static inline int bvxi_writes_f32(const bvx_mesh *mesh)
+{
+    return mesh->position_type == BVX_F32 && mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 &&
+           mesh->frame[2] == 0.0;
+}
+
+/* Texture coordinates that a mesh really has: uv_count follows the capacity where they go with vertices. */
+static inline uint64_t bvxi_written_uvs(const bvx_mesh *mesh)
+{
+    return mesh->uvs == NULL ? 0 : mesh->uv_triangles != NULL ? mesh->uv_count : mesh->vertex_count;
+}
+
+/* A vertex in the world: with the frame. */
+static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, double p[3])
+{
+    for (size_t a = 0; a < 3; a++) {
+        size_t const i = (size_t)vertex * 3 + a;
+        float f32;
+        if (mesh->position_type == BVX_F64) {
+            memcpy(&p[a], (const uint8_t *)mesh->positions + 8 * i, sizeof p[a]);
+        } else {
+            memcpy(&f32, (const uint8_t *)mesh->positions + 4 * i, sizeof f32);
+            p[a] = (double)f32;
+        }
+        if (mesh->frame[a] != 0.0) p[a] += mesh->frame[a]; /* adding 0 would lose the sign of -0 */
+    }
+}
+
+#endif

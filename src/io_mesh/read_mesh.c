@@ -1,0 +1,77 @@
+/* read_mesh.c - a mesh from the bytes of a file: the checks around the readers. */
+#include "io_mesh/mesh_formats.h"
+#include "mesh/finite.h"
+
+static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
+{
+    source->format = format == BVX_FORMAT_STL   ? "STL"
+                     : format == BVX_FORMAT_OBJ ? "OBJ"
+                     : format == BVX_FORMAT_PLY ? "PLY"
+                                                : "OFF";
+    if (source->begin == source->end)
+        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    bvxi_source_pass(source, 0, 1);
+    switch (format) {
+    case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
+    case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
+    case BVX_FORMAT_PLY: return bvxi_read_ply(source, mesh);
+    default: return bvxi_read_off(source, mesh);
+    }
+}
+
+/* dropped NULL: what is not finite is refused. */
+static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size,
+                                int32_t format, uint64_t *dropped, bvx_mesh *mesh)
+{
+    bvxi_source source = {0};
+    bvx_mesh made = {0};
+    uint64_t count = 0;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
+    if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
+                         size);
+    if (format < 0 || format > BVX_FORMAT_SVG || (BVX_MESHES_READ >> format & 1) == 0)
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format,
+                                BVX_MESHES_READ);
+    if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: mesh brings arrays, which are not used; zero it first", function);
+    source.ctx = context;
+    source.begin = bytes;
+    source.end = source.begin + (size_t)size;
+    source.takes_any = dropped != NULL;
+    status = read_mesh_as(&source, format, &made);
+    if (status == BVX_OK && dropped != NULL) {
+        status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
+        if (status == BVX_OK && made.triangle_count == 0)
+            status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE,
+                                   "%s: each of the %u triangles has a corner that is not finite",
+                                   source.format, count);
+    }
+    if (status != BVX_OK) {
+        bvx_mesh_free(context, &made);
+        return status;
+    }
+    bvx_mesh_free(context, mesh);
+    *mesh = made;
+    if (dropped != NULL) *dropped = count;
+    return BVX_OK;
+}
+
+bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                         bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_read_mesh(context, "bvx_read_mesh", bytes, size, format, NULL, mesh));
+}
+
+bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                uint64_t *dropped, bvx_mesh *mesh)
+{
+    static const char *const function = "bvx_read_mesh_finite";
+    if (context != NULL && dropped == NULL) return bvxi_fail_null(context, function, "dropped");
+    return BVXI_CALL(context, run_read_mesh(context, function, bytes, size, format, dropped, mesh));
+}

@@ -1,0 +1,350 @@
+/* read_obj.c - Wavefront OBJ to an indexed mesh: vertices, colours, texture coordinates and polygonal faces.
+ *
+ * The file is cut into pieces of whole lines, by its size alone. A first pass counts what each piece holds,
+ * so that the arrays are made once in their exact size and each piece knows its place in them; the second
+ * fills them. So pieces may be read at the same time, and a face may name vertices that stand behind it;
+ * negative numbers count back from the last vertex before it. Polygons are cut into triangles at the end,
+ * when all vertices are known.
+ * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture
+ * coordinates are looked up when the first corner of the file has one, and dropped when another has none.
+ * Normals must be numbers but are not looked up. Every statement but v, vt and f is left out: nothing that a
+ * file names (mtllib, call, csh) is opened. A backslash before a line's end continues v, vt and f. In other
+ * lines it is ignored, as comments and file names end in backslashes too, and what follows is no v, vt or f.
+ * Memory: the mesh, 12 bytes a coloured vertex, 8 bytes a polygon. Cost: O(bytes). */
+#include "io_mesh/obj_text.h"
+
+/* ---- second pass ---- */
+
+/* Where reading of a piece stands; source has no context when pieces are read at the same time. */
+typedef struct obj_reader {
+    const obj_file *file;
+    obj_piece *piece;
+    bvxi_source source;
+    uint64_t vertices, uvs, triangles, polygons; /* found so far, with those of the pieces before */
+} obj_reader;
+
+/* Numbers that stand at *p, most of them at most. */
+static int obj_take_numbers(const obj_file *f, const char **p, int most, double *out)
+{
+    int n = 0;
+
+    for (; n < most; n++) {
+        const char *const at = obj_skip_blank(f, *p);
+        size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[n]);
+        if (used == 0 || !obj_word_ends(f, at + used)) break;
+        *p = at + used;
+    }
+    return n;
+}
+
+/* The colour behind the coordinates: the last three of three or four numbers. */
+static bvx_status obj_take_colour(obj_reader *r, const char *p)
+{
+    const obj_file *const f = r->file;
+    const char *const at = p;
+    double number[5];
+    int const n = obj_take_numbers(f, &p, 5, number);
+    float *const out = f->colours + (size_t)r->vertices * 3;
+
+    if ((n != 3 && n != 4) || !obj_statement_ends(f, obj_skip_blank(f, p))) {
+        r->piece->pale = 1;
+        return BVX_OK;
+    }
+    for (int c = 0; c < 3; c++) {
+        double const v = number[n - 3 + c];
+        if (!(v - v == 0.0))
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: vertex %u has a colour that is not finite",
+                                    bvxi_source_line(&r->source, at), r->vertices + 1);
+        out[c] = v < 0.0 ? 0.0f : v < 255.0 ? (float)v : 255.0f;
+    }
+    return BVX_OK;
+}
+
+static bvx_status obj_take_vertex(obj_reader *r, const char *p)
+{
+    const obj_file *const f = r->file;
+    double *const out = (double *)f->mesh->positions + (size_t)r->vertices * 3;
+
+    for (int a = 0; a < 3; a++) {
+        const char *const at = obj_skip_blank(f, p);
+        size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[a]);
+        p = at + used;
+        if (used == 0 || !obj_word_ends(f, p)) return bvxi_fail_expected(&r->source, at, "a coordinate");
+        if (!(out[a] - out[a] == 0.0) && !r->source.takes_any)
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: vertex %u has a coordinate that is not finite",
+                                    bvxi_source_line(&r->source, at), r->vertices + 1);
+    }
+    if (f->colours != NULL) BVXI_TRY(obj_take_colour(r, p));
+    r->vertices++;
+    return BVX_OK;
+}
+
+/* u, v and what follows; v is 0 where it is missing. */
+static bvx_status obj_take_uv(obj_reader *r, const char *p)
+{
+    const obj_file *const f = r->file;
+
+    if (f->mesh->uvs != NULL) {
+        float *const out = f->mesh->uvs + (size_t)r->uvs * 2;
+        const char *const at = obj_skip_blank(f, p);
+        double number[2] = {0, 0};
+        if (obj_take_numbers(f, &p, 2, number) == 0)
+            return bvxi_fail_expected(&r->source, at, "a texture coordinate");
+        out[0] = (float)number[0];
+        out[1] = (float)number[1];
+        if (!(out[0] - out[0] == 0.0f && out[1] - out[1] == 0.0f))
+            return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                    "OBJ: line %u: texture coordinate %u is not a finite float",
+                                    bvxi_source_line(&r->source, at), r->uvs + 1);
+    }
+    r->uvs++;
+    return BVX_OK;
+}
+
+/* The index that a number stands for: counted from 1, or back from the last one before it. */
+static bvx_status obj_find_index(const obj_reader *r, const char *at, const char *what, int64_t number,
+                                 uint64_t before, uint64_t total, uint32_t *index)
+{
+    int64_t const i = number < 0 ? (int64_t)before + number : number - 1;
+    if (i < 0 || (uint64_t)i >= total)
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
+                                "OBJ: line %u: the face names %s %d; there are %u, %u of them "
+                                "before it",
+                                bvxi_source_line(&r->source, at), what, number, total, before);
+    *index = (uint32_t)i;
+    return BVX_OK;
+}
+
+/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. index: of vertex and texture
+ * coordinate. */
+static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[2])
+{
+    const obj_file *const f = r->file;
+    const char *const at = *p;
+    int64_t number, other[2];
+    int have[2] = {0, 0};
+    int const good = bvxi_take_integer(p, f->end, &number);
+
+    for (int slash = 0; good && slash < 2 && *p < f->end && **p == '/'; slash++) {
+        ++*p;
+        have[slash] = bvxi_take_integer(p, f->end, &other[slash]);
+    }
+    if (!good || !obj_word_ends(f, *p))
+        return bvxi_fail_expected(&r->source, at, "a face's corner (v, v/t, v//n or v/t/n)");
+    BVXI_TRY(obj_find_index(r, at, "vertex", number, r->vertices, f->vertices, &index[0]));
+    index[1] = index[0];
+    if (f->mesh->uvs == NULL) return BVX_OK;
+    if (have[0]) BVXI_TRY(obj_find_index(r, at, "texture coordinate", other[0], r->uvs, f->uvs, &index[1]));
+    else r->piece->bare = 1;
+    r->piece->differs |= index[0] != index[1];
+    return BVX_OK;
+}
+
+/* A triangle of the fan first, previous, this corner; for vertices (0) and texture coordinates (1). */
+static inline void obj_add_triangle(obj_reader *r, const uint32_t first[2], const uint32_t previous[2],
+                                    const uint32_t corner[2])
+{
+    bvx_mesh *const mesh = r->file->mesh;
+
+    for (int k = 0; k < (mesh->uv_triangles != NULL ? 2 : 1); k++) {
+        uint32_t *const t = (k == 0 ? mesh->triangles : mesh->uv_triangles) + (size_t)r->triangles * 3;
+        t[0] = first[k];
+        t[1] = previous[k];
+        t[2] = corner[k];
+    }
+    r->triangles++;
+}
+
+static bvx_status obj_take_face(obj_reader *r, const char **p)
+{
+    const obj_file *const f = r->file;
+    const char *const at = *p;
+    uint64_t const triangle = r->triangles;
+    uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
+    uint64_t corners = 0;
+
+    for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
+        BVXI_TRY(obj_take_corner(r, p, corner));
+        if (corners == 0) memcpy(first, corner, sizeof first);
+        if (corners >= 2) obj_add_triangle(r, first, previous, corner);
+        memcpy(previous, corner, sizeof previous);
+    }
+    if (corners < 3)
+        return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT,
+                                "OBJ: line %u: a face of %u corners; it needs three",
+                                bvxi_source_line(&r->source, at), corners);
+    if (corners > 3) {
+        bvxi_polygon_fan *const fan = &f->fans[r->polygons++];
+        fan->triangle = (uint32_t)triangle;
+        fan->corners = (uint32_t)corners;
+    }
+    return BVX_OK;
+}
+
+/* Read a piece; a NULL context makes it silent. */
+static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *ctx)
+{
+    obj_piece *const piece = &f->pieces[index];
+    obj_reader r = {0};
+
+    r.file = f;
+    r.piece = piece;
+    r.source = *f->source;
+    r.source.ctx = ctx;
+    r.vertices = piece->vertices;
+    r.uvs = piece->uvs;
+    r.triangles = piece->triangles;
+    r.polygons = piece->polygons;
+    for (const char *p = piece->begin; p < piece->end;) {
+        const char *next;
+        p = obj_skip_blank(f, p);
+        switch (p < f->end ? obj_take_keyword(f, &p) : OBJ_OTHER) {
+        case OBJ_VERTEX:
+            next = obj_next_statement(f, p);
+            BVXI_TRY(obj_take_vertex(&r, p));
+            p = next;
+            break;
+        case OBJ_TEXTURE:
+            next = obj_next_statement(f, p);
+            BVXI_TRY(obj_take_uv(&r, p));
+            p = next;
+            break;
+        case OBJ_FACE:
+            BVXI_TRY(obj_take_face(&r, &p));
+            p = obj_next_line(f, p);
+            break;
+        default: p = obj_next_line(f, p); break;
+        }
+    }
+    return BVX_OK;
+}
+
+static void obj_fill_piece(void *user, int32_t index, int32_t worker)
+{
+    const obj_file *const f = user;
+    (void)worker;
+    f->pieces[index].status = obj_read_piece(f, index, NULL);
+}
+
+static bvx_status obj_fill(obj_file *f)
+{
+    BVXI_TRY(bvxi_source_pieces(f->source, 0.25, 1, f->piece_count, obj_fill_piece, f));
+    for (int32_t i = 0; i < f->piece_count; i++) /* again, for its message */
+        if (f->pieces[i].status != BVX_OK) BVXI_TRY(obj_read_piece(f, i, f->source->ctx));
+    return BVX_OK;
+}
+
+/* ---- what is left to do ---- */
+
+/* Whether the first vertex has a colour, and the first face's first corner a texture coordinate. */
+static int obj_first_has_colour(obj_file *f)
+{
+    double number[3 + 5];
+
+    for (int32_t i = 0; i < f->piece_count; i++) {
+        const char *p = f->pieces[i].vertex;
+        if (p == NULL) continue;
+        int const n = obj_take_numbers(f, &p, 8, number);
+        return n == 6 || n == 7;
+    }
+    return 0;
+}
+
+static int obj_first_has_uv(const obj_file *f)
+{
+    int64_t number;
+
+    for (int32_t i = 0; i < f->piece_count && f->uvs > 0; i++) {
+        const char *p = f->pieces[i].face;
+        if (p == NULL) continue;
+        p = obj_skip_blank(f, p);
+        return bvxi_take_integer(&p, f->end, &number) && p < f->end && *p++ == '/' &&
+               bvxi_take_integer(&p, f->end, &number);
+    }
+    return 0;
+}
+
+static bvx_status obj_make_arrays(obj_file *f)
+{
+    bvx_context *const ctx = f->source->ctx;
+
+    BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
+    BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
+    if (obj_first_has_uv(f)) {
+        BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
+        BVXI_TRY(bvxi_make_uv_triangles(ctx, f->mesh));
+    }
+    if (obj_first_has_colour(f))
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->vertices * 12, "the colours of the file", &f->colours));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, f->polygons * sizeof *f->fans, "the polygons of the file", &f->fans);
+}
+
+/* Bytes from shares of 1, or from shares of 255 when one is above 1. */
+static bvx_status obj_finish_colours(obj_file *f)
+{
+    bvx_mesh *const mesh = f->mesh;
+    double whole = 1;
+
+    for (int32_t i = 0; i < f->piece_count; i++)
+        if (f->pieces[i].pale) return BVX_OK;
+    BVXI_TRY(bvxi_make_colours(f->source->ctx, mesh));
+    for (uint64_t i = 0; i < f->vertices * 3; i++)
+        if (f->colours[i] > 1.0f) whole = 255;
+    for (size_t v = 0; v < (size_t)f->vertices; v++) {
+        for (size_t c = 0; c < 3; c++)
+            mesh->colours[v * 4 + c] = bvxi_colour_byte((double)f->colours[v * 3 + c] / whole);
+        mesh->colours[v * 4 + 3] = 255;
+    }
+    return BVX_OK;
+}
+
+/* Texture coordinates stay when all corners have one; without numbers when these are the vertices'. */
+static void obj_finish_uvs(obj_file *f)
+{
+    bvx_context *const ctx = f->source->ctx;
+    int bare = 0, differs = f->uvs != f->vertices;
+
+    for (int32_t i = 0; i < f->piece_count; i++) {
+        bare |= f->pieces[i].bare;
+        differs |= f->pieces[i].differs;
+    }
+    if (bare) {
+        bvxi_drop_uvs(ctx, f->mesh);
+    } else if (!differs) {
+        bvxi_free(ctx, f->mesh->uv_triangles, f->mesh->triangle_capacity * 12);
+        f->mesh->uv_triangles = NULL;
+    }
+}
+
+static bvx_status obj_read(obj_file *f)
+{
+    BVXI_TRY(bvxi_obj_count(f));
+    BVXI_TRY(obj_make_arrays(f));
+    BVXI_TRY(obj_fill(f));
+    if (f->triangles == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
+    obj_finish_uvs(f);
+    if (f->colours != NULL) BVXI_TRY(obj_finish_colours(f));
+    return bvxi_cut_fans(f->source, f->mesh, f->fans, f->polygons);
+}
+
+bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
+{
+    bvx_context *const ctx = source->ctx;
+    obj_file f = {0};
+    bvx_status status;
+
+    f.source = source;
+    f.mesh = mesh;
+    f.end = source->end;
+    f.line_end = bvxi_find_byte(source->begin, source->end, '\n') == source->end &&
+                         bvxi_find_byte(source->begin, source->end, '\r') != source->end
+                     ? '\r'
+                     : '\n';
+    status = obj_read(&f);
+    bvxi_free(ctx, f.fans, f.polygons * sizeof *f.fans);
+    bvxi_free(ctx, f.colours, f.vertices * 12);
+    bvxi_free(ctx, f.pieces, (uint64_t)f.piece_count * sizeof *f.pieces);
+    return status;
+}

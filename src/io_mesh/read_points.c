@@ -1,0 +1,146 @@
+/* read_points.c - clouds of points from the bytes of a file: XYZ text here, PLY by its reader:
+ * bvx_read_points.
+ *
+ * A text is gone through twice: lines with points are counted, then read into exact room. */
+#include "io_mesh/mesh_formats.h"
+
+static const char read_points_name[] = "bvx_read_points";
+
+/* ---- Lines ---- */
+
+static inline int xyz_line_ends(const char *p, const char *end)
+{
+    return p == end || *p == '\n' || *p == '\r';
+}
+
+static inline int xyz_is_gap(char c)
+{
+    return c == ' ' || c == '\t' || c == ',' || c == ';' || c == '\v' || c == '\f';
+}
+
+static inline const char *xyz_skip_gap(const char *p, const char *end)
+{
+    while (p < end && xyz_is_gap(*p)) p++;
+    return p;
+}
+
+static const char *xyz_line_end(const char *p, const char *end)
+{
+    while (!xyz_line_ends(p, end)) p++;
+    return p;
+}
+
+/* The first word of the next line that is no comment, or the end. */
+static const char *xyz_next_line(const char *p, const char *end)
+{
+    for (;;) {
+        while (p < end && (xyz_is_gap(*p) || *p == '\n' || *p == '\r')) p++;
+        if (p == end) return end;
+        if (*p != '#' && *p != '%' && !(*p == '/' && end - p > 1 && p[1] == '/')) return p;
+        p = xyz_line_end(p, end);
+    }
+}
+
+/* A number that a gap or the line's end follows; 0 when there is none. */
+static int xyz_take_number(const char **p, const char *end, double *value)
+{
+    size_t const n = bvxi_parse_double(*p, end, value);
+    const char *const behind = *p + n;
+    if (n == 0 || !(xyz_line_ends(behind, end) || xyz_is_gap(*behind))) return 0;
+    *p = xyz_skip_gap(behind, end);
+    return 1;
+}
+
+/* Names of columns, or a count, may stand in the first line. */
+static const char *xyz_skip_head(const char *p, const char *end)
+{
+    const char *at = p;
+    double unused;
+    if (!xyz_take_number(&at, end, &unused) || xyz_line_ends(at, end))
+        return xyz_next_line(xyz_line_end(p, end), end);
+    return p;
+}
+
+/* ---- Points ---- */
+
+static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i, double to[3])
+{
+    const char *const line = p;
+
+    for (int32_t a = 0; a < 3; a++) {
+        if (!xyz_take_number(&p, s->end, &to[a])) return bvxi_fail_expected(s, p, "a coordinate");
+        if (!(to[a] - to[a] == 0.0))
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: line %u: point %i has a coordinate that is not finite", s->format,
+                                 bvxi_source_line(s, line), i);
+    }
+    return BVX_OK;
+}
+
+static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
+{
+    const char *const first = xyz_skip_head(xyz_next_line(bvxi_skip_mark(s->begin, s->end), s->end), s->end);
+    uint64_t count = 0, i = 0;
+
+    for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end)) {
+        BVXI_TRY(bvxi_source_at(s, p));
+        count++;
+    }
+    if (count == 0) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the file holds no points", s->format);
+    if (count > UINT32_MAX)
+        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: %u points, the limit is below 2^32", s->format, count);
+    BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
+    bvxi_source_pass(s, 0.3, 1);
+    for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
+        BVXI_TRY(bvxi_source_at(s, p));
+        BVXI_TRY(xyz_take_point(s, p, i, (double *)points->positions + 3 * (size_t)i));
+    }
+    return BVX_OK;
+}
+
+static bvx_status read_points_as(bvxi_source *source, int32_t format, bvx_mesh *points)
+{
+    source->format = format == BVX_FORMAT_XYZ ? "XYZ" : "PLY";
+    if (source->begin == source->end)
+        return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    bvxi_source_pass(source, 0, format == BVX_FORMAT_XYZ ? 0.3 : 1);
+    return format == BVX_FORMAT_XYZ ? read_xyz(source, points) : bvxi_read_ply_points(source, points);
+}
+
+static bvx_status run_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                  bvx_mesh *points)
+{
+    bvxi_source source = {0};
+    bvx_mesh made = {0};
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
+    if (bytes == NULL) return bvxi_fail_null(context, read_points_name, "bytes");
+    if (size > SIZE_MAX / 2)
+        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold",
+                         read_points_name, size);
+    if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
+        return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format,
+                                BVX_POINTS_READ);
+    if (points->owned != 1 && !bvxi_mesh_is_empty(points))
+        return bvxi_fail(context, BVX_ERR_ARGUMENT,
+                         "%s: points brings arrays, which are not used; zero it first", read_points_name);
+    source.ctx = context;
+    source.begin = bytes;
+    source.end = source.begin + (size_t)size;
+    status = read_points_as(&source, format, &made);
+    if (status != BVX_OK) {
+        bvx_mesh_free(context, &made);
+        return status;
+    }
+    bvx_mesh_free(context, points);
+    *points = made;
+    return BVX_OK;
+}
+
+bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                           bvx_mesh *points)
+{
+    return BVXI_CALL(context, run_read_points(context, bytes, size, format, points));
+}

@@ -1,0 +1,122 @@
+/* rounding.c - what the numbers of a file leave of a mesh.
+ *
+ * STL and GLB hold 32-bit floats. Coordinates of a map projection are some millions, and the floats there lie
+ * half a unit apart: a mesh of finer triangles becomes a heap of points that are equal, with no word of it in
+ * the file. So what rounding does is measured before such a file is written: how far it moves a coordinate,
+ * beside the mean length of edges, and how many triangles lose their area or are turned over. */
+#include "io_mesh/rounding.h"
+#include "mesh/view.h"
+
+#include <math.h>
+
+#define ROUNDING_SHARE 16.0 /* of a mean edge that a coordinate may move by: triangles turn by some degrees */
+
+enum { ROUNDING_SPOILT = 20 }; /* one triangle in so many may be spoilt: slivers are so in any mesh */
+
+int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format)
+{
+    return (format == BVX_FORMAT_STL || format == BVX_FORMAT_GLB) && !bvxi_writes_f32(mesh);
+}
+
+bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                              double centre[3])
+{
+    double low[3], high[3];
+    double world_low[3] = {0.0, 0.0, 0.0}, world_high[3] = {0.0, 0.0, 0.0};
+
+    for (uint64_t l = 0; l < level_count; l++) {
+        const bvx_mesh *const mesh = &levels[l];
+        bvx_mesh_view view;
+        bvx_mesh_view_of(mesh, &view);
+        BVXI_TRY(bvxi_view_bounds(ctx, "GLB", &view, low, high));
+        for (int a = 0; a < 3; a++) {
+            double const from = low[a] + mesh->frame[a], to = high[a] + mesh->frame[a];
+            if (l == 0 || from < world_low[a]) world_low[a] = from;
+            if (l == 0 || to > world_high[a]) world_high[a] = to;
+        }
+    }
+
+    for (int a = 0; a < 3; a++) centre[a] = world_low[a] * 0.5 + world_high[a] * 0.5;
+    return BVX_OK;
+}
+
+/* ---- measure ---- */
+
+/* Normal of a triangle, its length twice the area. */
+static void rounding_normal(const double c[3][3], double n[3])
+{
+    double u[3], v[3];
+    for (int a = 0; a < 3; a++) {
+        u[a] = c[1][a] - c[0][a];
+        v[a] = c[2][a] - c[0][a];
+    }
+    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+}
+
+/* 1 when a triangle with an area has none after rounding, or looks the other way. */
+static int rounding_spoils(const double exact[3][3], const double rounded[3][3])
+{
+    double n[3], r[3];
+    rounding_normal(exact, n);
+    if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) return 0;
+    rounding_normal(rounded, r);
+    return !(n[0] * r[0] + n[1] * r[1] + n[2] * r[2] > 0.0);
+}
+
+static double rounding_edges(const double c[3][3])
+{
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double *const p = c[k], *const q = c[(k + 1) % 3];
+        double const d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+        sum += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    }
+    return sum;
+}
+
+void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_rounding *r)
+{
+    double exact[3][3], rounded[3][3], edges = 0.0;
+
+    memset(r, 0, sizeof *r);
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        for (int k = 0; k < 3; k++) {
+            bvxi_world_position(mesh, mesh->triangles[(size_t)t * 3 + (size_t)k], exact[k]);
+            bvxi_round_position(centre, exact[k], rounded[k]);
+            for (int a = 0; a < 3; a++) {
+                double const move = rounded[k][a] > exact[k][a] ? rounded[k][a] - exact[k][a]
+                                                                : exact[k][a] - rounded[k][a];
+                if (!(move - move == 0.0)) return;
+                if (move > r->largest_move) r->largest_move = move;
+            }
+        }
+        edges += rounding_edges((const double(*)[3])exact);
+        r->spoilt += (uint64_t)rounding_spoils((const double(*)[3])exact, (const double(*)[3])rounded);
+    }
+
+    r->mean_edge = edges / ((double)mesh->triangle_count * 3.0);
+    r->finite = 1;
+}
+
+int bvxi_rounding_fits(const bvxi_rounding *r, uint64_t triangles)
+{
+    return r->largest_move * ROUNDING_SHARE <= r->mean_edge && r->spoilt <= triangles / ROUNDING_SPOILT;
+}
+
+bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
+                                const double centre[3])
+{
+    bvxi_rounding r;
+
+    if (!bvxi_is_rounded(mesh, format)) return BVX_OK;
+    bvxi_measure_rounding(mesh, centre, &r);
+    /* its writer says which vertex is too far */
+    if (!r.finite || bvxi_rounding_fits(&r, mesh->triangle_count)) return BVX_OK;
+    return bvxi_fail(
+        ctx, BVX_ERR_RANGE,
+        "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of %u "
+        "triangles would lose their area or be turned over; take %s, or bring the mesh near the origin by "
+        "mesh.frame",
+        name, r.largest_move, r.mean_edge, r.spoilt, mesh->triangle_count,
+        format == BVX_FORMAT_STL ? "PLY, OBJ, OFF or GLB" : "PLY, OBJ or OFF");
+}

@@ -1,0 +1,239 @@
+/* write_glb.c - a mesh to binary glTF 2.0, or several levels of detail to one such file.
+ *
+ * Source: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022).
+ * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far
+ * from the origin keeps its shape. Levels share one centre, since some readers swap meshes below one node;
+ * the arrays of a level follow those of the one before it. World axes are kept; a node turns z up into y up
+ * (glb_json.c). Normals are smooth, over seams of the texture too. Colours become linear light with 16 bits;
+ * the texture's v runs down in glTF, so it is turned over. Indices have 16 bits where they suffice: half the
+ * size, and all that older graphics interfaces draw. */
+#include "io/file_parts.h"
+#include "io_mesh/glb.h"
+#include "io_mesh/glb_colours.h"
+#include "io_mesh/rounding.h"
+#include "mesh/normals.h"
+#include "mesh/view.h"
+
+#define GLB_PREPARED 0.5 /* share of the work before the first byte is written */
+
+enum { GLB_PARTS = BVXI_GLB_ARRAYS + 1 }; /* of a level: its arrays and the padding after them */
+/* the file's head with that of its first chunk; the head of the second */
+enum { GLB_HEAD = 20, GLB_CHUNK = 8 };
+
+/* ---- what is written ---- */
+
+static size_t glb_source(const bvxi_glb *glb, uint64_t vertex)
+{
+    return glb->seams.vertex != NULL ? glb->seams.vertex[vertex] : (size_t)vertex;
+}
+
+static void glb_position(const bvxi_glb *glb, uint64_t vertex, double p[3])
+{
+    bvxi_world_position(glb->mesh, glb_source(glb, vertex), p);
+    for (int a = 0; a < 3; a++) p[a] -= glb->centre[a];
+}
+
+static uint8_t *glb_put_positions(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    double p[3];
+    for (uint64_t v = begin; v < end; v++) {
+        glb_position(user, v, p);
+        for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, (float)p[a]);
+    }
+    return at;
+}
+
+static uint8_t *glb_put_normals(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    const bvxi_glb *const glb = user;
+    float n[3];
+    for (uint64_t v = begin; v < end; v++) {
+        bvxi_unit_normal(glb->normal + glb_source(glb, v) * 3, n);
+        for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, n[a]);
+    }
+    return at;
+}
+
+static uint8_t *glb_put_colours(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    const bvxi_glb *const glb = user;
+    for (uint64_t v = begin; v < end; v++, at += 8) {
+        const uint8_t *const colour = glb->mesh->colours + glb_source(glb, v) * 4;
+        for (int c = 0; c < 3; c++) bvxi_store_u16(at + 2 * c, glb_linear_light[colour[c]]);
+        bvxi_store_u16(at + 6, (uint16_t)(colour[3] * 257));
+    }
+    return at;
+}
+
+static uint8_t *glb_put_uvs(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    const bvxi_glb *const glb = user;
+    for (uint64_t v = begin; v < end; v++, at += 8) {
+        size_t const i = glb->seams.uv != NULL ? glb->seams.uv[v] : (size_t)v;
+        bvxi_store_f32(at, glb->mesh->uvs[2 * i]);
+        bvxi_store_f32(at + 4, (float)(1.0 - (double)glb->mesh->uvs[2 * i + 1]));
+    }
+    return at;
+}
+
+static uint8_t *glb_put_indices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    const bvxi_glb *const glb = user;
+    const uint32_t *const index = glb->seams.triangles != NULL ? glb->seams.triangles : glb->mesh->triangles;
+    if (glb->size[BVXI_GLB_INDEX] == 2)
+        for (size_t i = (size_t)begin; i < end; i++, at += 2) bvxi_store_u16(at, (uint16_t)index[i]);
+    else
+        for (size_t i = (size_t)begin; i < end; i++, at += 4) bvxi_store_u32(at, index[i]);
+    return at;
+}
+
+static uint8_t *glb_put_padding(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    (void)user;
+    memset(at, 0, (size_t)(end - begin));
+    return at + (end - begin);
+}
+
+/* ---- the file ---- */
+
+static uint64_t glb_binary(const bvxi_glb_file *glb)
+{
+    return bvxi_glb_padded(glb->level[glb->levels - 1].end);
+}
+
+static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *file)
+{
+    uint8_t *const p = file->bytes;
+    bvxi_output out = {0};
+    uint64_t const padded = bvxi_glb_padded(json);
+
+    memcpy(p, "glTF", 4);
+    bvxi_store_u32(p + 4, 2);
+    bvxi_store_u32(p + 8, (uint32_t)file->size);
+    bvxi_store_u32(p + 12, (uint32_t)padded);
+    memcpy(p + 16, "JSON", 4);
+
+    out.bytes = p + GLB_HEAD;
+    bvxi_glb_put_json(glb, &out);
+    memset(p + GLB_HEAD + json, ' ', (size_t)(padded - json));
+
+    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)glb_binary(glb));
+    memcpy(p + GLB_HEAD + padded + 4, "BIN", 4); /* with its zero */
+}
+
+/* part [Size: levels * GLB_PARTS] */
+static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
+{
+    static const bvxi_file_part parts[GLB_PARTS] = {{.put = glb_put_positions}, {.put = glb_put_normals},
+                                                    {.put = glb_put_colours},   {.put = glb_put_uvs},
+                                                    {.put = glb_put_indices},   {.put = glb_put_padding}};
+
+    for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
+        const bvxi_glb *const level = &glb->level[l];
+        memcpy(part, parts, sizeof parts);
+        for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
+            part[i].count = level->count[i];
+            part[i].most = level->size[i];
+            part[i].user = level;
+        }
+        part[BVXI_GLB_ARRAYS].count = bvxi_glb_padded(level->end) - level->end;
+        part[BVXI_GLB_ARRAYS].most = 1;
+    }
+}
+
+static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_buffer *file)
+{
+    uint64_t const parts = glb->levels * GLB_PARTS;
+    bvxi_output json = {0};
+    bvxi_file_part *part;
+    uint64_t head;
+    bvx_status status;
+
+    bvxi_glb_put_json(glb, &json);
+    head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
+    BVXI_TRY(bvxi_glb_check_size(ctx, head + glb_binary(glb), glb->levels));
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
+    glb_list_parts(glb, part);
+    status = bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file);
+    bvxi_free(ctx, part, parts * sizeof *part);
+    if (status == BVX_OK) glb_put_head(glb, json.size, file);
+    return status;
+}
+
+/* ---- what is known before the first byte ---- */
+
+/* Bounds of the positions as they are written; all must be floats. */
+static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *glb)
+{
+    double p[3];
+
+    for (uint64_t v = 0; v < glb->vertices; v++) {
+        glb_position(glb, v, p);
+        for (int a = 0; a < 3; a++) {
+            float const f = (float)p[a];
+            if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
+                return bvxi_fail(
+                    ctx, BVX_ERR_RANGE,
+                    "%s: vertex %i is %g from the middle of the mesh, too far for the format's 32-bit "
+                    "floats; take PLY or OBJ",
+                    name, (uint64_t)glb_source(glb, v), p[a]);
+            if (v == 0 || f < glb->low[a]) glb->low[a] = f;
+            if (v == 0 || f > glb->high[a]) glb->high[a] = f;
+        }
+    }
+    return BVX_OK;
+}
+
+static bvx_status glb_find_centre(bvx_context *ctx, const bvx_mesh *levels, const bvxi_glb_file *glb)
+{
+    double centre[3];
+    BVXI_TRY(bvxi_common_centre(ctx, levels, glb->levels, centre));
+    for (uint64_t l = 0; l < glb->levels; l++) memcpy(glb->level[l].centre, centre, sizeof centre);
+    return BVX_OK;
+}
+
+static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uint64_t l)
+{
+    bvxi_glb *const level = &glb->level[l];
+    const bvx_mesh *const mesh = level->mesh;
+    uint64_t const begin = l > 0 ? bvxi_glb_padded(level[-1].end) : 0;
+    char name[BVXI_LEVEL_NAME] = "GLB";
+    bvx_mesh_view view;
+
+    if (glb->levels > 1) bvxi_level_name("GLB", l, name);
+
+    /* Also keeps the corners below 2^32, as splitting needs it. */
+    BVXI_TRY(bvxi_glb_check_size(ctx, begin + mesh->triangle_count * 6, glb->levels));
+    if (mesh->uv_triangles != NULL) BVXI_TRY(bvxi_split_seams(ctx, mesh, &level->seams));
+    level->vertices = mesh->uv_triangles != NULL ? level->seams.count : mesh->vertex_count;
+    bvxi_glb_layout(level, begin);
+    BVXI_TRY(bvxi_glb_check_size(ctx, level->end, glb->levels));
+
+    BVXI_TRY(bvxi_progress(ctx, "write", ((double)l + 0.6) / (double)glb->levels * GLB_PREPARED));
+    BVXI_TRY(glb_find_bounds(ctx, name, level));
+    bvx_mesh_view_of(mesh, &view);
+    return bvxi_sum_normals(ctx, &view, 1.0, &level->normal);
+}
+
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file)
+{
+    bvxi_glb_file glb = {NULL, level_count};
+    uint64_t const bytes = level_count * sizeof *glb.level;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
+    for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
+
+    status = glb_find_centre(ctx, levels, &glb);
+    for (uint64_t l = 0; l < level_count && status == BVX_OK; l++) status = glb_plan_level(ctx, &glb, l);
+    if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
+
+    for (uint64_t l = level_count; l-- > 0;) {
+        bvxi_free(ctx, glb.level[l].normal, levels[l].vertex_count * BVXI_NORMAL_SUM);
+        bvxi_free_seams(ctx, &levels[l], &glb.level[l].seams);
+    }
+    bvxi_free(ctx, glb.level, bytes);
+    return status;
+}

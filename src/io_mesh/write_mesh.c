@@ -1,0 +1,382 @@
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file:
+ * checks around the writers, what they share. */
+#include "io_mesh/mesh_formats.h"
+#include "io_mesh/rounding.h"
+#include "mesh/mesh.h"
+#include "mesh/normals.h"
+#include "mesh/scale.h"
+#include "mesh/view.h"
+#include "mesh/weld.h"
+
+enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
+
+/* All positions are finite; they must be so with the frame added. */
+static bvx_status check_written_positions(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    double p[3];
+
+    if (mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0) return BVX_OK;
+    for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        bvxi_world_position(mesh, v, p);
+        for (int a = 0; a < 3; a++)
+            if (!(p[a] - p[a] == 0.0))
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: vertex %i is not finite when mesh.frame is added", function, v);
+    }
+    return BVX_OK;
+}
+
+static bvx_status check_written_uvs(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    if (mesh->uvs == NULL) {
+        if (mesh->uv_triangles != NULL || mesh->uv_count != 0)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uvs is NULL beside %s", function,
+                             mesh->uv_triangles != NULL ? "uv_triangles" : "a uv_count above 0");
+        return BVX_OK;
+    }
+    if (mesh->uv_count > UINT32_MAX)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.uv_count is %u, the limit is below 2^32", function,
+                         mesh->uv_count);
+    if (mesh->uv_triangles == NULL && mesh->uv_count < mesh->vertex_count)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL", function,
+                         mesh->uv_count, mesh->vertex_count);
+    if (mesh->uv_triangles != NULL)
+        for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
+            if (mesh->uv_triangles[i] >= mesh->uv_count)
+                return bvxi_fail(ctx, BVX_ERR_RANGE,
+                                 "%s: triangle %i has texture coordinate number %u, there are %u", function,
+                                 (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i], mesh->uv_count);
+    for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
+        if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: texture coordinate %i is not finite", function, (uint64_t)(i / 2));
+    return BVX_OK;
+}
+
+static bvx_status check_written_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
+{
+    bvx_mesh_view view;
+    double low[3], high[3];
+
+    BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
+    if (mesh->triangle_count != 0 && mesh->triangles == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL", function);
+    if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && mesh->vertex_count != 0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                         (int64_t)mesh->position_type);
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvxi_view_check(ctx, function, &view));
+    BVXI_TRY(bvxi_view_bounds(ctx, function, &view, low, high));
+    BVXI_TRY(check_written_positions(ctx, function, mesh));
+    return check_written_uvs(ctx, function, mesh);
+}
+
+/* ---- normals ---- */
+
+typedef bvx_status normals_writer(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
+
+static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, normals_writer *write,
+                                     bvx_buffer *file)
+{
+    bvx_mesh_view view;
+    double low[3], high[3], *sum;
+    bvxi_written what = {mesh, NULL};
+    bvx_status status;
+
+    /* Text and doubles hold coordinates whose products leave the range of doubles. */
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh_with", &view, low, high));
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
+
+    what.normal = sum;
+    status = write(ctx, &what, file);
+    bvxi_free(ctx, sum, mesh->vertex_count * BVXI_NORMAL_SUM);
+    return status;
+}
+
+/* ---- rounding ---- */
+
+/* What positions are relative to in a file of the format. */
+static bvx_status file_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                              double centre[3])
+{
+    memset(centre, 0, 3 * sizeof *centre);
+    return format == BVX_FORMAT_GLB ? bvxi_common_centre(ctx, levels, level_count, centre) : BVX_OK;
+}
+
+static bvx_status check_rounding(bvx_context *ctx, const char *function, const bvx_mesh *mesh, int32_t format)
+{
+    double centre[3];
+    BVXI_TRY(file_centre(ctx, mesh, 1, format, centre));
+    return bvxi_refuse_rounding(ctx, function, mesh, format, centre);
+}
+
+/* ---- one mesh ---- */
+
+static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int32_t format, int32_t normals)
+{
+    switch (format) {
+    case BVX_FORMAT_OBJ:
+    case BVX_FORMAT_PLY:
+    case BVX_FORMAT_GLB: return BVX_OK;
+    case BVX_FORMAT_STL:
+    case BVX_FORMAT_OFF:
+        if (!normals) return BVX_OK;
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
+                         format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
+                                                  : "OFF is written without normals");
+    default: return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
+    }
+}
+
+/* The format is one of those that hold a mesh. GLB always has normals. */
+static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t format, int32_t normals,
+                               bvx_buffer *file)
+{
+    normals_writer *const write = format == BVX_FORMAT_OBJ ? bvxi_write_obj : bvxi_write_ply;
+    bvxi_written const plain = {mesh, NULL};
+
+    switch (format) {
+    case BVX_FORMAT_STL: return bvxi_write_stl(ctx, mesh, file);
+    case BVX_FORMAT_OFF: return bvxi_write_off(ctx, mesh, file);
+    case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, mesh, 1, file);
+    default: return normals ? write_with_normals(ctx, mesh, write, file) : write(ctx, &plain, file);
+    }
+}
+
+static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
+                             const bvx_write_options *o, int32_t format, bvx_buffer *file)
+{
+    bvx_buffer made = {0};
+
+    if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
+    BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
+    BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(check_written_mesh(ctx, function, mesh));
+    if (o->rounding == BVX_ROUNDING_REFUSE) BVXI_TRY(check_rounding(ctx, function, mesh, format));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0, write_format(ctx, mesh, format, o->normals, &made)));
+    *file = made;
+    return BVX_OK;
+}
+
+static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+{
+    bvx_write_options const defaults = {.struct_size = sizeof defaults};
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    return write_mesh(context, "bvx_write_mesh", mesh, &defaults, format, file);
+}
+
+bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_mesh(context, mesh, format, file));
+}
+
+void bvx_write_options_init(bvx_write_options *options, size_t size)
+{
+    static const bvx_write_options defaults = {.struct_size = 0};
+    bvxi_give_options(options, size, &defaults, sizeof defaults);
+}
+
+static const bvxi_option write_rows[] = {
+    BVXI_SWITCH(bvx_write_options, normals),
+    BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
+};
+
+static bvx_status run_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
+                                      const bvx_write_options *options, int32_t format, bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_mesh_with";
+    bvx_write_options o = {.struct_size = sizeof o};
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
+    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(write_rows)));
+    return write_mesh(context, function, mesh, &o, format, file);
+}
+
+bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
+                               int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_mesh_with(context, mesh, options, format, file));
+}
+
+/* ---- what a file holds ---- */
+
+/* The positions that readers get, where they are not simply those of the mesh. */
+static void put_file_positions(const bvx_mesh *mesh, int rounded, const double centre[3], double *positions)
+{
+    double p[3];
+    for (uint64_t v = 0; v < mesh->vertex_count; v++, positions += 3) {
+        bvxi_world_position(mesh, v, p);
+        if (rounded) bvxi_round_position(centre, p, positions);
+        else memcpy(positions, p, sizeof p);
+    }
+}
+
+static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
+{
+    uint32_t *representative;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
+                        "the vertices' positions", &representative));
+    status = bvxi_weld(ctx, view, representative, different);
+    bvxi_free(ctx, representative, view->vertex_count * sizeof *representative);
+    return status;
+}
+
+static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file,
+                                  int32_t format, int rounded, bvx_write_report *report)
+{
+    uint64_t before = 0, after = 0;
+
+    if (rounded) {
+        BVXI_TRY(bvxi_progress(ctx, "check", 0.1));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, count_positions(ctx, mesh, &before)));
+        BVXI_TRY(bvxi_progress(ctx, "check", 0.3));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, count_positions(ctx, file, &after)));
+    }
+    report->merged = before - after;
+    return BVXI_SHARE(ctx, rounded ? 0.5 : 0.0, 1.0,
+                      bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file));
+}
+
+static bvx_status check_written_file(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
+                                     const double centre[3], bvx_write_report *report)
+{
+    int const rounded = bvxi_is_rounded(mesh, format);
+    uint64_t const bytes = mesh->vertex_count * 3 * sizeof(double);
+    bvxi_rounding rounding = {0};
+    bvx_mesh_view view, file;
+    double *positions = NULL;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
+    bvx_mesh_view_of(mesh, &view);
+    file = view;
+    report->fits = 1;
+
+    if (rounded) {
+        bvxi_measure_rounding(mesh, centre, &rounding);
+        if (!rounding.finite)
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: the mesh has coordinates too large for the format's 32-bit floats; "
+                             "take PLY or OBJ",
+                             name);
+        report->fits = bvxi_rounding_fits(&rounding, mesh->triangle_count);
+        report->largest_move = rounding.largest_move;
+        report->mean_edge = rounding.mean_edge;
+        report->spoilt = rounding.spoilt;
+    }
+
+    if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
+        put_file_positions(mesh, rounded, centre, positions);
+        file.positions = positions;
+        file.position_type = BVX_F64;
+        file.position_stride = 0;
+    }
+    status = check_file_view(ctx, &view, &file, format, rounded, report);
+    bvxi_free(ctx, positions, bytes);
+    return status;
+}
+
+/* What messages about one of several meshes begin with. */
+static const char *level_name(const char *function, uint64_t level, uint64_t level_count,
+                              char text[BVXI_LEVEL_NAME])
+{
+    if (level_count == 1) return function;
+    bvxi_level_name(function, level, text);
+    return text;
+}
+
+static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels,
+                               uint64_t level_count)
+{
+    char name[BVXI_LEVEL_NAME];
+
+    if (level_count == 0 || level_count > WRITTEN_LEVELS)
+        return bvxi_fail(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
+                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                         (uint64_t)WRITTEN_LEVELS);
+    for (uint64_t l = 0; l < level_count; l++) {
+        bvxi_level_name(function, l, name);
+        BVXI_TRY(check_written_mesh(ctx, name, &levels[l]));
+    }
+    return BVX_OK;
+}
+
+static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                    int32_t format, bvx_write_report *reports)
+{
+    static const char *const function = "bvx_check_written";
+    char name[BVXI_LEVEL_NAME];
+    double centre[3];
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, function, "levels");
+    if (reports == NULL) return bvxi_fail_null(context, function, "reports");
+    BVXI_TRY(check_mesh_format(context, function, format, 0));
+    BVXI_TRY(check_levels(context, function, levels, level_count));
+    BVXI_TRY(file_centre(context, levels, level_count, format, centre));
+
+    for (uint64_t l = 0; l < level_count; l++) {
+        memset(&reports[l], 0, sizeof reports[l]);
+        BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
+                            check_written_file(context, level_name(function, l, level_count, name),
+                                               &levels[l], format, centre, &reports[l])));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                             int32_t format, bvx_write_report *reports)
+{
+    return BVXI_CALL(context, run_check_written(context, levels, level_count, format, reports));
+}
+
+/* ---- levels of detail ---- */
+
+static bvx_status check_level_rounding(bvx_context *ctx, const char *function, const bvx_mesh *levels,
+                                       uint64_t level_count, int32_t format)
+{
+    char name[BVXI_LEVEL_NAME];
+    double centre[3];
+
+    BVXI_TRY(file_centre(ctx, levels, level_count, format, centre));
+    for (uint64_t l = 0; l < level_count; l++)
+        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format,
+                                      centre));
+    return BVX_OK;
+}
+
+static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                   int32_t format, bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_levels";
+    bvx_buffer made = {0};
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (levels == NULL) return bvxi_fail_null(context, function, "levels");
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
+    if (format != BVX_FORMAT_GLB)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
+                         "%s: format %d does not hold levels; write one file a level, or take GLB", function,
+                         (int64_t)format);
+
+    BVXI_TRY(check_levels(context, function, levels, level_count));
+    BVXI_TRY(check_level_rounding(context, function, levels, level_count, format));
+    BVXI_TRY(BVXI_SHARE(context, 0.4, 1.0, bvxi_write_glb(context, levels, level_count, &made)));
+    *file = made;
+    return BVX_OK;
+}
+
+bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                            int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_levels(context, levels, level_count, format, file));
+}

@@ -1,0 +1,110 @@
+/* solid_rounds.c - chunks of triangles find their crossings with rows, tiles of rows take them: in rounds, as many as the
+ * memory for crossings asks for. */
+#include "solid/solid.h"
+
+/* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
+static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code, int mode, uint64_t *sum)
+{
+    int32_t const j = (int32_t)(at & 0xffff), k = (int32_t)(at >> 16);
+    uint64_t const row = bvxi_block_row(job, j, k);
+
+    if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
+        int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
+        if (x < job->grid->size[0]) {
+            int32_t const bit = x < 0 ? 0 : x;
+            bvxi_block_words(job, j, k)[bit >> 6] ^= UINT64_C(1) << (bit & 63);
+            if (mode == BVXI_TOGGLE_SUMMED) {
+                uint64_t const step = bvxi_step_sum(bvxi_window_row(job, j, k), bit);
+                *sum += (code & 1) != 0 ? 0 - step : step;
+            }
+        } else {
+            job->beyond[row] ^= 1;
+        }
+    } else if (mode == BVXI_HIGHEST) {
+        int32_t *const highest = job->highest + bvxi_window_row(job, j, k);
+        int32_t const x = bvxi_floor_shift(code, 1);
+        if (x > *highest) *highest = x;
+    } else if (job->listed == NULL || job->listed[row]) {
+        if (mode == BVXI_FILL_LIST) job->lists.crossing[job->lists.row_end[row]] = code;
+        job->lists.row_end[row]++;
+    }
+}
+
+typedef struct tile_sink {
+    bvxi_solid_job *job;
+    int32_t tile;
+    uint64_t sum;
+} tile_sink;
+
+static void take_large(void *user, uint32_t row, int32_t code)
+{
+    tile_sink *const sink = user;
+    if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST)
+        sink->job->crossings[sink->tile]++;
+    take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
+}
+
+static void take_tile(void *user, int32_t tile, int32_t worker)
+{
+    bvxi_solid_job *const job = user;
+    bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
+    tile_sink sink = {job, tile, 0};
+
+    (void)worker;
+    for (int32_t c = 0; c < job->chunks; c++) {
+        const bvxi_chunk *const chunk = job->chunk + c;
+        uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
+        const bvxi_crossing *const x = chunk->sorted;
+        if (job->mode == BVXI_TOGGLE) {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
+            job->crossings[tile] += end - begin;
+        } else if (job->mode == BVXI_TOGGLE_SUMMED) {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
+            job->crossings[tile] += end - begin;
+        } else {
+            for (uint32_t i = begin; i < end; i++)
+                take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
+            if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
+        }
+        for (uint32_t i = 0; i < chunk->large_count; i++)
+            bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
+    }
+    job->tile_sums[tile][0] += sink.sum;
+}
+
+bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
+{
+    uint64_t const all = job->view->triangle_count;
+    uint64_t left = all;
+
+    job->mode = mode;
+    job->rounds = 0;
+    for (int32_t c = 0; c < job->chunks; c++) {
+        bvxi_piece(all, job->chunks, c, &job->chunk[c].next, &job->chunk[c].end);
+        job->chunk[c].bad = UINT64_MAX;
+        job->chunk[c].used = 0;
+    }
+    while (left > 0) {
+        double const at = bvxi_solid_progress(job, from + (to - from) * (1.0 - (double)left / (double)all));
+        BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->chunks, bvxi_find_crossings, job));
+        left = 0;
+        job->rounds++;
+        for (int32_t c = 0; c < job->chunks; c++) {
+            if (job->chunk[c].bad != UINT64_MAX)
+                return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
+            left += job->chunk[c].end - job->chunk[c].next;
+        }
+        BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->tiles.count, take_tile, job));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
+{
+    if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
+    job->mode = mode;
+    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                         job->tiles.count, take_tile, job);
+}

@@ -1,0 +1,97 @@
+/* extract_faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces, bvx_faces_count. */
+#include "surface/faces.h"
+#include "surface/march.h"
+#include "mesh/mesh.h"
+
+enum { FACE_GRAIN = 64 };
+
+static const bvx_faces_options faces_defaults = {0, BVX_F32, 0, 0, 0};
+
+void bvx_faces_options_init(bvx_faces_options *options, size_t size)
+{
+    bvxi_give_options(options, size, &faces_defaults, sizeof faces_defaults);
+}
+
+static const bvxi_option faces_rows[] = {
+    BVXI_CHOICE(bvx_faces_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_faces_options, local_frame),
+    BVXI_SWITCH(bvx_faces_options, merged),
+    BVXI_RESERVED(bvx_faces_options, reserved),
+};
+
+static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
+                              const bvx_faces_options *given)
+{
+    const bvx_faces_options *const o = &f->options;
+
+    BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
+    BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
+    BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
+    BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
+    f->grid = grid;
+    for (int32_t a = 0; a < 3; a++) {
+        f->spacing[a] = grid->lattice.spacing[a];
+        f->origin[a] = o->local_frame ? 0.0 : grid->lattice.origin[a];
+    }
+    return bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type);
+}
+
+/* Count, and make the mesh unless it is NULL. */
+static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
+                            const bvx_faces_options *options, bvx_mesh *mesh)
+{
+    uint64_t empty_bytes;
+    uint64_t *empty;
+    bvx_status status;
+
+    f->options = faces_defaults;
+    BVXI_TRY(check_faces(ctx, f, grid, options));
+    f->words = grid->size[0] / BVXI_WORD_BITS + 1;
+    f->row_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
+    f->pieces = bvxi_piece_count(f->row_count, FACE_GRAIN);
+    empty_bytes = (uint64_t)grid->words_per_row * 8;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
+    f->empty_row = empty;
+    status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);
+    bvxi_free(ctx, empty, empty_bytes);
+    return status;
+}
+
+static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
+                                  const bvx_faces_options *options, uint64_t *vertex_count,
+                                  uint64_t *triangle_count)
+{
+    bvxi_faces f;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    memset(&f, 0, sizeof f);
+    f.function = "bvx_faces_count";
+    if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, f.function, "a count");
+    BVXI_TRY(run_faces(context, &f, grid, options, NULL));
+    *vertex_count = f.vertex_count;
+    *triangle_count = 2 * f.face_count;
+    return BVX_OK;
+}
+
+bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                           uint64_t *vertex_count, uint64_t *triangle_count)
+{
+    return BVXI_CALL(context, run_faces_count(context, grid, options, vertex_count, triangle_count));
+}
+
+static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,
+                                    const bvx_faces_options *options, bvx_mesh *mesh)
+{
+    bvxi_faces f;
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    memset(&f, 0, sizeof f);
+    f.function = "bvx_extract_faces";
+    if (mesh == NULL) return bvxi_fail_null(context, f.function, "mesh");
+    return run_faces(context, &f, grid, options, mesh);
+}
+
+bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                             bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_extract_faces(context, grid, options, mesh));
+}
