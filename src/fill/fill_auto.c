@@ -14,12 +14,14 @@
 #include "mesh/mesh_components.h"
 #include "mesh/weld.h"
 #include "fill/fill_auto.h"
+#include "winding/holes.h"
 
 typedef struct auto_work {
     bvxi_solid_job job; /* of the mesh; later of the turned one */
     bvxi_patches patches;
     uint32_t *representative;          /* vertices welded [Size: vertex_count] */
     double low[3], high[3], centre[3]; /* of the triangles */
+    int cracked;                       /* closed, but for sides that several shorter ones cover */
     bvxi_auto choice;
 } auto_work;
 
@@ -27,6 +29,17 @@ static void choose_auto(auto_work *w, int32_t fill, int32_t reason)
 {
     w->choice.fill = fill;
     w->choice.reason = reason;
+}
+
+/* Edges that do not balance may all the same cover each other: those of T-junctions. */
+static bvx_status cover_each_other(bvx_context *ctx, const auto_work *w, int *closed)
+{
+    uint64_t *edges = NULL, count = 0;
+    bvx_status const status = bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count);
+
+    bvxi_free(ctx, edges, count * 8);
+    *closed = status == BVX_OK && count == 0;
+    return status;
 }
 
 /* ---- The quick way ---- */
@@ -240,6 +253,12 @@ static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depth
         return BVX_OK;
     }
 
+    /* What such sides part into patches is one surface, and is not turned patch by patch. */
+    if (w->cracked) {
+        choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+        return BVX_OK;
+    }
+
     if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
@@ -316,6 +335,10 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
+    if (!balanced) {
+        BVXI_TRY(cover_each_other(ctx, w, &w->cracked));
+        balanced = w->cracked;
+    }
     if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);

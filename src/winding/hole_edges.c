@@ -379,7 +379,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     return status;
 }
 
-/* By numbers and then what is left by places; where numbers cancel too little, all by places. */
+/* By numbers and then what is left by places; where numbers cancel too little, all by places. Last by lines. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
                            uint64_t **edges, uint64_t *count)
 {
@@ -402,5 +402,11 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     bvxi_free(ctx, list, left * 8);
     if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
     close_edge_table(ctx, &t);
+    if (status == BVX_OK) status = bvxi_cancel_lines(ctx, s, odd_once, edges, count);
+    if (status == BVX_OK) return BVX_OK;
+
+    bvxi_free(ctx, *edges, *count * 8);
+    *edges = NULL;
+    *count = 0;
     return status;
 }

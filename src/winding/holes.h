@@ -34,10 +34,14 @@ bvx_status bvxi_holes_check_corners(bvx_context *ctx, const char *function, cons
 bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                                 const bvx_lattice *lattice, int32_t fill, bvxi_holes *holes);
 /* hole_edges.c: the edges that triangles run along more often one way than the other, by vertices' numbers,
- * one for all at a place: from << 32 | to, that many times, or with odd_once once where that is odd. The
- * caller frees *edges, [Size: *count * 8] bytes. */
+ * one for all at a place: from << 32 | to, that many times, or with odd_once once where that is odd. Edges
+ * that cancel along a line are left out. The caller frees *edges, [Size: *count * 8] bytes. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
                            int odd_once, uint64_t **edges, uint64_t *count);
+/* hole_lines.c: what is left of such edges where those of one line lie on each other. Scratch: 100 bytes an
+ * edge. */
+bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *snapped, int odd_once, uint64_t **edges,
+                             uint64_t *count);
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes);
 
 /* The nodes of a sheet over points i .. j, from large to small, without

@@ -270,6 +270,57 @@ static void test_holes_are_filled_by_winding_after_turning(void)
     bvx_grid_free(ctx, &good);
 }
 
+/* Sides of a box whose edges are parted differently: on each of them ends of one side lie on the middle of
+ * another's, at places of the lattice and off it. */
+static void add_cracked_box(const double low[3], const double high[3])
+{
+    size_t const first = mesh.triangles;
+    size_t kept = first;
+
+    for (int32_t n = 1; n <= 6; n++) {
+        size_t const from = mesh.triangles;
+        add_fine_box(low, high, n == 5 ? 8 : n);
+        for (size_t t = 0, side = (size_t)(n - 1), per = (mesh.triangles - from) / 6; t < per; t++)
+            memcpy(mesh.t + 3 * kept++, mesh.t + 3 * (from + side * per + t), 3 * sizeof *mesh.t);
+        mesh.triangles = kept;
+    }
+}
+
+static void test_sides_that_shorter_ones_cover_are_closed(void)
+{
+    double const low[3] = {3.5, 4, 5.25}, high[3] = {38.5, 28, 41.25}, far_low[3] = {20, 20.5, 20},
+                 far_high[3] = {44, 45, 44};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_grid one, both, g;
+    bvx_solid_report r;
+
+    maker_box(&mesh, low, high);
+    one = solid_of(&l, BVX_FILL_PARITY);
+    maker_box(&mesh, far_low, far_high);
+    both = solid_of(&l, BVX_FILL_NONZERO);
+
+    maker_clear(&mesh);
+    add_cracked_box(low, high);
+    assert_auto_equals(&one, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "a cracked box");
+    for (int32_t fill = BVX_FILL_VOTE; fill <= BVX_FILL_WINDING; fill += BVX_FILL_WINDING - BVX_FILL_VOTE) {
+        g = solid_by(ctx, &l, NULL, fill, &r);
+        assert_same_bits(&one, &g, "a cracked box by name");
+        TEST_ASSERT_EQUAL_UINT64(0, r.unbalanced_rows);
+        bvx_grid_free(ctx, &g);
+    }
+
+    add_cracked_box(far_low, far_high);
+    assert_auto_equals(&both, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP, 0, "two cracked boxes");
+
+    /* A side that is not there is a hole all the same. */
+    mesh.triangles -= 2 * 6 * 6;
+    g = by_auto(&l, &r);
+    assert_chosen(&r, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0);
+    bvx_grid_free(ctx, &g);
+    bvx_grid_free(ctx, &one);
+    bvx_grid_free(ctx, &both);
+}
+
 /* Without the sides that rows along x meet, every row is empty and so balanced. */
 static void test_a_box_without_two_sides_is_open(void)
 {
@@ -501,6 +552,7 @@ int main(void)
     RUN_TEST(test_cavities_stay_cavities);
     RUN_TEST(test_cavities_stay_beside_overlaps);
     RUN_TEST(test_holes_are_filled_by_winding_after_turning);
+    RUN_TEST(test_sides_that_shorter_ones_cover_are_closed);
     RUN_TEST(test_a_box_without_two_sides_is_open);
     RUN_TEST(test_what_cannot_be_oriented_is_voted_on);
     RUN_TEST(test_windows_are_cut_out_of_the_whole);

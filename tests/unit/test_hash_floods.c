@@ -167,8 +167,12 @@ static void test_edges_made_against_the_hash(void)
             for (int k = 0; k < 3; k++)
                 want[count++] = (uint64_t)triangle[t][k] << 32 | triangle[t][(k + 1) % 3];
         qsort(want, (size_t)count, sizeof *want, by_value);
-        for (uint32_t v = 0; v < VERTICES; v++) place[v][0] = (int32_t)v;
-        for (uint32_t v = 0; v < VERTICES; v++) place[v][1] = place[v][2] = 0;
+        /* On a parabola: no two edges lie on a line, where they would cancel. */
+        for (uint32_t v = 0; v < VERTICES; v++) {
+            place[v][0] = (int32_t)v;
+            place[v][1] = (int32_t)(v * v);
+            place[v][2] = 0;
+        }
         uint64_t const allocations = allocations_of(open_edges, &c);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, open_edges(&c, ctx));
         TEST_ASSERT_EQUAL_HEX64(bvx_hash(want, (size_t)count * sizeof *want, count), c.found);
