@@ -62,7 +62,7 @@ function meaningOf(name, comment, choices) {
     if (name === 'drain_side') return 'BVX_SIDE_';
     if (name === 'open_sides' || /^\s*BVX_(FEW|KEPT)_/.test(comment)) return undefined; // bits
     const constant =
-        comment.match(/^\s*(?:[^.(]*?: )?(BVX_[A-Z0-9_]+)/)?.[1] ??
+        comment.match(/^\s*(?:[^.([]*?: )?(BVX_[A-Z0-9_]+)/)?.[1] ??
         comment.match(/BVX_[A-Z]+_\.\.\./)?.[0].slice(0, -3);
     const prefix =
         constant &&
