@@ -36,7 +36,7 @@ static int mend_on(const int32_t *a, const int32_t *b, const int32_t *c)
 
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
-    uint32_t *found;
+    uint32_t *found = NULL;
     bvxi_mend_node *n;
 
     BVXI_TRY(bvxi_map_find(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
