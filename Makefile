@@ -267,8 +267,8 @@ test-js: deps-js program ## the npm package: golden rows, types, samples under n
 packaging: all ## projects that use the library by find_package, add_subdirectory and FetchContent (CMake, Ninja)
 	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh
 
-amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file
-	@sh src/amalgamate.sh $(BUILD) && echo "$(BUILD)/bitvox.c $(BUILD)/bitvox.h"
+amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file (PARTS="solid levels": what these calls need, in build/parts)
+	@sh src/amalgamate.sh $(BUILD)$(if $(PARTS),/parts $(call quote,$(PARTS))) && echo "$(BUILD)$(if $(PARTS),/parts)/bitvox.c $(BUILD)$(if $(PARTS),/parts)/bitvox.h"
 
 # ---- Running ----
 

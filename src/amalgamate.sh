@@ -1,16 +1,52 @@
 #!/bin/sh
-# amalgamate.sh FOLDER - all of the library's sources as two files, FOLDER/bitvox.c and FOLDER/bitvox.h.
+# amalgamate.sh FOLDER [PARTS] - all of the library's sources as two files, FOLDER/bitvox.c and FOLDER/bitvox.h; with PARTS (words,
+# see parts.awk) what these calls need, and a header without the declarations of those that are left out.
 # Internal headers are put where they are first included, those named ..._body.h wherever they are; nothing else changes. Run from
 # the repository root.
 set -eu
-out=$1
+out=$1 parts=${2:-}
 mkdir -p "$out"
-cp include/bitvox.h "$out/bitvox.h"
 sources=$(find src -name '*.c' ! -path 'src/cli_*' | LC_ALL=C sort)
+if [ -z "$parts" ]; then
+    cp include/bitvox.h "$out/bitvox.h"
+else
+    # shellcheck disable=SC2046,SC2086
+    chosen=$(awk -f src/parts.awk -v parts="$parts" include/bitvox.h $(find src -name '*.h' ! -path 'src/cli_*') $sources)
+    sources=$(echo "$chosen" | sed '/^-/d')
+    # Paragraph by paragraph, a comment goes with the last of its declarations.
+    awk -v parts="$parts" -v left="$(echo "$chosen" | sed -n 's/^-//p' | tr '\n' ' ')" '
+        BEGIN { count = split(left, names, " "); for (i = 1; i <= count; i++) out["" names[i]] = 1 }
+        function finish(    i) {
+            if (!dropped || others) {
+                if (n || started) for (i = 1; i <= n; i++) print kept[i]
+                print ""
+                started = 1
+            }
+            n = dropped = others = dropping = 0
+        }
+        /^$/ { finish(); next }
+        {
+            if (/^BVX_API /) {
+                declaration = $0
+                sub(/\(.*/, "", declaration)
+                sub(/.*[ *]/, "", declaration)
+                dropping = declaration in out
+                dropped += dropping
+                others += !dropping
+                declaring = 1
+            } else if (!declaring && !commenting && !/^\/\*/) others++
+            if (/^\/\*/) commenting = 1
+            if (/\*\//) commenting = 0
+            if (!dropping) kept[++n] = $0
+            if (declaring && /;/) declaring = dropping = 0
+            if (/^#define BITVOX_H$/) kept[++n] = "#define BVX_PARTS \"" parts "\" /* a part of the library: the other calls are not declared */"
+        }
+        END { if (n) for (i = 1; i <= n; i++) print kept[i] }' include/bitvox.h >"$out/bitvox.h"
+fi
 version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bitvox.h | tr '\n' '.' | sed 's/\.$//')
 {
     cat <<END
-/* bitvox.c - the bitvox library $version in one file, put together from its sources; include bitvox.h to use it.
+/* bitvox.c - the bitvox library $version${parts:+ ($parts)} in one file, put together from its sources; include bitvox.h to use it.
  *
  *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-pthread for threads)
  *
