@@ -1,14 +1,17 @@
 /* sample_bits.c - arrays of numbers to rows of bits by any rule.
  *
- * Where x runs fastest, a row of samples is a row of bits. Where another axis does (NumPy's C order), tiles
- * of TILE_X by TILE_F voxels are packed along that axis, so that the array is read in runs, turned by
- * transposing 64 by 64 bits (Warren. Hacker's Delight. 2003, section 7-3), and written in rows. Guarantee: a
- * task writes rows or tiles of its own; which thread runs it shows nowhere. */
+ * Where x runs fastest, a row of samples is a row of bits. Where another axis f does (NumPy's C order), runs
+ * along f are packed, 64 columns of x at a time, turned by transposing 64 by 64 bits (Warren. Hacker's Delight.
+ * 2003, section 7-3) and written as words of rows. TILE_THIRD planes of the third axis are taken together: where
+ * z is fastest, their runs lie side by side in the array, and so do their words in the grid. Guarantee: a task
+ * writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "volume/sample_bits.h"
+#include "bits/transpose.h"
 
 enum {
-    TILE_X_WORDS = 8,
-    TILE_F_WORDS = 4,    /* 512 by 256 voxels: 16 KiB of turned rows, 2 KiB of runs */
+    TILE_F_WORDS = 8,
+    TILE_THIRD = 8, /* 512 of f, eight planes: 32 KiB of runs of 64 columns */
+    FETCH_BYTES = 4096,
     PACK_GRAIN = 1 << 16 /* samples of the smallest task */
 };
 
@@ -47,7 +50,22 @@ static const uint8_t *sample_at(const bvxi_sample_walk *w, int64_t x, int64_t y,
     return w->first + (ptrdiff_t)(x * w->stride[0] + y * w->stride[1] + z * w->stride[2]);
 }
 
+/* The first of n numbers that are read next: processors look ahead along one run, not from run to run. */
+static void fetch(const uint8_t *first, int64_t stride, int32_t n)
+{
+    int64_t const end = stride * n < FETCH_BYTES ? stride * n : FETCH_BYTES;
+
+    for (int64_t at = 0; at < end; at += 64) BVXI_PREFETCH(first + at);
+}
+
 /* ---- x fastest: rows ---- */
+
+static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
+{
+    uint64_t const ny = (uint64_t)w->grid->size[1];
+
+    return sample_at(w, 0, (int64_t)(row % ny), (int64_t)(row / ny));
+}
 
 static void walk_rows(void *user, int32_t piece, int32_t worker)
 {
@@ -58,71 +76,94 @@ static void walk_rows(void *user, int32_t piece, int32_t worker)
 
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), w->pieces, piece, &row, &end);
-    for (; row < end; row++)
-        w->run(w->rule, tally,
-               sample_at(w, 0, (int64_t)(row % (uint64_t)g->size[1]), (int64_t)(row / (uint64_t)g->size[1])),
-               w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
-}
+    for (; row < end; row++) {
+        const uint8_t *const first = row_at(w, row);
 
-/* ---- another axis f fastest: tiles of x and f in a plane of the third ---- */
-
-/* Bit j of a[i] changes places with bit i of a[j]. */
-static void turn_square(uint64_t a[64])
-{
-    uint64_t mask = UINT64_C(0x00000000ffffffff);
-
-    for (int32_t j = 32; j != 0; j >>= 1, mask ^= mask << j)
-        for (int32_t block = 0; block < 64; block += 2 * j)
-            for (int32_t k = block; k < block + j; k++) {
-                uint64_t const t = (a[k] >> j ^ a[k + j]) & mask;
-                a[k] ^= t << j;
-                a[k + j] ^= t;
-            }
-}
-
-/* Up to 64 TILE_X_WORDS by 64 TILE_F_WORDS voxels from x0 and f0 on. */
-static void walk_tile(const bvxi_sample_walk *w, void *tally, int32_t x0, int32_t f0, int32_t third)
-{
-    bvx_grid *const g = w->grid;
-    int32_t const f = w->axis;
-    uint64_t run[64][TILE_F_WORDS], square[64], turned[64 * TILE_F_WORDS][TILE_X_WORDS];
-    int32_t const nf = g->size[f] - f0 < 64 * TILE_F_WORDS ? g->size[f] - f0 : 64 * TILE_F_WORDS;
-    int32_t const nx = g->size[0] - x0 < 64 * TILE_X_WORDS ? g->size[0] - x0 : 64 * TILE_X_WORDS;
-    int32_t const words_x = bvxi_row_words(nx), words_f = bvxi_row_words(nf);
-
-    for (int32_t kx = 0; kx < words_x; kx++) {
-        int32_t const n = nx - 64 * kx < 64 ? nx - 64 * kx : 64;
-        for (int32_t i = 0; i < n; i++) {
-            int64_t const x = (int64_t)x0 + 64 * kx + i;
-            w->run(w->rule, tally, f == 2 ? sample_at(w, x, third, f0) : sample_at(w, x, f0, third),
-                   w->stride[f], nf, run[i]);
-        }
-        for (int32_t kf = 0; kf < words_f; kf++) {
-            for (int32_t i = 0; i < 64; i++) square[i] = i < n ? run[i][kf] : 0;
-            turn_square(square);
-            for (int32_t i = 0; i < 64; i++) turned[64 * kf + i][kx] = square[i];
-        }
+        if (row + 1 < end) fetch(row_at(w, row + 1), w->stride[0], g->size[0]);
+        w->run(w->rule, tally, first, w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
     }
-    for (int32_t i = 0; i < nf; i++) {
-        uint64_t const y = (uint64_t)(f == 2 ? third : f0 + i), z = (uint64_t)(f == 2 ? f0 + i : third);
-        memcpy(g->words + (z * (uint64_t)g->size[1] + y) * (uint64_t)g->words_per_row + (x0 >> 6), turned[i],
-               (size_t)words_x * 8);
+}
+
+/* ---- another axis f fastest ---- */
+
+/* All of x, nf voxels of f and nt planes of the third axis. */
+typedef struct sample_tile {
+    int32_t f, third;
+    int32_t nf, nt;
+} sample_tile;
+
+static int32_t at_most(int32_t n, int32_t most)
+{
+    return n < most ? n : most;
+}
+
+/* 64 columns of x: bits along f of n of them, for each plane of the tile, from run to run in memory. */
+static void read_runs(const bvxi_sample_walk *w, void *tally, const sample_tile *t, int32_t x, int32_t n,
+                      uint64_t run[TILE_THIRD][64][TILE_F_WORDS])
+{
+    for (int32_t i = 0; i < n; i++)
+        for (int32_t k = 0; k < t->nt; k++) {
+            int32_t const y = w->axis == 2 ? t->third + k : t->f;
+            int32_t const z = w->axis == 2 ? t->f : t->third + k;
+
+            if (x + i + 1 < w->grid->size[0])
+                fetch(sample_at(w, (int64_t)x + i + 1, y, z), w->stride[w->axis], t->nf);
+            w->run(w->rule, tally, sample_at(w, (int64_t)x + i, y, z), w->stride[w->axis], t->nf, run[k][i]);
+        }
+}
+
+/* Word x / 64 of 64 rows of f from 64 kf on, in each plane of the tile: rows of planes beside one another are
+ * written beside one another. */
+static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32_t x, int32_t n, int32_t kf,
+                          uint64_t run[TILE_THIRD][64][TILE_F_WORDS])
+{
+    const bvx_grid *const g = w->grid;
+    uint64_t const wide = (uint64_t)g->words_per_row, deep = (uint64_t)g->size[1] * wide;
+    uint64_t const along = w->axis == 2 ? deep : wide, across = w->axis == 2 ? wide : deep;
+    int32_t const rows = at_most(t->nf - 64 * kf, 64);
+    uint64_t square[TILE_THIRD][64];
+    uint64_t *to = g->words + (uint64_t)t->third * across + (uint64_t)(t->f + 64 * kf) * along + (x >> 6);
+
+    for (int32_t k = 0; k < t->nt; k++) {
+        for (int32_t i = 0; i < n; i++) square[k][i] = run[k][i][kf];
+        memset(square[k] + n, 0, (size_t)(64 - n) * sizeof square[k][0]);
+        bvxi_transpose_64(square[k]);
+    }
+    for (int32_t i = 0; i < rows; i++, to += along)
+        for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = square[k][i];
+}
+
+static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile *t)
+{
+    uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
+
+    for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
+        int32_t const n = at_most(w->grid->size[0] - x, 64);
+
+        read_runs(w, tally, t, x, n, run);
+        for (int32_t kf = 0; 64 * kf < t->nf; kf++) write_squares(w, t, x, n, kf, run);
     }
 }
 
 static void walk_tiles(void *user, int32_t piece, int32_t worker)
 {
     const bvxi_sample_walk *const w = user;
-    const bvx_grid *const g = w->grid;
+    const int32_t *const size = w->grid->size;
     void *const tally = piece_tally(w, piece);
+    int32_t const third = size[3 - w->axis];
     uint64_t const tiles = (uint64_t)tiles_along(w);
     uint64_t tile, end;
 
     (void)worker;
-    bvxi_piece(tiles * (uint64_t)g->size[3 - w->axis], w->pieces, piece, &tile, &end);
-    for (; tile < end; tile++)
-        for (int32_t x = 0; x < g->size[0]; x += 64 * TILE_X_WORDS)
-            walk_tile(w, tally, x, (int32_t)(tile % tiles) * 64 * TILE_F_WORDS, (int32_t)(tile / tiles));
+    bvxi_piece(tiles * (uint64_t)((third + TILE_THIRD - 1) / TILE_THIRD), w->pieces, piece, &tile, &end);
+    for (; tile < end; tile++) {
+        sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
+                         .third = (int32_t)(tile / tiles) * TILE_THIRD};
+
+        t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
+        t.nt = at_most(third - t.third, TILE_THIRD);
+        walk_tile(w, tally, &t);
+    }
 }
 
 bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from, double to,

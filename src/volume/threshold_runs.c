@@ -135,7 +135,11 @@ BVXI_AVX2 static inline uint64_t flags_to_word_avx2(const uint8_t p[64])
             int32_t const count = n - i < 64 ? n - i : 64;                                                  \
             const uint8_t *q = p + (ptrdiff_t)((int64_t)i * stride);                                        \
             uint64_t w;                                                                                     \
-            if (count < 64 || stride != (int64_t)sizeof(c_type)) {                                          \
+            int32_t skipped = 0;                                                                            \
+            if (count < 64 && n >= 64 && stride == (int64_t)sizeof(c_type)) {                               \
+                skipped = 64 - count; /* the last 64: what was looked at before is shifted out */           \
+                q -= (size_t)skipped * sizeof(c_type);                                                      \
+            } else if (count < 64 || stride != (int64_t)sizeof(c_type)) {                                   \
                 for (int32_t k = 0; k < count; k++)                                                         \
                     memcpy(gathered + (size_t)k * sizeof(c_type), q + (ptrdiff_t)((int64_t)k * stride),     \
                            sizeof(c_type));                                                                 \
@@ -144,12 +148,12 @@ BVXI_AVX2 static inline uint64_t flags_to_word_avx2(const uint8_t p[64])
                 q = gathered;                                                                               \
             }                                                                                               \
             range_64_##suffix(q, low, high, flag);                                                          \
-            w = r->empty ? 0 : to_word(flag) & (~UINT64_C(0) >> (64 - count));                              \
+            w = r->empty ? 0 : to_word(flag) >> skipped & (~UINT64_C(0) >> (64 - count));                   \
             words[i >> 6] = w;                                                                              \
             if (t == NULL) continue;                                                                        \
             inside += bvxi_popcount(w);                                                                     \
             if (odd(q)) {                                                                                   \
-                count_each(q, type, count, t);                                                              \
+                count_each(q + (size_t)skipped * sizeof(c_type), type, count, t);                           \
                 continue;                                                                                   \
             }                                                                                               \
             if (!any) memcpy(&least, q, sizeof least);                                                      \

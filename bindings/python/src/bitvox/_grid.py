@@ -80,8 +80,6 @@ class Grid:
         if order not in ("xyz", "zyx"):
             raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
         zyx = found.transpose(2, 1, 0) if order == "xyz" else found
-        if found.dtype.kind == "f" and np.isnan(found).any():
-            raise ArgumentError("array: NaN is neither set nor empty")
         nz, ny, nx = zyx.shape
         if lattice is None:
             if low is not None:
@@ -89,8 +87,13 @@ class Grid:
             grid = cls(Lattice((nx, ny, nz), spacing, corner))
         else:
             grid = cls(lattice, (tuple(low or (0, 0, 0)), (nx, ny, nz)))
-        if nx > 1 and nx * ny * nz > 4096 and abs(found.strides[0 if order == "xyz" else 2]) > found.itemsize:
-            grid._pack(zyx if zyx.dtype.kind == "b" else zyx != 0)
+        with np.errstate(invalid="ignore"):
+            if found.dtype.kind == "f" and np.isnan(found.min()):  # without an array of bools
+                raise ArgumentError("array: NaN is neither set nor empty")
+        kind = "u1" if found.dtype.kind == "b" else found.dtype.kind + str(found.dtype.itemsize)
+        sample = getattr(lib, f"BVX_SAMPLE_{kind[0].upper()}{8 * int(kind[1:])}", None) if kind[0] in "uif" else None
+        if sample is not None and found.dtype.isnative and any(found.strides):
+            grid._pack(zyx, sample)
             return grid
         rows = grid._words(writable=True)
         for z in range(nz):  # a slice at a time, so that a view with strides costs no copy of the whole
@@ -100,15 +103,16 @@ class Grid:
             rows[z] = padded.view("<u8")
         return grid
 
-    def _pack(self, zyx: Any) -> None:
-        """Take the bits of a bool array [z, y, x] in whose memory x does not run fastest: the library reads samples where they lie."""
-        view = ffi.new("bvx_volume_view *")
-        view.samples, view.sample_type = arrays.address(zyx), lib.BVX_SAMPLE_U8
+    def _pack(self, zyx: Any, sample: int) -> None:
+        """Set what is not 0 in an array [z, y, x], of a type of samples that the library reads where they lie, in any order: all but
+        what it finds to be 0."""
+        view, made = ffi.new("bvx_volume_view *"), new_grid()
+        view.samples, view.sample_type = arrays.address(zyx), sample
         view.low, view.size, view.strides = self.low, self.shape, zyx.strides[::-1]
         view.lattice = self._c.lattice
-        made = new_grid()
         with quiet(), Run() as run:
-            run.check(lib.bvx_threshold(run.context, view, 1.0, 1.0, ffi.NULL, made))
+            run.check(lib.bvx_threshold(run.context, view, 0.0, 0.0, ffi.NULL, made))
+            run.check(lib.bvx_grid_complement(run.context, made, made))
         self._c = made
 
     # ---- where it lies ----
