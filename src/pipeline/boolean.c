@@ -207,6 +207,7 @@ static bvx_status judge_result(boolean_job *job)
     int32_t longest = 0;
     bvx_window box;
 
+    /* An empty intersection is an answer, not an error. */
     if (job->report.voxels == 0) return BVX_OK;
     BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
     for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
@@ -249,11 +250,14 @@ static bvx_status fill_boolean(boolean_job *job)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, first, fill_body(job, 0)));
     BVXI_TRY(BVXI_SHARE(job->ctx, first, 0.94, fill_body(job, 1)));
 
+    /* Both solids are kept: the surface needs to know which body changes its side on each edge. */
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.94, 0.96, combine[job->operation](job->ctx, a, b, &job->inside)));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
 
+    /* After the counts, so that a body that was lost is named before an empty result could be taken for an
+     * answer. */
     BVXI_TRY(judge_body(job, 0, job->report.voxels_a));
     BVXI_TRY(judge_body(job, 1, job->report.voxels_b));
     return BVXI_SHARE(job->ctx, 0.96, 1.0, judge_result(job));
@@ -286,6 +290,7 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.3, open_boolean_pieces(job, piece));
     bvxi_crumb_source const source[2] = {{job->body[0].mesh, piece[0]}, {job->body[1].mesh, piece[1]}};
 
+    /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
     for (int32_t empty = 0; empty < 2 && status == BVX_OK; empty++) {
         uint64_t crumbs = 0;
         status = BVXI_SHARE(
@@ -328,6 +333,8 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     bvxi_nearest *nearest = NULL;
     bvx_status status;
 
+    /* Only ends of edges on which the result and this body both change: all other centres would be measured
+     * for nothing. */
     BVXI_TRY(open_boolean_grid(job, "the centres that are measured", &b->where));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->where)));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "the rows of centres beside the surface",
@@ -341,6 +348,8 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     if (job->report.sharp)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "the triangles of centres beside the surface",
                             &b->triangles));
+
+    /* A body that does not bound the result anywhere needs no search tree. */
     if (b->count == 0) return BVX_OK;
     memset(&out, 0, sizeof out);
     out.value_type = BVX_F64;

@@ -94,6 +94,8 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
     BVXI_TRY(bvxi_repair_inside(job));
+
+    /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
     bvx_extract_options_init(&o, sizeof o);
     o.face_rule = job->options->face_rule;
     o.position_type = BVX_F64;
@@ -118,6 +120,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     uint64_t high_count, low_count = 0;
     double rest = 0.5; /* of the progress, for tries whose number is not known */
 
+    /* The largest resolution first: most targets allow it, and then the search is over. */
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
@@ -180,6 +183,8 @@ static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR
     if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 5.0 * weight[REPAIR_INSIDE];
     if (o->report != NULL) weight[REPAIR_MEASURE] = 0.25 * cells + (o->measure ? 300e3 + 5.0 * n : 0.0);
 
+    /* Only steps that are still to come share what remains of the bar, so it never falls when more is
+     * known. */
     for (int i = first; i < REPAIR_STEPS; i++) all += weight[i];
     for (int i = first; i < REPAIR_STEPS; i++) end[i] = begin + (1.0 - begin) * ((sum += weight[i]) / all);
 }
@@ -208,12 +213,16 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, end[REPAIR_TAKE], bvxi_repair_take(job)));
     plan_repair(job, REPAIR_NEEDS, end);
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_TAKE], end[REPAIR_NEEDS], bvxi_repair_needs(job)));
+
+    /* A mesh that is sound is copied before anything is measured: nothing of it may move. */
     if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
         return BVXI_SHARE(ctx, end[REPAIR_NEEDS], 1.0, bvxi_repair_copy(job, repaired));
 
     if (job->options->target_triangles != 0)
         BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_NEEDS], end[REPAIR_SEARCH], search_repair(job, &resolution)));
     BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SEARCH], end[REPAIR_INSIDE], fill_at(job, resolution)));
+
+    /* An empty result would look like success. */
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
     if (voxels == 0)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s",

@@ -24,6 +24,8 @@ static int32_t levels_that_fit(const int32_t base[3])
     int32_t longest = 1, levels = 0;
     for (int a = 0; a < 3; a++)
         if (base[a] > longest) longest = base[a];
+
+    /* Multiplied in two steps, so that three sides of 2^25 do not overflow 64 bits. */
     uint64_t const face = (uint64_t)base[0] * (uint64_t)base[1];
     if (face >= (uint64_t)1 << 31 || face * (uint64_t)base[2] >= (uint64_t)1 << 31) return -1;
     while (levels < BVXI_OCTREE_LEVELS && longest <= BVXI_MAX_SIDE >> (levels + 1)) levels++;
@@ -118,6 +120,9 @@ static int32_t choose_start(const bvxi_refine_job *job)
     const bvx_octree *const tree = job->tree;
     int32_t start = job->windowed && window_is_small(job) ? job->outer : tree->levels;
     if (job->tolerance > 0) return 0;
+
+    /* One grid of the last level is the fastest way while it is small: rows of bits, and no lists of
+     * triangles at all. */
     if (bvxi_refine_grid_words(tree, start) <= BVXI_REFINE_WHOLE_GRID / 8) return start;
     while (start > 0 && bvxi_refine_grid_words(tree, start) > BVXI_REFINE_START_GRID / 8) start--;
     return start;
@@ -152,10 +157,15 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
 
     bvxi_refine_free_front(job, &job->front);
     bvxi_refine_free_grids(job);
+
+    /* From the deepest level on, one is given up at a time until the boundary states would fit too: then the
+     * message names a number that works, instead of leaving the caller to search. */
     for (; made >= 0; made--) {
         uint64_t const bytes = bvxi_states_bytes(job->tree, made);
         void *block;
         drop_octets(job, made);
+
+        /* Trying is the only way to know: the allocator's limit may be the machine's. */
         if (bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block) != BVX_OK) continue;
         bvxi_free(ctx, block, bytes);
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %d levels are beyond the memory limit; levels = %d fits",
@@ -184,6 +194,8 @@ static bvx_status run_refinement(bvxi_refine_job *job)
         /* its order was the last that they were asked for */
         if (made == job->start) bvxi_refine_free_grids(job);
     }
+
+    /* The lists of triangles go before the states come, so that both never need memory at the same time. */
     if (status == BVX_OK) {
         bvxi_refine_free_front(job, &job->front);
         bvxi_refine_free_grids(job);
@@ -243,6 +255,8 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
         bvx_octree_free(context, job.tree);
         return status;
     }
+
+    /* The old tree only goes when the new one is whole: after a failure the caller still has it. */
     bvx_octree_free(context, *tree);
     *tree = job.tree;
     return BVX_OK;

@@ -74,6 +74,7 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
     int32_t depth = 0;
     octree_neighbour at = {level, NEIGHBOUR_OCTET, octet, 0};
 
+    /* Up, until an octet has the other side among its own children. */
     for (int over = 0; !over;) {
         uint32_t const up = job->up[at.level][at.octet];
         if (at.level == 0) {
@@ -91,6 +92,8 @@ static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, 
         uint32_t const p = path[--depth] ^ across;
         at.kind = NEIGHBOUR_CHILD;
         at.bit = p;
+
+        /* A leaf of any size ends the way: it is the neighbour. */
         if ((bvxi_news_of(job, at.level, at.octet)->split >> p & 1) == 0) return at;
         at.octet = octet_below(job, at.level, at.octet, p);
         at.level++;
@@ -115,6 +118,7 @@ static void pass_down(bvxi_states_job *job, int32_t level, uint64_t octet, const
 {
     uint64_t below = octet_below(job, level, octet, 0);
 
+    /* Split children are ranked in the order of their bits, so one running index finds each. */
     for (uint32_t p = 0; p < 8; p++) {
         uint32_t state = o->state & bvxi_octet_inherits(p);
         if ((o->split >> p & 1) == 0) continue;
@@ -130,6 +134,8 @@ static void pass_to_octet(bvxi_states_job *job, int32_t level, uint64_t octet, i
 {
     unsigned const step = 1u << d % 3;
     uint32_t const beside = d >= 3 ? children >> step : children << step;
+
+    /* Leaves become outside themselves; split ones pass it on to their own children on that face. */
     expose_children(job, level, octet, beside);
     for (uint32_t p = 0, split = beside & bvxi_news_of(job, level, octet)->split; split != 0;
          p++, split >>= 1)
@@ -160,13 +166,19 @@ static void work_on_octet(bvxi_states_job *job, int32_t level, uint64_t octet)
     uint32_t const open = 255 & ~(uint32_t)(o->touched | o->outside);
     uint32_t news = o->fresh;
 
+    /* What came from outside through whole faces, and what a neighbour exposed by name. */
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((o->state >> d & 1) != 0) news |= bvxi_octet_side(d);
     news &= open;
+
+    /* At most seven rounds: the flood of eight voxels in one byte. */
     for (uint32_t grown = 0; grown != news;) {
         grown = news;
         news |= beside_in_octet(news) & open;
     }
+
+    /* Off the list before anything is passed on: a neighbour may expose more of this octet and must be able
+     * to list it again. */
     o->state = (uint8_t)(o->state & ~BVXI_IN_LIST);
     o->fresh = 0;
     o->outside = (uint8_t)(o->outside | news);
@@ -218,6 +230,8 @@ static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
     uint32_t since = 0;
 
     while (job->rows_listed > 0 || job->listed > 0) {
+        /* Rows of the base first: one fills 64 voxels at a time and leaves less to the octets. Any order
+         * gives the same end. */
         if (job->rows_listed > 0) bvxi_work_on_row(job, job->row_list[--job->rows_listed]);
         else work_on_number(job, job->list[--job->listed]);
         if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
@@ -233,6 +247,7 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
     uint32_t const touched = bvxi_octet_mask(o->touched, octet), split = bvxi_octet_split(o, octet);
     uint64_t below = split != 0 ? bvxi_octets_rank(o, 8 * octet) : 0, cube = 0;
 
+    /* A child that is touched but not split is a wall as a whole; one that is split shows its own eight. */
     for (uint32_t p = 0; p < 8; p++) {
         uint64_t const child = (split >> p & 1) != 0     ? bvxi_cube_spread(bvxi_octet_mask(
                                                                tree->octets[level + 1].touched, below++))
@@ -331,6 +346,7 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
 
 static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
 {
+    /* A tree of one level has no octets: the base's rows are all there is. */
     if (job->bottom < 0) {
         bvxi_expose_sides(job);
         return work_until_done(ctx, job);
@@ -365,6 +381,8 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     job.nz = tree->base[2];
     job.row_words = tree->row_words;
     for (int32_t l = 0; l < bottom; l++) job.first[l + 1] = job.first[l] + tree->octets[l].count;
+
+    /* One block, the widest types first, so that each part is aligned without padding between them. */
     job.cubes = (bvxi_cube_news *)(void *)block;
     job.passed = (uint64_t *)(void *)(job.cubes + cubes);
     job.list = (uint32_t *)(void *)(job.passed + tree->root.words);

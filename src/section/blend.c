@@ -20,6 +20,7 @@ static double slope_between(double before, double before_width, double after, do
 {
     double const a = 2.0 * after_width + before_width, b = after_width + 2.0 * before_width;
 
+    /* At an extremum the cubic must be level, or it would overshoot the section's value. NaN gives 0 too. */
     if (!(before * after > 0.0)) return 0.0;
     return (a + b) / (a / before + b / after);
 }
@@ -31,6 +32,8 @@ static double slope_at_end(double next, double next_width, double beyond, double
                          (next_width + beyond_width);
 
     if (!(slope * next > 0.0)) return 0.0;
+
+    /* Three times the step is as steep as a cubic may begin without turning back within the interval. */
     if (next * beyond < 0.0 && slope * slope > 9.0 * next * next) return 3.0 * next;
     return slope;
 }
@@ -43,6 +46,8 @@ static void blend_cubic(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS]
     double const high = b->above > 0.0 ? (f[BVXI_BLEND_FAR_ABOVE] - f[BVXI_BLEND_ABOVE]) / b->above : middle;
     double from = middle, to = middle;
 
+    /* A side without a further section takes the one-sided slope; with none on either side all slopes are the
+     * step, and the cubic is the straight line. */
     if (b->below > 0.0) from = slope_between(low, b->below, middle, b->height);
     else if (b->above > 0.0) from = slope_at_end(middle, b->height, high, b->above);
     if (b->above > 0.0) to = slope_between(middle, b->height, high, b->above);
@@ -59,6 +64,7 @@ double bvxi_blend_value(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS]
 {
     double c[3];
 
+    /* Exactly the section's own value there, not what the polynomial rounds to. */
     if (t <= 0.0) return f[BVXI_BLEND_BELOW];
     if (t >= 1.0) return f[BVXI_BLEND_ABOVE];
     blend_cubic(b, f, c);
@@ -78,6 +84,9 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
         double next;
 
         if (value == 0.0) return t;
+
+        /* The zero stays between low and high, since the cubic has one sign at each; so a wild step of
+         * Newton's cannot lose it. */
         if ((value > 0.0) == (first > 0.0)) low = t;
         else high = t;
         next = slope != 0.0 ? t - value / slope : low;

@@ -13,6 +13,8 @@ bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_
     uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
     if (larger > INT32_MAX)
         return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
+
+    /* Rooms that were laid out beforehand cannot grow: the caller tries again with larger ones. */
     if (s->fixed) return BVX_ERR_BUDGET;
     BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
     *room = (uint32_t)larger;
@@ -31,6 +33,8 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
     uint32_t const n = slab->hanging_count;
     uint32_t kept = 0;
 
+    /* By the second coordinate and then the first, which also brings equal points together: two cells of one
+     * side report the same corner. */
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = hanging_key(&slab->hanging[i], 1);
         w->order[i] = i;
@@ -38,6 +42,8 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
     for (uint32_t i = 0; i < n; i++)
         if (i == 0 || w->key[i] != w->key[i - 1]) w->sorted[kept++] = slab->hanging[w->order[i]];
+
+    /* The other order is only a list of indices into this one. */
     slab->hanging_count = kept;
     for (uint32_t i = 0; i < kept; i++) {
         w->key[i] = hanging_key(&w->sorted[i], 0);
@@ -79,6 +85,8 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
     unsigned char *at;
 
     if (g->split_count == 0) return BVX_OK;
+
+    /* One block, since slabs are many and most are small: one allocation each, and one to free. */
     slab->block_size = split + leaf + arc + hanging + by_u;
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, slab->block_size, "the parts of cells", &slab->block));
     slab->split_count = g->split_count;
@@ -115,6 +123,9 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
         g->plane[k] = slab->plane[k];
     }
     g->split_count = g->leaf_count = g->arc_count = g->hanging_count = 0;
+
+    /* Both lists ascend, so merging them visits each cell once, in the order in which the surface will meet
+     * it. */
     while (i < below->asking_count || j < above->asking_count) {
         uint32_t const a = i < below->asking_count ? below->asking[i] : UINT32_MAX;
         uint32_t const b = j < above->asking_count ? above->asking[j] : UINT32_MAX;
@@ -182,6 +193,8 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     const bvxi_plane *whole;
     uint32_t other;
 
+    /* The first and last section have nothing beyond; a plane without contours would have no distances to
+     * blend with. */
     if (side == 0 ? b->below == 0 : b->below + 1 == last) return NULL;
     whole = &s->plane[side == 0 ? b->below - 1 : b->below + 2];
     if (whole->contour_count == 0) return NULL;
@@ -229,6 +242,8 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
             continue;
         }
         slabs[count].below = i;
+
+        /* Two empty neighbours make no slab at all. */
         if (here && there) set_slab(&slabs[count++], &p[i], &p[i + 1], p[i].w, p[i + 1].w);
         else if (here) set_slab(&slabs[count++], &p[i], nothing, p[i].w, half);
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);
@@ -247,11 +262,17 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
 
     *count = (uint32_t)room;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
+
+    /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
+     * own for ends. */
     nothing->section = BVXI_NONE;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8,
                              "an empty plane", &nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
     look_beyond(s, *slabs);
+
+    /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
+     * themselves. */
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
 }

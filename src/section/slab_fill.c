@@ -19,6 +19,8 @@ static void find_active(bvxi_slab_work *w, int32_t j)
     size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
     const uint64_t *const c = w->field.crossed;
 
+    /* A word for 64 cells: a cell is active when any of its four corner lines is, two of which are its
+     * neighbour's bits shifted by one. */
     for (int32_t i = 0; i < words; i++)
         w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) |
                     row_word_up(c + high, i, words);
@@ -36,6 +38,8 @@ static void find_active(bvxi_slab_work *w, int32_t j)
             w->row[i] |= (a | b | x | y) & ~(a & b & x & y);
         }
     }
+
+    /* There is one corner more than there are cells. */
     w->row[last] &= (UINT64_C(1) << (s->size[0] & 63)) - 1;
 }
 
@@ -75,6 +79,8 @@ static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], u
 {
     static const uint8_t left[2] = {0, 3}, right[2] = {1, 2};
     uint32_t const crossed = inside[0] ^ inside[1];
+
+    /* Lines are numbered by rows of corners, so two running counts per row of cells replace a look-up. */
     for (int k = 0; k < 2; k++) {
         line[left[k]] = line[right[k]] = BVXI_NONE;
         if ((crossed >> left[k] & 1) != 0)
@@ -121,6 +127,8 @@ static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, cons
     int32_t const fine = w->s->fine;
 
     t->key = bvxi_cell_key(i, j);
+
+    /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
     if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
         return fill_leaves(w, &slab->split[w->split++]);
     t->low[0] = (int32_t)((uint32_t)i << fine);
@@ -149,11 +157,16 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     int done = 0;
 
     if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
+
+    /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
+     * full. */
     if (w->plain) {
         uint32_t line[4];
         uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j),
                                     inside_corners(w->s, w->field.slab->plane[1], i, j)};
         next_lines(w, i, inside, line);
+
+        /* Beside a subdivided cell there may be points on the common side, which only the trace looks for. */
         if (!is_beside_split(w, i, j)) {
             t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
             t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
@@ -205,6 +218,8 @@ static bvx_status fill_layers(bvxi_slab_work *w)
     bvxi_trace *const t = &w->trace;
 
     for (int32_t layer = 0; layer < w->field.layers; layer++) {
+        /* The top of a layer is the bottom of the next one: its vertices are kept, and the older map is used
+         * again. */
         w->map_top = 1 - w->map_top;
         bvxi_map_clear(&w->map[w->map_top]);
         set_level(w, &t->level[0], layer);
@@ -228,6 +243,9 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
     w->plain = !w->only_traced && w->s->options.crossings == BVX_CROSSINGS_EXACT && w->field.layers == 1;
+
+    /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
+     * time. */
     mark_split(w, 1);
     status = fill_layers(w);
     mark_split(w, 0);

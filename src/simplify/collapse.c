@@ -97,6 +97,8 @@ static int solve_least(const double a[6], const double g[3], double step[3])
     double x = -g[0], y = -g[1], z = -g[2], to_y, to_z, zy;
     int exchanged;
 
+    /* The largest diagonal becomes the first pivot. A is symmetric and not negative, so each pivot bounds its
+     * row, and the rows need no pivoting of their own. */
     if (first == 1) {
         swap_values(&xx, &yy);
         swap_values(&xz, &yz);
@@ -106,6 +108,9 @@ static int solve_least(const double a[6], const double g[3], double step[3])
         swap_values(&xy, &yz);
         swap_values(&x, &z);
     }
+
+    /* A pivot within rounding of the trace is a direction that no plane fixes: then the caller takes an end
+     * of the edge, which lies on the surface. NaN fails the comparison too. */
     if (!(xx > least)) return 0;
     to_y = xy / xx;
     to_z = xz / xx;
@@ -128,6 +133,7 @@ static int solve_least(const double a[6], const double g[3], double step[3])
     zz -= to_z * yz;
     if (!(zz > least)) return 0;
 
+    /* Back from the last unknown to the first, then the exchanges are undone. */
     z = (z - to_z * y) / zz;
     y = (y - yz * z) / yy;
     x = (x - xy * y - xz * z) / xx;
@@ -145,6 +151,8 @@ static int least_point(const quadric *q, const double middle[3], double reach, d
 
     half_gradient(q, middle, g);
     if (!solve_least(q->a, g, step)) return 0;
+
+    /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
     if (!(step[0] * step[0] + step[1] * step[1] + step[2] * step[2] <= reach)) return 0;
     for (int k = 0; k < 3; k++) d[k] = middle[k] + step[k];
     return 1;
@@ -188,6 +196,9 @@ static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quad
         middle[k] = 0.5 * offset[k];
         length += offset[k] * offset[k];
     }
+
+    /* Everything is about u, near the edge: the same sums about the origin would cancel most of their
+     * digits. */
     join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, q);
     if (c->colour != NULL) {
         all = *q;
@@ -211,7 +222,12 @@ void bvxi_collapse_put(bvxi_collapse *c, int32_t corner)
     quadric q;
     double d[3];
 
+    /* Cells of a parallel pass share their locked vertices with other workers, so these must stay as they
+     * are. */
     if (c->locked != NULL && (c->locked[u] | c->locked[v]) != 0) return;
+
+    /* The stamp is the sum of both versions: when either vertex changes, the entry no longer matches and is
+     * dropped when it is met, so that nothing has to be found and removed in the queue. */
     entry.corner = corner;
     entry.stamp = c->version[u] + c->version[v];
     entry.bucket = bvxi_queue_bucket(meeting_point(c, u, v, &q, d));
@@ -236,9 +252,13 @@ static void drop_triangle(bvxi_collapse *c, int32_t corner)
 {
     bvxi_corners *const m = &c->mesh;
 
+    /* Neighbours are joined first: they are found through the triangle that goes. */
     bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)),
                       bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
     m->triangle[corner >> 2].vertex[0] = BVXI_VERTEX_NONE;
+
+    /* Triangles of the ghost vertex close borders. They are not of the mesh, so neither counted nor in the
+     * boxes. */
     if (bvxi_corner_is_ghost(m, corner)) return;
     m->left--;
     bvxi_box_tree_remove(&c->boxes, corner >> 2);
@@ -259,6 +279,9 @@ static void settle_vertex(bvxi_collapse *c, const bvxi_star *star, const quadric
         bvxi_colours_move(&both, d);
         c->colour[star->u] = both;
     }
+
+    /* The quadric is kept about its own vertex, so it moves with it: A stays, b becomes half the gradient
+     * there. */
     for (int k = 0; k < 3; k++) {
         d[k] = (star->p[k] - at->p[k]) * c->scale;
         at->p[k] = star->p[k];
@@ -275,10 +298,15 @@ static void apply_star(bvxi_collapse *c, const bvxi_star *star, const quadric *q
     uint32_t const u = star->u, v = star->v;
     int32_t const across = bvxi_corner_opposite(m, star->edge);
 
+    /* Before anything is joined: the quadric's move needs the positions of both ends as they were. */
     settle_vertex(c, star, q);
+
+    /* A version that neither end has had, or a stale entry of v could match the new vertex. */
     c->version[u] = (c->version[u] > c->version[v] ? c->version[u] : c->version[v]) + 1;
     drop_triangle(c, star->edge);
     drop_triangle(c, across);
+
+    /* The star was judged with these boxes and facings, so what is stored is what was tested. */
     for (int32_t i = 0; i < star->count; i++) {
         m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
         if (i != star->ghost) m->facing[star->link[i]] = star->facing[i];
@@ -306,6 +334,8 @@ static int judge_at(bvxi_collapse *c, const double d[3])
 {
     bvxi_star *const star = &c->star;
 
+    /* Rounded to the output's type before it is judged: the guarantee is of the positions that the caller
+     * gets. */
     for (int k = 0; k < 3; k++)
         star->p[k] = bvxi_collapse_rounded(c, c->mesh.at[star->u].p[k] + d[k] / c->scale);
     if (c->locked != NULL && !is_within(c, star->p)) return BVXI_STAR_LINK;
@@ -337,6 +367,9 @@ static int is_crumpled(const bvxi_collapse *c, const quadric *q)
 
     if (c->locked != NULL) return 0;
     for (int k = 0; k < 3; k++) d[k] = (c->star.p[k] - c->mesh.at[c->star.u].p[k]) * c->scale;
+
+    /* Both sides are multiplied by the count of triangles and the trace, so that nothing is divided by an
+     * area of 0. */
     return quadric_at(q, d) * (double)c->mesh.left > CRUMPLED * CRUMPLED * EDGE_SQUARE * c->area * trace;
 }
 
@@ -348,6 +381,7 @@ void bvxi_collapse_try(bvxi_collapse *c, bvxi_queue_entry *entry)
     quadric q;
     int verdict = BVXI_STAR_LINK;
 
+    /* Entries are never removed from the queue; what an earlier collapse took or changed is skipped here. */
     if (bvxi_corner_gone(m, entry->corner)) return;
     u = bvxi_corner_vertex_of(m, bvxi_corner_next(entry->corner));
     v = bvxi_corner_vertex_of(m, bvxi_corner_previous(entry->corner));
@@ -374,6 +408,9 @@ void bvxi_collapse_try(bvxi_collapse *c, bvxi_queue_entry *entry)
     c->counts.needle += verdict == BVXI_STAR_NEEDLE;
     c->counts.crossed += verdict == BVXI_STAR_CROSSES;
     c->counts.crumpled += verdict == BVXI_STAR_CRUMPLES;
+
+    /* A refused edge may be safe after its neighbours have gone, so it comes back later, until it costs more
+     * than any that the target needs. */
     entry->bucket += COLLAPSE_LATER;
     if (entry->bucket <= c->dearest) bvxi_queue_put(&c->queue, entry);
 }

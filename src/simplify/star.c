@@ -55,6 +55,7 @@ static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, bvx
     for (int32_t c = bvxi_corner_turn_left(m, start);; c = bvxi_corner_turn_left(m, c)) {
         uint32_t const from = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
 
+        /* The triangles of the edge itself go with it, so the walk ends at the second of them. */
         if (from == other || bvxi_corner_vertex_of(m, bvxi_corner_previous(c)) == other) return 1;
         if (star->count == BVXI_STAR_MOST) return 0;
         star->link[star->count] = from;
@@ -77,6 +78,8 @@ int bvxi_star_gather(const bvxi_corners *m, int32_t edge, bvxi_star *star)
     if (!gather_side(m, bvxi_corner_next(edge), star->v, star) ||
         !gather_side(m, bvxi_corner_next(across), star->u, star))
         return 0;
+
+    /* Fewer would leave two triangles back to back on the same three vertices. */
     if (star->count < 3) return 0;
     star->link[star->count] = star->link[0];
 
@@ -123,6 +126,8 @@ static int judge_shapes(const bvxi_corners *m, bvxi_star *star)
         apex = bvxi_corner_position(m, bvxi_corner_vertex_of(m, star->corner[i]));
         bvxi_area_normal(star->p, a, b, n);
         bvxi_area_normal(apex, a, b, before);
+
+        /* No area, or NaN: nothing below could judge its side. */
         if (!(bvxi_vec_dot(n, n) > 0)) return BVXI_STAR_NEEDLE;
 
         /* What had no area has no side to keep. */
@@ -180,6 +185,9 @@ static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *ape
 
     for (int32_t i = 0; i < r->count; i++)
         for (int k = 0; k < 3; k++) sum[k] += f->normal[fan_index(r, i)][k];
+
+    /* From here on with the rounded direction that is stored: a later collapse asks about this fan with
+     * exactly it. */
     face_along(sum, facing);
     for (int k = 0; k < 3; k++) sum[k] = (double)facing->along[k];
     sum_square = bvxi_vec_dot(sum, sum);
@@ -234,6 +242,8 @@ static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t
     int32_t const before = i == 0 ? star->count - 1 : i - 1;
     int32_t c = bvxi_corner_previous(star->corner[before]); /* of link[i] */
 
+    /* The two new triangles come first, so that the loop over those that stay begins at index 2 in every
+     * fan. */
     memcpy(f->normal[0], star->normal[i], sizeof f->normal[0]);
     memcpy(f->normal[1], star->normal[before], sizeof f->normal[1]);
     f->around[0] = position_or_ghost(m, star->link[i + 1]);
@@ -350,6 +360,8 @@ static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
     int32_t const start = star->ghost + 1; /* 0 where there is no ghost */
     fan_range r = {0, 0, INT32_MAX};
 
+    /* A ghost is two triangles of the star that are not there: the fan begins after them and is not a
+     * cycle. */
     f->open = star->ghost >= 0;
     r.count = f->count = star->count - 2 * f->open;
     for (int32_t i = 0; i <= f->count; i++) {
@@ -360,6 +372,8 @@ static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
     }
     if (fan_is_graph(f, &r, star->p, &star->own_facing)) return BVXI_STAR_SAFE;
 
+    /* A pointed tip, whose triangles face no one way: all of its pairs, exactly. Such fans are few and
+     * short. */
     for (int32_t i = 1; i < f->count; i++)
         for (int32_t j = 0; j < i; j++) {
             const double *const a[3] = {star->p, f->around[i], f->around[i + 1]};
@@ -390,6 +404,9 @@ static int axis_parts(const double axis[3], const double t[3][3], const double s
                  s_high = s0 > s1   ? s0 > s2 ? s0 : s2
                           : s1 > s2 ? s1
                                     : s2;
+
+    /* Each dot product has a handful of roundings of terms no larger than size times the axis. What is apart
+     * by less is left to the exact test. */
     double const margin = APART_MARGIN * size *
                           (magnitude(axis[0]) + magnitude(axis[1]) + magnitude(axis[2]));
 
@@ -433,6 +450,7 @@ static int triangles_are_apart(const double *const p[3], const double *const q[3
 {
     double t[3][3], s[3][3], size = 0;
 
+    /* From one corner, so that coordinates are as small as the triangles are, and so are the roundings. */
     for (int i = 0; i < 3; i++) {
         subtract(p[i], p[0], t[i]);
         subtract(q[i], p[0], s[i]);
@@ -477,6 +495,8 @@ static void gather_nodes(bvxi_star *star)
 {
     bvxi_box const none = bvxi_box_none();
 
+    /* In the tree's own form, one comparison then tests eight new triangles against a box. The last node is
+     * filled up with boxes that meet nothing. */
     for (int32_t i = 0; i < star->count || i % BVXI_BOX_WIDTH != 0; i++)
         bvxi_box_put(&star->node[i / BVXI_BOX_WIDTH], i % BVXI_BOX_WIDTH,
                      i < star->count ? &star->box[i] : &none);
@@ -535,6 +555,9 @@ static void gather_star_planes(const bvxi_corners *m, bvxi_star *star)
         bvxi_vec_cross(edge, planes->normal, planes->out);
         planes->normal_size = size_of(planes->normal);
         planes->out_size = size_of(planes->out);
+
+        /* The apex is at 0 along every plane, and the outer edge at its limit: beyond both is beyond the
+         * triangle. */
         limit = bvxi_vec_dot(planes->out, a);
         planes->limit = limit > 0 ? limit : 0;
     }
@@ -602,6 +625,8 @@ static int meets_new_triangles(const bvxi_corners *m, const bvxi_star *star, con
                                                     triangle & (BVXI_BOX_WIDTH - 1));
 
     for (int32_t first = 0; first < star->count; first += BVXI_BOX_WIDTH) {
+        /* New triangle i has link vertices i and i + 1, hence the shift. Pairs with a common vertex were
+         * judged as fans. */
         uint32_t const common = common_vertices(star, first, c);
         uint32_t const bits = bvxi_box_overlaps(&star->node[first / BVXI_BOX_WIDTH], &query) &
                               ~(common | common >> 1);
@@ -623,6 +648,7 @@ static int meets_found(const bvxi_corners *m, const bvxi_star *star, const bvxi_
     for (int32_t i = 0; i < found->count; i++) {
         int32_t const t = found->triangle[i];
 
+        /* Triangles of the edge's ends are those that the collapse replaces. */
         if (has_vertex(m, t, star->u) | has_vertex(m, t, star->v)) continue;
         if (meets_new_triangles(m, star, tree, t)) return 1;
     }
@@ -649,6 +675,8 @@ static int judge_neighbours(const bvxi_corners *m, const bvxi_box_tree *tree, bv
         int32_t const level = (int32_t)(top & 15);
         const bvxi_box_node *const node = &tree->node[level][index];
 
+        /* In batches, so that the list has a fixed size and lines that were fetched early have come by
+         * now. */
         if (found.count > BVXI_STAR_MOST - BVXI_BOX_WIDTH && meets_found(m, star, tree, &found))
             return BVXI_STAR_CROSSES;
         for (uint32_t bits = bvxi_box_overlaps(node, &query); bits != 0; bits &= bits - 1) {
@@ -675,6 +703,8 @@ int bvxi_star_judge(const bvxi_corners *m, const bvxi_box_tree *boxes, bvxi_star
 
     if (verdict != BVXI_STAR_SAFE) return verdict;
     all = gather_boxes(m, boxes, star);
+
+    /* From the cheapest test to the dearest. Most stars of a smooth surface end here. */
     if (boxes->faces && bvxi_star_is_one_sheet(m, boxes, star, &all)) return BVXI_STAR_SAFE;
 
     verdict = judge_new_fan(m, star);

@@ -17,6 +17,7 @@ BVXI_VECTOR_INLINE void emit_middles(const bvxi_march *m, int32_t axis, int32_t 
     double const z = bvxi_place_along(m, 2, k, axis == 2 ? 0.5 : 0.0);
     const double *const x = m->across[axis != 0] + (size_t)first * 64;
 
+    /* The usual case by itself: y and z are rounded once for the block, and the loop has no branch. */
     if (m->options.position_type == BVX_F32) {
         float *p = (float *)m->mesh->positions + 3 * vertex;
         float const fy = (float)y, fz = (float)z;
@@ -61,6 +62,8 @@ BVXI_VECTOR_INLINE void emit_levels(const bvxi_march *m, int32_t axis, int32_t j
                           (axis != 2 || k + 1 < size[2]);
     int32_t const x_end = size[0] - (axis == 0); /* low ends from 0 to here have both ends in the window */
 
+    /* Edges that leave the window have no second sample. Their vertices stay in the middle, where the closing
+     * cap of a grid would have them. */
     for (uint32_t n = 0; n < list->count; n++) {
         int32_t const i = first * 64 + list->at[n] - (axis == 0);
         double t = 0.5;
@@ -85,6 +88,7 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
     uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
     const bvxi_slot *const s = &m->slots[slot];
 
+    /* The four x-edges of a cell, then two each along y and z: the order that the tables' lanes name. */
     counter[0] = s->edge[0];
     counter[1] = s[up].edge[0];
     counter[2] = s[back].edge[0];
@@ -103,12 +107,17 @@ static uint32_t *emit_cells(const bvxi_march *m, const bvxi_case_list *cases, ui
 
     for (uint32_t a = from; a < cases->count; a++) {
         uint32_t const n = cases->number[a];
+
+        /* Each corner's vertex is the next unused one of its counter, or one past it: the tables know which,
+         * since all crossings to the left have been counted. */
         const uint8_t *const lane = bvxi_cell_triangle_lane[rule][n];
         const uint8_t *const offset = bvxi_cell_triangle_offset[rule][n];
         const uint8_t *const step = bvxi_cell_lane_step[n];
         uint32_t const corners = 3u * bvxi_cell_triangle_count[rule][n];
         for (uint32_t i = 0; i < corners; i++) out[i] = counter[lane[i]] + offset[i];
         out += corners;
+
+        /* Eight steps, also those of 0, are one vector addition and no branch. */
         for (uint32_t l = 0; l < 8; l++) counter[l] += step[l];
     }
     return out;
@@ -131,6 +140,9 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_
         __m128i const lane = _mm_loadu_si128((const __m128i *)(const void *)lanes[n]);
         __m128i const offset = _mm_loadu_si128((const __m128i *)(const void *)offsets[n]);
         __m128i const step = _mm_loadl_epi64((const __m128i *)(const void *)bvxi_cell_lane_step[n]);
+
+        /* A permutation by lanes is eight look-ups of counters in one instruction, which is why there are
+         * eight counters. */
         __m256i const a = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(lane));
         __m256i const b = _mm256_permutevar8x32_epi32(count, _mm256_cvtepu8_epi32(_mm_srli_si128(lane, 8)));
         _mm256_storeu_si256((__m256i *)(void *)out, _mm256_add_epi32(a, _mm256_cvtepu8_epi32(offset)));
@@ -139,6 +151,9 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_
         count = _mm256_add_epi32(count, _mm256_cvtepu8_epi32(step));
         out += 3u * bvxi_cell_triangle_count[rule][n];
     }
+
+    /* What is too near to the piece's end for stores of sixteen continues with the plain loop, from the same
+     * counters. */
     _mm256_storeu_si256((__m256i *)(void *)counter, count);
     return emit_cells(m, cases, done, counter, out);
 }
@@ -164,6 +179,9 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         bvxi_cell_words c;
         uint64_t active;
         bvxi_load_cells(row, first + w, words, &c);
+
+        /* Edges that another row of cells owns are masked out (has), so that each vertex is written exactly
+         * once. */
         bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
         bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
         bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);
@@ -188,6 +206,7 @@ BVXI_VECTOR_INLINE void emit_slot(const bvxi_march *m, uint64_t slot, const uint
     emit_block b;
     int32_t j, k;
 
+    /* Most rows of a solid have no crossing. The first pass knows, so they are not read again. */
     if (s[1].edge[0] == s->edge[0] && s[1].triangle == s->triangle) return;
     bvxi_slot_row(m, slot, &j, &k);
     start_counters(m, slot, j, k, counter);

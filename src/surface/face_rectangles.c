@@ -57,6 +57,8 @@ static int32_t end_of_run(const uint64_t *row, int32_t words, int32_t begin)
 static int take_run(uint64_t *row, int32_t begin, int32_t end)
 {
     int32_t const first = begin / BVXI_WORD_BITS, last = (end - 1) / BVXI_WORD_BITS;
+
+    /* First look, then clear: a run that is not whole stays for a rectangle of its own. */
     for (int32_t k = first; k <= last; k++)
         if ((~row[k] & run_in_word(begin, end, k)) != 0) return 0;
     for (int32_t k = first; k <= last; k++) row[k] &= ~run_in_word(begin, end, k);
@@ -94,6 +96,7 @@ static uint64_t cut_across_y(const face_merge *m, uint64_t *bits, int32_t j, uin
     const bvxi_faces *const f = m->f;
     int32_t const words = f->grid->words_per_row, nz = f->grid->size[2];
 
+    /* The two sides apart: faces that look the other way never join a rectangle. */
     for (int32_t positive = 0; positive < 2; positive++) {
         for (int32_t k = 0; k < nz; k++) {
             const uint64_t *const before = bvxi_face_voxels(f, j - 1, k);
@@ -133,6 +136,8 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
     size_t const plane_words = (size_t)words * (size_t)nz;
     uint64_t *const sides[2] = {bits, bits + 64 * plane_words};
 
+    /* 64 planes at once, since a word holds one bit of each: turned over, every plane has rows of words of
+     * its own. */
     for (int32_t k = 0; k < nz; k++)
         for (int32_t v = 0; v < words; v++) {
             uint64_t block[2][64];
@@ -149,6 +154,9 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
                     sides[s][i * plane_words + (size_t)k * (size_t)words + (size_t)v] = block[s][i];
             }
         }
+
+    /* Plane after plane, both sides of one before the next: the order of the result, which the words' order
+     * would not give. */
     for (int32_t i = 0; i < 64; i++)
         for (int32_t s = 0; s < 2; s++)
             at = cut_plane(m, sides[s] + (size_t)i * plane_words, nz, words, 0, s, w * 64 + i, at);
@@ -165,6 +173,9 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
                         : across_z < 0 ? cut_across_y(m, bits, across_y, from)
                                        : cut_across_z(m, bits, across_z, from);
+
+    /* The first run only counts. Prefix sums then give every task its place in the list, whichever worker
+     * comes first. */
     if (m->list == NULL) m->before[task] = to;
 }
 
@@ -205,6 +216,9 @@ static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
 
     (void)worker;
     bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
+
+    /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
+     * other. */
     vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;

@@ -106,6 +106,8 @@ static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
         f->face_count += f->rows[row].face;
     }
     BVXI_TRY(bvxi_faces_check_counts(ctx, f));
+
+    /* Checked against 32 bits before: from here on 32 bits hold every number. */
     uint32_t vertex = 0, face = 0;
     for (uint64_t row = 0; row <= f->row_count; row++) {
         bvxi_face_row const n = f->rows[row]; /* the last one is zero */
@@ -173,12 +175,16 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     face_reach c;
     int32_t j, k;
 
+    /* No corner is used here. A face's low corner would be one, so there is no face either. */
     if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
     corner_row(f, row, &j, &k);
     double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
     open_face_reach(f, row, j, k, &c);
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t face[3], behind, any;
+
+        /* The used corners of all four rows, so that a corner's number is a popcount away and no table of
+         * numbers is kept. */
         for (int32_t n = 0; n < 4; n++) c.used[n] = used_corners(f, &c.voxels[n], w);
         bvxi_put_corners(f, c.used[0], w, c.first[0], y, z);
         faces_of_word(f, &c.voxels[0], j, k, w, face, &behind);

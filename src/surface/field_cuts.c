@@ -35,6 +35,7 @@ static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, 
     const bvx_grid *const g = v->where;
     value_row r = {NULL, 0};
 
+    /* Where no value is needed the row has no words, and every look-up in it answers that there is none. */
     if ((c->interpolation != BVX_EDGE_MIDDLE || c->planes != NULL) && j >= 0 && k >= 0 && j < g->size[1] &&
         k < g->size[2]) {
         uint64_t const n = (uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j;
@@ -56,6 +57,8 @@ static uint64_t value_before(const value_row *r, int32_t words, int32_t w, int32
 {
     if (bit > 0) return value_at(r, words, w, bit - 1);
     if (r->words == NULL || w == 0 || r->words[w - 1] >> 63 == 0) return NO_VALUE;
+
+    /* The last bit of the word before: the walk's count at a word's begin is one past its value. */
     return r->next - 1;
 }
 
@@ -173,11 +176,17 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
     cut->t = 0.5;
     if (known) cut->by = cut_edge(k, v, axis, i, low, high, &edge, &cut->t);
     if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
+
+    /* No surface is near this edge, so what crosses it is a lid over a hole. Its position follows from the
+     * winding number, which is dear and therefore asked for many edges together. */
     if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE &&
         (!known || is_lid(&edge))) {
         cut->by = BVXI_CUT_LID;
         return;
     }
+
+    /* Strictly inside the edge, whatever the values say: the guarantee of the tables holds for such positions
+     * only. */
     cut->t = ratio_on_edge(cut->t);
     if (c->planes != NULL && known) {
         const bvx_grid *const g = c->march->grid;
@@ -201,6 +210,8 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
 
     if (first) find_body_cut(k, v, axis, i, low[0], high[0], &cut);
     if (k->bodies == 2 && changes_side(v->second->inside, axis, i, k->j, k->k)) {
+        /* Coming from inside, a union is left where the last of its bodies is left, an intersection where the
+         * first is; coming from outside it is the other way. */
         int const later = is_inside(c->march, i, k->j, k->k) == (v->outer != 0);
         placed_cut other;
         find_body_cut(k, v->second, axis, i, low[1], high[1], &other);
@@ -228,6 +239,9 @@ static void place_slot(cut_walk *k, uint64_t slot)
         for (int32_t r = 0; r < 3; r++)
             k->row[b][r] = start_value_row(c, b == 0 ? c->values : c->values->second, k->j + (r == 1),
                                            k->k + (r == 2));
+
+    /* The same masks in the same order as when vertices were numbered, so that vertex[axis] counts along
+     * without a search. */
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t mask[3];
         bvxi_cell_words cells;
@@ -247,6 +261,8 @@ static void place_slot(cut_walk *k, uint64_t slot)
                 }
                 place_cut(k, vertex[axis]++, axis, w * 64 + bit - (axis == 0), low, high);
             }
+
+        /* Only now: value_before reads the count of the word that ends here. */
         for (int32_t b = 0; b < k->bodies && w < words; b++)
             for (int32_t r = 0; r < 3; r++)
                 if (k->row[b][r].words != NULL) k->row[b][r].next += bvxi_popcount(k->row[b][r].words[w]);
@@ -265,6 +281,8 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
     k.bodies = c->values->second != NULL ? 2 : 1;
     bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
+
+    /* What is still waiting, before the worker's list goes. */
     place_missing_cuts(&k);
     memcpy(c->piece_counts + BVXI_CUT_KINDS * (size_t)piece, k.count, sizeof k.count);
 }

@@ -36,6 +36,8 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
                                         const bvx_extract_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
+
+    /* A key packs three coordinates of 20 bits and an axis into one word, which merging sorts by. */
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
             return bvxi_fail(ctx, BVX_ERR_RANGE,
@@ -60,6 +62,8 @@ static double float_step(double coordinate)
     /* 2^-149, the least step of f32 */
     double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0;
 
+    /* A float has 24 bits, so its step doubles whenever the coordinate reaches 2^24 of them. Doubling is
+     * exact and needs no logarithm of a library. */
     while (step * 16777216.0 <= coordinate) step *= 2;
     return step;
 }
@@ -70,6 +74,7 @@ static bvx_status check_f32(bvx_context *ctx, const char *function, const bvx_gr
     for (int32_t a = 0; a < 3; a++) {
         double const spacing = grid->lattice.spacing[a], most = farthest_coordinate(grid, origin, a);
 
+        /* Negated, so that a NaN is refused too. */
         if (!(most < FLOAT_LIMIT))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_FLOATS_COARSE,
                                  "%s: coordinates up to %g do not fit f32; take f64 or a local frame",
@@ -121,12 +126,16 @@ static void choose_cells(bvxi_march *m)
     int32_t const nx = m->grid->size[0];
     int32_t last_bit;
 
+    /* A closed side has one more layer of cells, half outside, whose outer corners count as empty: that is
+     * what closes the surface there. */
     for (int32_t a = 0; a < 3; a++) {
         m->cell_low[a] = (m->options.open_sides >> (2 * a) & 1) != 0 ? 0 : -1;
         m->cell_high[a] = m->grid->size[a] - ((m->options.open_sides >> (2 * a + 1) & 1) != 0 ? 2 : 1);
     }
     m->no_cells = m->cell_high[0] < m->cell_low[0] || m->cell_high[1] < m->cell_low[1] ||
                   m->cell_high[2] < m->cell_low[2];
+
+    /* Cells and x-edges are shifted by one bit against voxels, so a row of them may need one word more. */
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
     m->past_mask = bvxi_grid_past(m->grid);
@@ -144,6 +153,9 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
         triangles += m->piece_counts[3 * p + 1];
         past |= m->piece_counts[3 * p + 2];
     }
+
+    /* Bits past a row's end would become cells that do not exist. They are found while counting, which reads
+     * every word anyway. */
     if (past != 0) return bvxi_grid_fail_past(ctx, m->function, m->grid);
     if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
         return bvxi_fail(
@@ -153,6 +165,9 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
     m->vertex_count = vertices;
     m->triangle_count = triangles;
     vertices = triangles = 0;
+
+    /* Prefix sums in the order of slots, and x before y before z within one: the canonical order of vertices,
+     * whatever number of threads counted. */
     for (uint64_t s = 0; s < m->slot_count; s++) {
         bvxi_slot *const slot = &m->slots[s];
         uint32_t const x = slot->edge[0], y = slot->edge[1], z = slot->edge[2], t = slot->triangle;
@@ -163,6 +178,9 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
         vertices += (uint64_t)x + y + z;
         triangles += t;
     }
+
+    /* One slot past the end, so that a row's own count is always its successor's first number less its
+     * own. */
     memset(&m->slots[m->slot_count], 0, sizeof *m->slots);
     m->slots[m->slot_count].edge[0] = (uint32_t)vertices;
     m->slots[m->slot_count].triangle = (uint32_t)triangles;
@@ -189,6 +207,8 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     BVXI_TRY(bvxi_choose_position_type(ctx, m->function, grid, m->origin, &m->options.position_type));
     choose_cells(m);
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
+
+    /* How the work is divided follows from the shape alone, never from the number of threads. */
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers",
                         &m->slots));
@@ -215,6 +235,8 @@ static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, across_bytes(m), "the columns' positions", &m->across[0]));
     m->across[1] = m->across[0] + n;
+
+    /* From the lattice index, not by adding up spacings, so that a window has the positions of the whole. */
     for (int32_t i = 0; i < n; i++) {
         m->across[0][i] = m->origin[0] + (double)(m->grid->low[0] + i) * m->spacing[0];
         m->across[1][i] = m->origin[0] + ((double)(m->grid->low[0] + i) + 0.5) * m->spacing[0];
@@ -228,6 +250,9 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
     bvx_status status;
 
     BVXI_TRY(place_across(ctx, m));
+
+    /* Exact counts are known by now: the arrays are made once, and pieces write their parts of them without
+     * meeting. */
     BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count,
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
@@ -235,6 +260,8 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
     status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
         status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
+
+    /* An array of the caller's cannot be freed, so it is left empty instead. */
     if (status != BVX_OK) {
         if (mine) bvx_mesh_free(ctx, mesh);
         else mesh->vertex_count = mesh->triangle_count = 0;

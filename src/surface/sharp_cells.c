@@ -28,6 +28,8 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     double first[3], n[3];
     int known = 0;
 
+    /* Against one normal instead of all pairs: two that both lie within half the angle of it cannot differ by
+     * the whole angle. Most cells are flat and end here. */
     for (uint32_t i = 0; i < corners; i++) {
         if (!bvxi_sharp_normal(w, corner[i], known ? n : first)) continue;
         if (known && bvxi_vec_dot(first, n) < half) return 1;
@@ -73,6 +75,8 @@ static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_bo
     const bvxi_march *const m = w->march;
     int32_t const at[3] = {c->x, c->j, c->k};
 
+    /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
+     * neighbouring cell's triangles. */
     for (int32_t a = 0; a < 3; a++) {
         box->low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
         box->high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
@@ -98,6 +102,8 @@ static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bv
                 middle[a] += other ? 0.0 : p[a] / l->corners;
                 to->n[a] = (double)from->n[a];
             }
+
+            /* A vertex without a plane has a normal of 0 and is overwritten by the next one. */
             to->d = bvxi_vec_dot(to->n, p) + (double)from->offset;
             count[1] += to->n[0] != 0.0 || to->n[1] != 0.0 || to->n[2] != 0.0;
         }
@@ -127,6 +133,9 @@ static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi
     int32_t count[2];
 
     read_planes(w, box, l, planes, count, middle);
+
+    /* With the far facets first; where they do not all meet in the cell they would pull the apex away, and
+     * are left out. */
     bvxi_apex(planes, count[1], middle, box->half, p);
     if (count[1] == count[0] || !lies_on_all(box, planes, count[1], p))
         bvxi_apex(planes, count[0], middle, box->half, p);
@@ -220,6 +229,9 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
                             !turns_over(w, &loops.loop[l], s->apex));
         if (s->kept) apex[l] = s->apex;
     }
+
+    /* Loops of one cell were apart before: when fans may cross, the whole cell goes back to the table's
+     * triangles, which cannot. */
     if (count != 0 && loops.count > 1 && !loops_are_apart(w->march, c, &loops, apex))
         for (uint32_t n = 0; n < count; n++) out[n].kept = 0;
     return count;
