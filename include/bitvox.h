@@ -878,7 +878,9 @@ typedef struct bvx_field_surface_report {
                                     have crossed one */
     uint64_t flipped_edges;    /**< sharp: edges between such cells that were turned to join their vertices */
     uint64_t lids; /**< bvx_repair: placed by the winding number, since no surface is near: lids over holes */
-    uint64_t reserved[3];
+    uint64_t sharp; /**< 1: edges and corners were kept sharp */
+    uint64_t own;   /**< grid: crossings that are not the field's, placed by offset or in the middle */
+    uint64_t reserved[1];
 } bvx_field_surface_report;
 
 /* ---- Fewer triangles ----------------------------------------------------------------------------------- */
@@ -1546,11 +1548,19 @@ typedef struct bvx_field_surface_options {
                                 0..1] [Default: 0] */
     int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to
                                 the closest triangles' planes where the field has triangles and the mesh is
-                                given [Limit: 0..1] [Default: 0] */
+                                given; -1: where the mesh, which must be given, has sharp edges
+                                [Limit: -1..1] [Default: 0] */
     int32_t reserved;
     double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the
                              angle between their normals] [Limit: -1..1] [Default: 0.8] */
     bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
+    const bvx_grid *grid; /**< other voxels of the field's window, made from its inside by whatever changes
+                               voxels, whose surface is computed: where it is that of inside, vertices are
+                               the field's, elsewhere those of offset, or in the middle of their edges
+                               [Default: NULL, inside] */
+    double offset; /**< grid: where this distance to the mesh, negative inside, lies between the ends of an
+                        edge, the vertex stands there: bodies made thicker, thinner or hollow; 0: no such
+                        surface [Units: world] [Limit: any] [Default: 0] */
 } bvx_field_surface_options;
 
 BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size);
@@ -1563,8 +1573,8 @@ BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, 
  *        needs to know facets; without either sharp uses the vectors, which is nearly as good
  *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field without inside, or without vectors
  *  where they are needed, or whose row_values are not those of its band; BVX_ERR_RANGE also for triangles
- *  that the mesh does not have, and for f64 whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band and
- *  inside differ).
+ *  that the mesh does not have, and for f64 whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band, inside
+ *  or options.grid differ).
  *  [Memory: the mesh and 16 bytes a row; sharp: the mesh once more, 32 bytes a vertex, 40 a sharp cell]
  *  [Cost: O(words + crossings), one thread 20 ns a triangle; sharp 120 ns]
  *  Source: "Model repair by a vector distance field" 2.3, its formula corrected; for sharp Kobbelt, Botsch,

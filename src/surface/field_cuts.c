@@ -3,7 +3,9 @@
  * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of
  * centres beside them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets
  * depends on the values at the ends of its own edge alone. Where the surface is that of two bodies together,
- * each has values of its own, and an edge is cut by the one whose side changes on it. */
+ * each has values of its own, and an edge is cut by the one whose side changes on it. Where it is that of one
+ * body changed, edges on which the body's side does not change are cut at a distance from it, or in the
+ * middle. */
 #include "surface/cells.h"
 #include "surface/edge_vector.h"
 #include "surface/field_surface.h"
@@ -25,6 +27,7 @@ typedef struct cut_walk {
     int32_t bodies;
     int32_t j, k, w;
     uint64_t count[BVXI_CUT_KINDS];
+    uint64_t own;                                 /* cuts that are not the body's */
     bvxi_missing_edge missing[BVXI_MISSING_MOST]; /* asked together */
     uint64_t missing_vertex[BVXI_MISSING_MOST];
     int32_t missing_count;
@@ -86,21 +89,19 @@ static int is_inside(const bvxi_march *m, int32_t i, int32_t j, int32_t k)
     return (int)(bvxi_march_row(m, j, k)[i >> 6] >> (i & 63) & 1);
 }
 
-/* Whether the ends of the edge from centre (i, j, k) along axis differ in a
- * body; beyond the window is outside. */
+/* 1 when a centre is inside a body; beyond the window is outside. */
+static int is_in_body(const bvx_grid *inside, int32_t i, int32_t j, int32_t k)
+{
+    if (i < 0 || j < 0 || k < 0 || i >= inside->size[0] || j >= inside->size[1] || k >= inside->size[2])
+        return 0;
+    return bvx_grid_get(inside, i, j, k);
+}
+
+/* Whether the ends of the edge from centre (i, j, k) along axis differ in a body. */
 static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t j, int32_t k)
 {
-    int32_t const end[2][3] = {{i, j, k}, {i + (axis == 0), j + (axis == 1), k + (axis == 2)}};
-    int side[2] = {0, 0};
-
-    for (int32_t e = 0; e < 2; e++) {
-        const int32_t *const at = end[e];
-        if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= inside->size[0] || at[1] >= inside->size[1] ||
-            at[2] >= inside->size[2])
-            continue;
-        side[e] = bvx_grid_get(inside, at[0], at[1], at[2]);
-    }
-    return side[0] != side[1];
+    return is_in_body(inside, i, j, k) !=
+           is_in_body(inside, i + (axis == 0), j + (axis == 1), k + (axis == 2));
 }
 
 /* An edge both of whose ends have values. */
@@ -198,6 +199,49 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
     }
 }
 
+/* An end on one side of the body by the surface at a depth under it, or above it, in place of the body's. */
+static void move_end(double depth, double vector[3], double *distance)
+{
+    double const share = (*distance - depth) / *distance;
+
+    for (int32_t a = 0; a < 3; a++) vector[a] *= share;
+    *distance = *distance < depth ? depth - *distance : *distance - depth;
+}
+
+/* The cut of an edge that is not the body's, with values low and high at its ends: by the offset's surface
+ * where that passes between them. */
+static void find_own_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
+                         uint64_t high, placed_cut *cut)
+{
+    double const depth = v->offset < 0.0 ? -v->offset : v->offset;
+    bvxi_cut_edge edge;
+
+    cut->t = 0.5;
+    cut->by = BVXI_CUT_MIDDLE;
+    memset(cut->planes, 0, sizeof cut->planes);
+    if (depth == 0.0 || low == NO_VALUE || high == NO_VALUE) return;
+
+    /* Both ends are on the offset's side of the body: they are so together, as the edge is not the body's. */
+    if (is_in_body(v->inside, i, k->j, k->k) != (v->offset < 0.0)) return;
+    edge.axis = axis;
+    edge.length = k->cuts->march->spacing[axis];
+    edge.high_inside = !is_inside(k->cuts->march, i, k->j, k->k);
+    edge.low_distance = read_end(v, low, edge.low);
+    edge.high_distance = read_end(v, high, edge.high);
+    if ((edge.low_distance < depth) == (edge.high_distance < depth)) return;
+
+    /* A centre on the body itself has no direction to move in. */
+    if (edge.low_distance == 0.0 || edge.high_distance == 0.0) {
+        cut->t = (depth - edge.low_distance) / (edge.high_distance - edge.low_distance);
+        cut->by = BVXI_CUT_SCALAR;
+    } else {
+        move_end(depth, edge.low, &edge.low_distance);
+        move_end(depth, edge.high, &edge.high_distance);
+        cut->by = bvxi_find_cut(&edge, k->cuts->interpolation, &cut->t);
+    }
+    cut->t = ratio_on_edge(cut->t);
+}
+
 /* The vertex on the edge from centre (i, j, k) along axis, whose ends have
  * the values low and high of each body. */
 static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, const uint64_t low[2],
@@ -205,10 +249,14 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
 {
     const bvxi_cuts *const c = k->cuts;
     const bvxi_edge_values *const v = c->values;
-    int const first = k->bodies == 1 || changes_side(v->inside, axis, i, k->j, k->k);
+    int const first = v->inside == NULL || changes_side(v->inside, axis, i, k->j, k->k);
     placed_cut cut;
 
     if (first) find_body_cut(k, v, axis, i, low[0], high[0], &cut);
+    else if (k->bodies == 1) {
+        find_own_cut(k, v, axis, i, low[0], high[0], &cut);
+        k->own++;
+    }
     if (k->bodies == 2 && changes_side(v->second->inside, axis, i, k->j, k->k)) {
         /* Coming from inside, a union is left where the last of its bodies is left, an intersection where the
          * first is; coming from outside it is the other way. */
@@ -284,5 +332,6 @@ void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
 
     /* What is still waiting, before the worker's list goes. */
     place_missing_cuts(&k);
-    memcpy(c->piece_counts + BVXI_CUT_KINDS * (size_t)piece, k.count, sizeof k.count);
+    memcpy(c->piece_counts + (BVXI_CUT_KINDS + 1) * (size_t)piece, k.count, sizeof k.count);
+    c->piece_counts[(BVXI_CUT_KINDS + 1) * (size_t)piece + BVXI_CUT_KINDS] = k.own;
 }

@@ -9,10 +9,11 @@
 #include "surface/edge_vector.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
+#include "mesh/sharp_edges.h"
 #include "mesh/view.h"
 
 static const bvx_field_surface_options field_surface_defaults = {
-    0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL};
+    0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL, NULL, 0.0};
 
 void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size)
 {
@@ -25,10 +26,11 @@ static const bvxi_option field_surface_rows[] = {
     BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
     BVXI_CHOICE(bvx_field_surface_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
     BVXI_CHOICE(bvx_field_surface_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_SWITCH(bvx_field_surface_options, sharp),
+    BVXI_WHOLE(bvx_field_surface_options, sharp, -1, 1),
     BVXI_SWITCH(bvx_field_surface_options, local_frame),
     BVXI_RESERVED(bvx_field_surface_options, reserved),
     BVXI_REAL(bvx_field_surface_options, sharp_angle, -1.0, 1.0),
+    BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
 
 /* The numbers of the values must be those of the band's bits, as no search checks them again. */
@@ -64,11 +66,27 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
     return bvxi_check_f64(ctx, function, grid, origin);
 }
 
+/* Voxels in place of the field's own stand on the same window. */
+static bvx_status check_changed(bvx_context *ctx, const char *function, const bvx_field *f,
+                                const bvx_field_surface_options *o)
+{
+    if (o->grid == NULL && o->offset != 0.0)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: offset is used with grid, which is NULL", function);
+    if (o->grid == NULL) return BVX_OK;
+    BVXI_TRY(bvxi_grid_check(ctx, function, o->grid));
+    if (!bvxi_lattice_equal(&o->grid->lattice, &f->inside.lattice) ||
+        memcmp(o->grid->low, f->inside.low, sizeof o->grid->low) != 0 ||
+        memcmp(o->grid->size, f->inside.size, sizeof o->grid->size) != 0)
+        return bvxi_fail(ctx, BVX_ERR_LATTICE,
+                         "%s: grid and the field's inside have different lattices or windows", function);
+    return BVX_OK;
+}
+
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
                               const bvx_field_surface_options *o)
 {
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
-                        o->sharp;
+                        o->sharp != 0;
 
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0)
@@ -78,6 +96,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign",
                          function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
+    BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
@@ -115,24 +134,41 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
     return BVX_OK;
 }
 
+/* Sharp edges: as asked for, or where the mesh has them. */
+static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                                     bvx_field_surface_options *o)
+{
+    double low[3], high[3], share;
+
+    if (o->sharp >= 0) return BVX_OK;
+    if (mesh == NULL)
+        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
+                         "%s: sharp is -1, which looks at the mesh's edges, but mesh is NULL", function);
+    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
+    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
+    return BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &o->sharp, &share));
+}
+
 /* ---- steps ---- */
 
 /* Cuts counted over all pieces. */
 static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
 {
-    for (int32_t p = 0; p < c->march->pieces; p++)
+    for (int32_t p = 0; p < c->march->pieces; p++) {
+        report->own += c->piece_counts[(BVXI_CUT_KINDS + 1) * p + BVXI_CUT_KINDS];
         for (int32_t by = 0; by < BVXI_CUT_KINDS; by++) {
-            uint64_t const n = c->piece_counts[BVXI_CUT_KINDS * p + by];
+            uint64_t const n = c->piece_counts[(BVXI_CUT_KINDS + 1) * p + by];
             report->edges += n;
             report->scalar += by == BVXI_CUT_SCALAR ? n : 0;
             report->middle += by == BVXI_CUT_MIDDLE ? n : 0;
             report->lids += by == BVXI_CUT_LID ? n : 0;
         }
+    }
 }
 
 static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_report *report)
 {
-    uint64_t const bytes = (uint64_t)c->march->pieces * BVXI_CUT_KINDS * sizeof *c->piece_counts;
+    uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
     bvx_status status;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
     status = bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c);
@@ -209,6 +245,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
         status = options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                                 : make_plain(ctx, &m, &cuts, surface, &report);
     bvxi_march_close(ctx, &m);
+    report.sharp = options->sharp != 0;
     if (status == BVX_OK && options->report != NULL) *options->report = report;
     return status;
 }
@@ -222,6 +259,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o = field_surface_defaults;
     bvxi_edge_values v = {0};
+    int32_t asked;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (field == NULL || surface == NULL)
@@ -229,6 +267,8 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
     BVXI_TRY(check_field(context, name, field, &o));
+    asked = o.sharp;
+    BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     if (o.sharp && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
@@ -240,7 +280,11 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     v.value_type = field->value_type;
     v.vectors = field->vectors;
     v.distances = field->distances;
-    return bvxi_field_surface(context, name, &field->inside, &v, &o, surface);
+    v.inside = o.grid != NULL ? &field->inside : NULL;
+    v.offset = o.offset;
+    return BVXI_SHARE(
+        context, asked < 0 ? 0.2 : 0.0, 1.0,
+        bvxi_field_surface(context, name, o.grid != NULL ? o.grid : &field->inside, &v, &o, surface));
 }
 
 bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,

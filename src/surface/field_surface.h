@@ -36,6 +36,9 @@ typedef struct bvxi_edge_values {
     const struct bvxi_edge_values *second;
     /* an edge of both is cut by 1: the one further from the inside, 0: the nearer one */
     int32_t outer;
+    /* one body with an inside: edges that are not its own are cut where its distance, negative inside, is
+     * this; 0: in the middle */
+    double offset;
 } bvxi_edge_values;
 
 /* The surface of inside with cuts by values; options are checked, surface is opened as by bvxi_mesh_open.
@@ -58,7 +61,8 @@ typedef struct bvxi_cuts {
     int32_t interpolation;
     double unit;              /* the largest spacing */
     bvxi_facet_plane *planes; /* two of each vertex, or NULL where none are asked for */
-    uint64_t *piece_counts;   /* [Size: march->pieces * BVXI_CUT_KINDS] */
+    uint64_t *piece_counts;   /* by what placed them, and those that are not the body's
+                               [Size: march->pieces * (BVXI_CUT_KINDS + 1)] */
 } bvxi_cuts;
 
 /* field_cuts.c: place the vertices of the slots of a piece. */

@@ -7,6 +7,7 @@
 static maker_mesh box;
 static bvx_mesh_view view;
 static bvx_field field;
+static bvx_grid changed;
 static bvx_context *maker;
 static uint64_t mark;   /* a hash of what the last good run made */
 static int left_behind; /* a failed call left something in its result */
@@ -32,19 +33,24 @@ static int make_inputs(void **state)
     view = maker_view(&box);
     assert_int_equal(bvx_lattice_make(maker, origin, spacing, dims, &lattice), BVX_OK);
     field_maker_measure(maker, &box, &lattice, 2.0, BVX_F32, &field);
+    assert_int_equal(bvx_grid_create(maker, &lattice, NULL, &changed), BVX_OK);
+    assert_int_equal(bvx_grid_union(maker, &field.inside, &field.inside, &changed), BVX_OK);
+    for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&changed, x, 9, 7, 0);
     return 0;
 }
 
 static int free_inputs(void **state)
 {
     (void)state;
+    bvx_grid_free(maker, &changed);
     field_maker_free(maker, &field);
     bvx_context_destroy(maker);
     maker_free(&box);
     return 0;
 }
 
-static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_view *mesh)
+static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_view *mesh,
+                               const bvx_grid *grid)
 {
     bvx_field_surface_options o;
     bvx_mesh m;
@@ -53,6 +59,8 @@ static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_v
     memset(&m, 0, sizeof m);
     bvx_field_surface_options_init(&o, sizeof o);
     o.sharp = sharp;
+    o.grid = grid;
+    o.offset = grid != NULL ? -1.5 : 0.0;
     status = bvx_extract_field_surface(ctx, &field, mesh, &o, &m);
     if (status != BVX_OK) {
         left_behind |= m.positions != NULL || m.triangles != NULL || m.vertex_count != 0 ||
@@ -67,23 +75,31 @@ static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_v
 static bvx_status run_plain(void *user, bvx_context *ctx)
 {
     (void)user;
-    return make_surface(ctx, 0, NULL);
+    return make_surface(ctx, 0, NULL, NULL);
 }
 
 static bvx_status run_sharp(void *user, bvx_context *ctx)
 {
     (void)user;
-    return make_surface(ctx, 1, &view);
+    return make_surface(ctx, 1, &view, NULL);
 }
 
 static bvx_status run_sharp_by_vectors(void *user, bvx_context *ctx)
 {
     (void)user;
-    return make_surface(ctx, 1, NULL);
+    return make_surface(ctx, 1, NULL, NULL);
 }
 
-enum { SURFACES = 3 };
-static fault_operation_fn *const surfaces[SURFACES] = {run_plain, run_sharp, run_sharp_by_vectors};
+/* Sharp because the box is; of voxels that lack one row. */
+static bvx_status run_changed(void *user, bvx_context *ctx)
+{
+    (void)user;
+    return make_surface(ctx, -1, &view, &changed);
+}
+
+enum { SURFACES = 4 };
+static fault_operation_fn *const surfaces[SURFACES] = {run_plain, run_sharp, run_sharp_by_vectors,
+                                                       run_changed};
 
 typedef struct trial {
     fault_operation_fn *run;

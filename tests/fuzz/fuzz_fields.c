@@ -53,17 +53,28 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
 static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_field *field)
 {
     bvx_field_surface_options o;
+    bvx_grid changed = {0};
     bvx_mesh mesh = {0};
 
     if (field->inside.words == NULL) return;
     bvx_field_surface_options_init(&o, sizeof o);
+    if (fuzz_range(in, 0, 1)) {
+        fuzz_must(ctx, bvx_grid_union(ctx, &field->inside, &field->inside, &changed));
+        for (int32_t n = 0; n < 12; n++)
+            bvx_grid_set(&changed, fuzz_range(in, 0, changed.size[0] - 1),
+                         fuzz_range(in, 0, changed.size[1] - 1), fuzz_range(in, 0, changed.size[2] - 1),
+                         fuzz_range(in, 0, 1));
+        o.grid = &changed;
+        o.offset = fuzz_range(in, -8, 8) * field->inside.lattice.spacing[0] / 4.0;
+    }
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.face_rule = fuzz_range(in, 0, 1);
-    o.sharp = fuzz_range(in, 0, 1);
+    o.sharp = fuzz_range(in, -1, 1);
     o.position_type = BVX_F64;
     if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh)))
         fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
     bvx_mesh_free(ctx, &mesh);
+    bvx_grid_free(ctx, &changed);
 }
 
 static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,

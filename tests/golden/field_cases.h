@@ -49,12 +49,51 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
     golden_end(g);
 }
 
+/* The surface of a shell, plain and sharp: outside the mesh's, inside an even wall. */
+static void changed_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution)
+{
+    bvx_lattice lattice;
+    bvx_field_options o;
+    bvx_field field = {0};
+    bvx_grid shell = {0};
+
+    golden_begin(g, name);
+    bvx_field_options_init(&o, sizeof o);
+    o.half_width = 5;
+    if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)) &&
+        golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field)) &&
+        golden_good(g, bvx_grid_union(g->context, &field.inside, &field.inside, &shell))) {
+        double const thickness = 2.25 * lattice.spacing[0];
+        for (int32_t z = 0; z < shell.size[2]; z++)
+            for (int32_t y = 0; y < shell.size[1]; y++)
+                for (int32_t x = 0; x < shell.size[0]; x++) {
+                    uint64_t const n = bvx_field_value(&field, x, y, z);
+                    int const wall = n != UINT64_MAX && ((const float *)field.distances)[n] > -thickness;
+                    if (bvx_grid_get(&shell, x, y, z) && !wall) bvx_grid_set(&shell, x, y, z, 0);
+                }
+        for (int32_t sharp = 0; sharp < 2; sharp++) {
+            bvx_field_surface_options so;
+            bvx_mesh mesh = {0};
+            bvx_field_surface_options_init(&so, sizeof so);
+            so.sharp = sharp;
+            so.grid = &shell;
+            so.offset = -thickness;
+            mesh_value(g, sharp ? "sharp" : "plain",
+                       bvx_extract_field_surface(g->context, &field, view, &so, &mesh), &mesh);
+        }
+    }
+    bvx_grid_free(g->context, &shell);
+    bvx_field_free(g->context, &field);
+    golden_end(g);
+}
+
 static void field_cases(golden *g)
 {
     bvx_mesh_view view;
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
     field_values(g, "torus_40", &view, 40);
+    changed_values(g, "torus_40_shell", &view, 40);
     shape_soup(&golden_shape, 300, 11);
     shape_view(&golden_shape, &view);
     field_values(g, "soup_24", &view, 24);

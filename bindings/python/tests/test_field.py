@@ -1,5 +1,7 @@
 """Distance fields and repair."""
 
+import math
+
 import numpy as np
 import pytest
 from conftest import TETRAHEDRON, ball_grid, box_mesh
@@ -91,6 +93,36 @@ def test_surface_of_a_field(interpolation):
     assert certificate.closed and certificate.edge_manifold and certificate.oriented and surface.report.edges == surface.n_vertices
     off = bitvox.compare(surface, ball, samples=2000)
     assert off.mean < (0.5 if interpolation == "middle" else 0.2)
+
+
+def test_voxels_that_were_changed_keep_the_surface_of_the_mesh():
+    box = box_mesh((0, 0, 0), (10, 9, 8))
+    lattice = bitvox.Lattice.fit(box, resolution=23, padding=2)
+    whole = bitvox.voxelize(box, lattice=lattice)
+    measured = bitvox.field(box, lattice=lattice, half_width=8)
+    shell = bitvox.Grid.from_numpy(whole.to_numpy() & (measured.to_numpy() > -1.3), lattice=lattice)
+    by_mesh = shell.surface(mesh=box, offset=-1.3)
+    certificate = by_mesh.check()
+    assert certificate.closed and certificate.edge_manifold and certificate.components == 2 and by_mesh.report.sharp == 1
+    hollow = 7.4 * 6.4 * 5.4  # the inner wall's edges are bevelled, which takes a little of the hollow
+    off = certificate.volume - (720 - hollow)
+    assert 0 < off < 0.01 * hollow
+    stairs = shell.surface(mesh=box)
+    assert stairs.check().volume - (720 - hollow) > 2 * off and stairs.report.middle == stairs.report.own > 0
+    same = whole.surface(mesh=box)
+    assert abs(same.check().volume - 720) < 1e-6 * 720 and same.report.own == 0
+    assert measured.surface(grid=shell, offset=-1.3, sharp=None).n_vertices == by_mesh.n_vertices
+
+
+def test_surfaces_of_changed_voxels_that_cannot_be_are_refused():
+    box, other = box_mesh((0, 0, 0), (1, 1, 1)), bitvox.Grid.from_numpy(np.ones((3, 3, 3), bool))
+    measured = bitvox.field(box, resolution=8)
+    for wrong in ({"offset": 1.0}, {"grid": other}, {"grid": measured.inside, "offset": math.nan}):
+        with pytest.raises(bitvox.Error):
+            measured.surface(**wrong)
+    for wrong in ({"mesh": box, "keys": True}, {"mesh": box, "open_sides": "x-low"}, {"offset": 1.0}, {"sharp": True}):
+        with pytest.raises(bitvox.ArgumentError):
+            other.surface(**wrong)
 
 
 def test_sharp_surface():

@@ -137,8 +137,10 @@ class Field:
         *,
         interpolation: Interpolation = "tangent",
         face_rule: FaceRule = "separate",
-        sharp: bool = False,
+        sharp: bool | None = False,
         sharp_angle: float | None = None,
+        grid: Grid | None = None,
+        offset: float = 0.0,
         dtype: Any = None,
         local_frame: bool = False,
         threads: int | None = None,
@@ -151,8 +153,12 @@ class Field:
             interpolation: "tangent" (by the planes at the closest points, nearest to the mesh), "vector" (by the line through
                 these points), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
             face_rule, dtype, local_frame: as for `bitvox.surface`.
-            sharp: cells on sharp edges and corners get a vertex there; ``sharp_angle`` is the cosine between facets that
-                still count as smooth (default 0.8).
+            sharp: cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges
+                are sharp; ``sharp_angle`` is the cosine between facets that still count as smooth (default 0.8).
+            grid: other voxels of the field's window, whose surface is wanted in place of that of ``inside``: where both are the
+                same, vertices are the mesh's, elsewhere those of ``offset``, or in the middle between set and empty ones.
+            offset: with ``grid``: where this distance to the mesh, negative inside, lies between a set and an empty centre, the
+                surface passes there: ``-t`` for the inner wall of a hollow body of thickness t [world].
 
         Returns:
             A `Mesh`; ``mesh.report`` is a `bitvox.reports.FieldSurfaceReport`.
@@ -160,9 +166,14 @@ class Field:
         options = options_of("field_surface_options")
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-        options.sharp, options.local_frame = int(bool(sharp)), int(bool(local_frame))
+        options.sharp = -1 if sharp is None else int(bool(sharp))
+        options.local_frame = int(bool(local_frame))
+        if offset and grid is None:
+            raise ArgumentError("offset is taken together with grid")
+        if grid is not None:
+            options.grid, options.offset = grid._c, float(offset)
         if sharp_angle is not None:
-            if not sharp:
+            if sharp is False:
                 raise ArgumentError("sharp_angle is taken together with sharp")
             options.sharp_angle = float(sharp_angle)
         report = ffi.new("bvx_field_surface_report *")
@@ -234,6 +245,17 @@ def _field_from(mesh: Mesh, band: Grid, inside: Grid | None, rows: Any, distance
             setattr(made, name, ffi.cast(kind, arrays.address(values)))
     made.value_type, made.sign, made.half_width = value_type, sign, half_width
     return Field(ffi.gc(made, lambda _, kept=kept: None), mesh)
+
+
+def surface_of_mesh(grid: Grid, mesh: Any, offset: float, **options: Any) -> Mesh:
+    """The surface of voxels that were made from a mesh: `Field.surface` of a field measured as far as the offset."""
+    if (grid.low, grid.shape) == ((0, 0, 0), grid.lattice.shape):
+        grid = grid.pad(1)  # an edge of the lattice that leaves it has no value at its other end
+    far = 2.0 + abs(float(offset)) / max(grid.lattice.spacing)
+    limits: dict[str, Any] = {name: options.get(name) for name in ("threads", "memory_limit", "progress")}
+    window = (grid.low, grid.shape)
+    measured = field(mesh, lattice=grid.lattice, window=window, half_width=far, features=True, **limits)
+    return measured.surface(grid=grid, offset=offset, **options)
 
 
 def field(

@@ -666,7 +666,7 @@ class Grid:
     # ---- others ----
 
     def surface(self, **options: Any) -> Mesh:
-        """The closed surface; ``options`` are those of `bitvox.surface`."""
+        """The closed surface; ``options`` are those of `bitvox.surface`, ``mesh`` and ``offset`` among them."""
         made: Mesh = call("surface", self, **options)
         return made
 

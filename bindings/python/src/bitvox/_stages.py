@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
 from . import _arrays as arrays
 from ._calls import call, entered
 from ._errors import ArgumentError
-from ._field import EDGES
+from ._field import EDGES, surface_of_mesh
 from ._grid import Attached, Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
@@ -229,6 +229,9 @@ def surface(
     open_sides: str | Iterable[str] = (),
     keys: bool = False,
     local_frame: bool = False,
+    mesh: Any = None,
+    offset: float = 0.0,
+    sharp: bool | None = None,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
@@ -237,6 +240,10 @@ def surface(
 
     Args:
         grid: a `Grid`, or a three-dimensional array [x, y, z] for `Grid.from_numpy`.
+        mesh: what the voxels were made from, as `Mesh.of` takes it: where the grid still ends where the mesh does, vertices are
+            the mesh's, as those of `repair`; elsewhere in the middle, or at ``offset``.
+        offset, sharp: with ``mesh``: as for `Field.surface`, ``sharp`` None unless told. A body hollowed to a thickness t has
+            ``offset=-t``, one that grew by r ``offset=r``.
         face_rule: "separate" (set corners are kept apart across a face) or "join".
         dtype: of the vertices, float32 or float64; None: float32 where it can tell neighbouring positions apart.
         open_sides: sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
@@ -246,6 +253,13 @@ def surface(
     Returns:
         A `Mesh` with uint32 faces; an empty grid gives an empty mesh.
     """
+    if mesh is not None:
+        if open_sides or keys:
+            raise ArgumentError("open_sides and keys are for surfaces without a mesh")
+        return surface_of_mesh(grid_of(grid), mesh, offset, sharp=sharp, face_rule=face_rule, dtype=dtype, local_frame=local_frame,
+                               threads=threads, memory_limit=memory_limit, progress=progress)
+    if offset or sharp is not None:
+        raise ArgumentError("offset and sharp are taken together with mesh")
     options = options_of("extract_options")
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
