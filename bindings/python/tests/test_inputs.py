@@ -64,17 +64,17 @@ def test_pyvista():
     back = bitvox.surface(WANTED).to_pyvista()
     assert back.is_manifold and back.n_cells == bitvox.surface(WANTED).n_faces
     image = WANTED.to_pyvista()
-    assert image.n_cells == 192 and image.cell_data["set"].sum() == WANTED.count
+    assert image.n_cells == 192 and image.cell_data["solid"].sum() == WANTED.count
     solid = data.bitvox.voxelize(resolution=16)
-    assert solid.cell_data["set"].sum() == bitvox.voxelize((V, F), resolution=16).count
+    assert solid.cell_data["solid"].sum() == bitvox.voxelize((V, F), resolution=16).count
     assert data.bitvox.check().closed and data.bitvox.lod(levels=8)[0].n_cells > 0
-    assert solid.bitvox.grid("set") == bitvox.voxelize((V, F), resolution=16)
-    assert solid.bitvox.surface("set").is_manifold
+    assert solid.bitvox.grid("solid") == bitvox.voxelize((V, F), resolution=16)
+    assert solid.bitvox.surface("solid").is_manifold
     field = data.bitvox.field(resolution=12)
-    assert np.array_equal(field.cell_data["distance"], bitvox.field((V, F), resolution=12).to_numpy("zyx").ravel())
-    assert bitvox.field((V, F), resolution=12).to_pyvista(vectors=True).cell_data["vector"].shape == (field.n_cells, 3)
-    middle = field.find_closest_cell((4.0, 3.0, 2.0))
-    assert field.cell_data["distance"][middle] == field.cell_data["distance"].min()
+    assert np.array_equal(field.point_data["distance"], bitvox.field((V, F), resolution=12).to_numpy("zyx").ravel())
+    assert bitvox.field((V, F), resolution=12).to_pyvista(vectors=True).point_data["vector"].shape == (field.n_points, 3)
+    middle = field.find_closest_point((4.0, 3.0, 2.0))
+    assert field.point_data["distance"][middle] == field.point_data["distance"].min()
     points = pyvista.ImageData(dimensions=(4, 5, 6), spacing=(1, 2, 3), origin=(7, 8, 9))
     points.point_data["x"] = np.arange(120.0)
     grid = points.bitvox.grid("x", threshold=59.5)

@@ -20,6 +20,7 @@ LATER = {
     "read_other": ".formats.other",
     "read_nifti_volume": ".formats.nifti",
     "read_dicom_volume": ".formats.dicom",
+    "read_cloud": ".formats.clouds",
     "read_by_library": ".formats.volumes",
     "volume_bytes": ".formats.volumes",
     "report_class": ".reports",

@@ -185,12 +185,13 @@ class Field:
         return made
 
     def to_pyvista(self, *, vectors: bool = False, far: Far = "constant") -> Any:
-        """A pyvista.ImageData with the cell data "distance" and, with ``vectors``, "vector"; ``far`` as for `to_numpy`."""
+        """A pyvista.ImageData with the point data "distance" (points are the voxels' centres, as in the .vti that `save` writes) and, with
+        ``vectors``, "vector"; ``far`` as for `to_numpy`."""
         pyvista, band = need("pyvista", "view"), self.band
-        image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=band.spacing, origin=band.corner)
-        image.cell_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
+        image = pyvista.ImageData(dimensions=self.shape, spacing=band.spacing, origin=band.center0)
+        image.point_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)
         if vectors:
-            image.cell_data["vector"] = self.to_numpy("zyx", vectors=True, far=far).reshape(-1, 3)
+            image.point_data["vector"] = self.to_numpy("zyx", vectors=True, far=far).reshape(-1, 3)
         return image
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:

@@ -671,15 +671,31 @@ class Grid:
         return made
 
     def to_pyvista(self) -> Any:
-        """A pyvista.ImageData with the cell data "set" (uint8)."""
+        """A pyvista.ImageData with the cell data "solid" (uint8), as the .vti that `save` writes has it."""
         pyvista = need("pyvista", "view")
         image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=self.spacing, origin=self.corner)
-        image.cell_data["set"] = self.to_numpy("zyx").reshape(-1).view("uint8")
+        image.cell_data["solid"] = self.to_numpy("zyx").reshape(-1).view("uint8")
         return image
+
+    def to_trimesh(self) -> Any:
+        """A trimesh VoxelGrid of the same voxels in the same place; needs ``bitvox[formats]``."""
+        np, base = arrays.numpy("to_trimesh"), need("trimesh.voxel.base", "formats")
+        place = np.diag([*self.spacing, 1.0])
+        place[:3, 3] = self.center0
+        return base.VoxelGrid(self.to_numpy(), transform=place)
+
+    def to_napari(self, name: str | None = None) -> Any:
+        """A labels layer of napari as it takes them, ``(data, options, "labels")``. Axes are z, y, x there.
+
+        Args:
+            name: of the layer; None: "grid".
+        """
+        placed = {"name": name or "grid", "scale": self.spacing[::-1], "translate": self.center0[::-1]}
+        return self.to_numpy("zyx").view("uint8"), placed, "labels"
 
     def plot(self, **options: Any) -> Any:
         """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``."""
-        return self.to_pyvista().threshold(0.5, scalars="set").plot(**options)
+        return self.to_pyvista().threshold(0.5, scalars="solid").plot(**options)
 
     def _repr_html_(self) -> str:
         return shown(self, {"voxels": self.shape, "set": self.count, "spacing": self.spacing, "corner": self.corner}, self._repr_png_())

@@ -459,6 +459,32 @@ class Mesh:
             made.active_texture_coordinates = np.asarray(self._uvs)
         return made
 
+    def to_open3d(self) -> Any:
+        """An open3d.geometry.TriangleMesh, with colours where there are any; needs ``bitvox[open3d]``."""
+        np, open3d = arrays.numpy("to_open3d"), need("open3d", "open3d")
+        made = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(np.ascontiguousarray(self.in_world())),
+                                            open3d.utility.Vector3iVector(np.ascontiguousarray(self.faces, np.int32)))
+        if self._colours is not None:
+            made.vertex_colors = open3d.utility.Vector3dVector(np.asarray(self._colours)[:, :3] / 255.0)
+        return made
+
+    def to_meshio(self) -> Any:
+        """A meshio.Mesh of triangles; colours become the point data "colours". Needs ``bitvox[formats]``."""
+        np, meshio = arrays.numpy("to_meshio"), need("meshio", "formats")
+        data = {} if self._colours is None else {"colours": np.asarray(self._colours)}
+        return meshio.Mesh(self.in_world(), [("triangle", np.asarray(self.faces).astype(np.int64))], point_data=data)
+
+    def to_napari(self, name: str | None = None) -> Any:
+        """A surface layer of napari as it takes them, ``(data, options, "surface")``: ``viewer.add_layer(napari.layers.Layer.create(*...))``.
+        Axes are z, y, x there.
+
+        Args:
+            name: of the layer; None: "mesh".
+        """
+        np = arrays.numpy("to_napari")
+        faces = np.ascontiguousarray(np.asarray(self.faces)[:, ::-1])  # x, y, z backwards mirror the triangles
+        return (np.ascontiguousarray(self.in_world()[:, ::-1]), faces, np.ones(self.n_vertices, np.float32)), {"name": name or "mesh"}, "surface"
+
     def plot(self, **options: Any) -> Any:
         """Show it in a window through PyVista; options are those of ``pyvista.PolyData.plot``."""
         if self._colours is not None:

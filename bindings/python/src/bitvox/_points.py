@@ -8,7 +8,7 @@ from typing import Any, Sequence
 
 from . import _arrays as arrays
 from ._bytes import format_of, read_bytes
-from ._calls import entered
+from ._calls import call, entered
 from ._errors import ArgumentError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
@@ -17,6 +17,7 @@ from ._records import record
 from ._run import Progress, Run, ffi, formats_in, function, in_range, lib, number_of, options_of
 
 POINT_FORMATS = formats_in(lib.BVX_POINTS_READ)
+CLOUD_FORMATS = ("pcd", "las", "laz", "e57")  # by libraries
 
 
 def read_points(path: str | os.PathLike[str], *, format: str | None = None, threads: int | None = None, memory_limit: int | None = None,
@@ -24,15 +25,17 @@ def read_points(path: str | os.PathLike[str], *, format: str | None = None, thre
     """The points of a file as an array (n, 3), float32 or float64.
 
     Args:
-        path: .xyz (text, x y z and further columns) or .ply (its vertices), each also as .gz.
+        path: .xyz (text, x y z and further columns) or .ply (its vertices), each also as .gz; with ``bitvox[points]`` .pcd, .las, .laz and .e57.
         format: one of these endings, in place of the name's own.
 
     Raises:
         FormatError: what is wrong with which byte or line. EmptyError: no point.
     """
     kind = format_of(os.fspath(path), format)
+    if kind in CLOUD_FORMATS:
+        return call("read_cloud", os.fspath(path), kind)
     if kind not in POINT_FORMATS:
-        raise UnsupportedError(f"format {kind!r} holds no points that are read; take one of {', '.join(POINT_FORMATS)}")
+        raise UnsupportedError(f"format {kind!r} holds no points that are read; take one of {', '.join((*POINT_FORMATS, *CLOUD_FORMATS))}")
     held = ffi.from_buffer(read_bytes(path))
     out = new_mesh()
     with Run(threads, memory_limit, progress) as run:
@@ -81,7 +84,7 @@ def voxelize_points(
     """The voxels that hold points of a cloud, or the body behind them.
 
     Args:
-        points: (n, 3) numbers, a file's name (.xyz, .ply), a `Mesh` (its vertices), or what has ``points``.
+        points: (n, 3) numbers, a file's name (that `read_points` takes), a `Mesh` (its vertices), or what has ``points``.
         resolution, spacing, corner, padding: of a lattice around the cloud, as for `voxelize`. lattice: one in place of all these.
         window: only this box of the lattice.
         minimum: points that a voxel needs to be set.

@@ -275,6 +275,18 @@ class Volume:
         """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha or .nii; see `bitvox.write`."""
         call("write", self, path, format=format)
 
+    def to_napari(self, name: str | None = None) -> Any:
+        """An image layer of napari as it takes them, ``(data, options, "image")``, with place and directions. Axes are z, y, x there.
+
+        Args:
+            name: of the layer; None: "volume".
+        """
+        np = arrays.numpy("to_napari")
+        affine = np.eye(4)
+        affine[:3, :3] = (self.direction * np.asarray(self.spacing))[::-1, ::-1]
+        affine[:3, 3] = self.center0[::-1]
+        return self.to_numpy("zyx"), {"name": name or "volume", "affine": affine}, "image"
+
     # ---- what is made of it ----
 
     def threshold(self, low: float = -_INFINITY, high: float = _INFINITY, *, threads: int | None = None,

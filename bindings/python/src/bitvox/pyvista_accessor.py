@@ -5,15 +5,20 @@ PyVista finds it by itself (an entry point), from 0.48 on; with an older one imp
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import pyvista
 
-from . import _levels, _stages
+from . import _arrays as arrays
+from . import _files, _levels, _stages
+from ._errors import ArgumentError
 from ._field import field as measure
 from ._grid import Grid
-from ._octree import refine
+from ._octree import Octree, refine
+from ._sections import Sections, slice_mesh
 from ._volume import Volume
+from ._words import Operation
 
 
 class MeshAccessor:
@@ -23,7 +28,7 @@ class MeshAccessor:
         self._dataset = dataset
 
     def voxelize(self, **options: Any) -> Any:
-        """A pyvista.ImageData with the cell data "set"; options as for `bitvox.voxelize`."""
+        """A pyvista.ImageData with the cell data "solid"; options as for `bitvox.voxelize`."""
         return _stages.voxelize(self._dataset, **options).to_pyvista()
 
     def lod(self, **options: Any) -> list[Any]:
@@ -40,7 +45,7 @@ class MeshAccessor:
         return _stages.repair(self._dataset, **options).to_pyvista()
 
     def field(self, **options: Any) -> Any:
-        """A pyvista.ImageData with the cell data "distance"; options as for `bitvox.field`."""
+        """A pyvista.ImageData with the point data "distance"; options as for `bitvox.field`."""
         return measure(self._dataset, **options).to_pyvista()
 
     def check(self, **options: Any) -> Any:
@@ -50,6 +55,35 @@ class MeshAccessor:
     def refine(self, **options: Any) -> Any:
         """The `bitvox.Octree` of `bitvox.refine`."""
         return refine(self._dataset, **options)
+
+    def boolean(self, other: Any, operation: Operation, **options: Any) -> Any:
+        """A closed PolyData of this mesh and ``other``, anything that `bitvox.boolean` takes; ``operation`` and options as there."""
+        return _stages.boolean(self._dataset, other, operation, **options).to_pyvista()
+
+    def hollow(self, thickness: float, *, resolution: Any = 128, **options: Any) -> Any:
+        """A closed PolyData of a wall of ``thickness``: the mesh's voxels at a ``resolution``, hollow; options as for `bitvox.Grid.hollow`."""
+        return _stages.voxelize(self._dataset, resolution=resolution, padding=1).hollow(thickness, **options).surface().to_pyvista()
+
+    def sections(self, **options: Any) -> Any:
+        """PolyData of closed lines, the cell data "section" and "label" their planes and bodies; options as for `bitvox.slice_mesh`."""
+        return lines_of(slice_mesh(self._dataset, **options))
+
+
+def lines_of(sections: Sections) -> Any:
+    """Loops as a PolyData of closed lines."""
+    np = arrays.numpy("PyVista")
+    made, first = pyvista.PolyData(), 0
+    cells: list[int] = []
+    for loop in sections.loops:
+        n = len(loop.points)
+        cells += [n + 1, *range(first, first + n), first]
+        first += n
+    if sections.loops:
+        made.points = np.concatenate([loop.points for loop in sections.loops])
+        made.lines = np.array(cells)
+        made.cell_data["section"] = np.array(sections.section_of)
+        made.cell_data["label"] = np.array([loop.label for loop in sections.loops])
+    return made
 
 
 class ImageAccessor:
@@ -69,9 +103,70 @@ class ImageAccessor:
         """A `bitvox.Volume` of point or cell data, with the image's directions; ``scalars``: which. For ``.surface(level)``."""
         return Volume.of(self._dataset, scalars=scalars)
 
-    def surface(self, scalars: str | None = None, *, threshold: float | None = None, **options: Any) -> Any:
-        """The closed surface as PolyData; options as for `bitvox.surface`."""
+    def surface(self, scalars: str | None = None, *, level: float | None = None, threshold: float | None = None, **options: Any) -> Any:
+        """The closed surface as PolyData.
+
+        Args:
+            scalars: which data; None: the active ones.
+            level: of samples: the surface where they reach it, between them, without steps; options as for `bitvox.Volume.surface`.
+            threshold: of voxels: their faces' surface, of those above it, or without either of those that are not 0; options as for
+                `bitvox.surface`.
+        """
+        if level is not None:
+            if threshold is not None:
+                raise ArgumentError("level and threshold contradict each other: level is for samples, threshold for voxels")
+            return self.volume(scalars).surface(level, **options).to_pyvista()
         return _stages.surface(self.grid(scalars, threshold=threshold), **options).to_pyvista()
+
+    def boolean(self, other: Any, operation: Operation, scalars: str | None = None) -> Any:
+        """An ImageData of these voxels and those of ``other``: an ImageData or a `bitvox.Grid` of the same place.
+
+        Args:
+            operation: "union", "intersection", "difference" or "xor".
+            scalars: which data of both images.
+        """
+        mine = self.grid(scalars)
+        theirs = other if isinstance(other, Grid) else ImageAccessor(other).grid(scalars)
+        if operation not in _GRIDS:
+            raise ArgumentError(f"operation is {operation!r}; it must be one of {', '.join(_GRIDS)}")
+        return _GRIDS[operation](mine, theirs).to_pyvista()
+
+    def hollow(self, thickness: float, scalars: str | None = None, **options: Any) -> Any:
+        """An ImageData of the voxels' wall of ``thickness``; options as for `bitvox.Grid.hollow`."""
+        return self.grid(scalars).hollow(thickness, **options).to_pyvista()
+
+    def components(self, scalars: str | None = None, *, connectivity: int = 6) -> Any:
+        """An ImageData with the cell data "component": 0 where nothing is set, else the number of the connected part.
+
+        Args:
+            scalars: which data; None: the active ones. connectivity: 6, 18 or 26.
+        """
+        grid = self.grid(scalars)
+        image = grid.to_pyvista()
+        image.cell_data["component"] = grid.label(connectivity=connectivity).transpose(2, 1, 0).reshape(-1)
+        return image
+
+    def sections(self, scalars: str | None = None, **options: Any) -> Any:
+        """PolyData of closed lines: slices of the voxels' surface; options as for `bitvox.slice_mesh`."""
+        return lines_of(slice_mesh(self.grid(scalars), **options))
+
+
+_GRIDS = {"union": operator.or_, "intersection": operator.and_, "difference": operator.sub, "xor": operator.xor}
+
+
+def read(path: str, **options: Any) -> Any:
+    """For ``pyvista.read``: what `bitvox.read` makes of ``path`` and ``options``, as PyVista's kind of dataset."""
+    found = _files.read(path, **options)
+    if isinstance(found, Sections):
+        return lines_of(found)
+    if isinstance(found, Octree):
+        found = found.expand()
+    return found.to_pyvista()
+
+
+def write(dataset: Any, path: str, **options: Any) -> None:
+    """For ``dataset.save``: a PolyData or an ImageData of voxels to ``path``; ``options`` as for `bitvox.write`."""
+    _files.write(ImageAccessor(dataset).grid() if hasattr(dataset, "direction_matrix") else dataset, path, **options)
 
 
 if hasattr(pyvista, "register_dataset_accessor"):

@@ -5,6 +5,8 @@
     bitvox.big.to_zarr(volume, "dragon.zarr")                                   # OME-Zarr, one shard a task
     shell = volume - volume.erode(radius=0.5)                                   # also dilate, open, close, hollow, |, &, ^, ~
     near = volume.distance(2.0, "signed")                                       # a Dask array, exact up to 2.0
+    samples = bitvox.big.samples_from_zarr("scan.zarr", channel=1)              # numbers of any type
+    skin = samples.surface(300)                                                 # a level between samples, the bytes of a single run
     coarse = volume.downsample(4, "majority")
 
 Chunks are windows of one lattice, and a window holds the bits of the whole there; so nothing depends on how the work was cut,
@@ -15,7 +17,8 @@ Needs ``bitvox[big]`` (dask, zarr); `plan` needs neither.
 from .chunks import Chunks
 from .parts import label
 from .plan import Plan, Task, plan
+from .samples import Samples, samples_from_zarr
 from .store import from_zarr, to_zarr
 from .volume import Volume, from_dask, surface, voxelize
 
-__all__ = ["Chunks", "Plan", "Task", "Volume", "from_dask", "from_zarr", "label", "plan", "surface", "to_zarr", "voxelize"]
+__all__ = ["Chunks", "Plan", "Samples", "Task", "Volume", "from_dask", "from_zarr", "label", "plan", "samples_from_zarr", "surface", "to_zarr", "voxelize"]

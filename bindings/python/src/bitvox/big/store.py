@@ -8,6 +8,7 @@ from typing import Any, Sequence
 from .._errors import ArgumentError, FormatError, need
 from .._grid import Grid
 from .._lattice import Lattice, _lattice_from
+from .._run import in_range
 from .chunks import Chunks, Index
 from .volume import Volume
 
@@ -64,21 +65,33 @@ def _write(name: str, cut: Chunks, index: Index, grid: Grid) -> None:
     array[place] = grid.to_numpy("zyx").view("uint8")
 
 
-def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chunks: int | Sequence[int] | None = None,
-              threshold: float | None = None) -> Volume:
+def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, channel: int | Sequence[int] | None = None,
+              chunks: int | Sequence[int] | None = None, threshold: float | None = None) -> Volume:
     """A volume from OME-Zarr (0.4 and 0.5) or a plain Zarr array [z, y, x].
 
     Args:
         path: a folder or a URL that all workers reach.
         dataset: of the group; None: the first, which is the finest.
+        channel: index along the axes before z, such as time and channel: one number for the last of them, or one for each. Needed where there
+            are several.
         chunks: of the volume; None: the shards, or where there are none pieces of about 256.
         threshold: values above it are set; None: all other than 0.
 
     Returns:
         A `Volume` on the lattice that was written, or on the one that scale and translation tell.
     """
-    dask, zarr = need("dask", "big"), need("zarr", "big")
-    name = _path_of(path)
+    array, lattice, lead, place = array_of(path, dataset, channel)
+    if chunks is None:
+        pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
+        chunks = tuple(pieces[len(lead):][::-1])
+    cut = Chunks(lattice, chunks)
+    read = need("dask", "big").delayed(_read, pure=False)
+    return Volume(cut, {index: read(_path_of(path), place, lead, threshold, cut, index) for index in cut})
+
+
+def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str]:
+    """A stored array, the lattice of its last three axes z, y, x, the index along those before, and its path in the group."""
+    zarr, name = need("zarr", "big"), _path_of(path)
     found = zarr.open(name, mode="r")
     attributes, place = dict(found.attrs), ""
     if hasattr(found, "array_keys"):
@@ -86,24 +99,29 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chunk
         array = found[place]
     else:
         array, lattice_parts = found, None
-    lead = array.ndim - 3
-    if lead < 0 or any(n != 1 for n in array.shape[:lead]):
+    count = array.ndim - 3
+    if count < 0:
         raise FormatError(f"{name}: shape {array.shape} is no single volume [z, y, x]")
-    shape = tuple(array.shape[lead:][::-1])
+    lead = _index(array.shape[:count], channel, name)
+    shape = tuple(array.shape[count:][::-1])
     own = attributes.get("bitvox")
     if own is not None and tuple(own["shape"]) == shape:
-        lattice = _lattice_from(shape, tuple(own["spacing"]), tuple(own["corner"]), int(own["fraction_bits"]))
-    elif lattice_parts is not None:
-        scale, center = ([float(x) for x in part[lead:][::-1]] for part in lattice_parts)
-        lattice = Lattice(shape, scale, [c - 0.5 * s for c, s in zip(center, scale)])
-    else:
-        lattice = Lattice(shape)
-    if chunks is None:
-        pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
-        chunks = tuple(pieces[lead:][::-1])
-    cut = Chunks(lattice, chunks)
-    read = dask.delayed(_read, pure=False)
-    return Volume(cut, {index: read(name, place, lead, threshold, cut, index) for index in cut})
+        return array, _lattice_from(shape, tuple(own["spacing"]), tuple(own["corner"]), int(own["fraction_bits"])), lead, place
+    if lattice_parts is None:
+        return array, Lattice(shape), lead, place
+    scale, center = ([float(x) for x in part[count:][::-1]] for part in lattice_parts)
+    return array, Lattice(shape, scale, [c - 0.5 * s for c, s in zip(center, scale)]), lead, place
+
+
+def _index(sides: Sequence[int], channel: int | Sequence[int] | None, name: str) -> tuple[int, ...]:
+    """Which of the volumes along axes before z."""
+    given = [] if channel is None else [channel] if not hasattr(channel, "__len__") else list(channel)  # type: ignore[arg-type]
+    made = [0] * (len(sides) - len(given)) + [in_range("channel", n, 0, 2**31) for n in given]
+    if len(given) > len(sides) or any(n >= m for n, m in zip(made, sides)):
+        raise ArgumentError(f"{name}: channel is {channel}; the axes before z have the sizes {tuple(sides)}")
+    if any(m != 1 for m in sides[: len(sides) - len(given)]):
+        raise FormatError(f"{name}: the axes before z have the sizes {tuple(sides)}; give channel=")
+    return tuple(made)
 
 
 def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: str) -> tuple[str, Any]:
@@ -130,13 +148,13 @@ def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: 
     return chosen["path"], (scale, shift)
 
 
-def _read(name: str, place: str, lead: int, threshold: float | None, cut: Chunks, index: Index) -> Grid:
+def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index) -> Grid:
     zarr = need("zarr", "big")
     found = zarr.open(name, mode="r")
     array = found[place] if place else found
     low, size = cut.window(index)
     box = tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))
-    values = array[(0,) * lead + box]
+    values = array[lead + box]
     return Grid.from_numpy(values if threshold is None else values > threshold, order="zyx", lattice=cut.lattice, low=low)
 
 

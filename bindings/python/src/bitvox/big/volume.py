@@ -9,6 +9,7 @@ from typing import Any, Callable, Sequence
 from .. import _arrays as arrays
 from .._errors import ArgumentError, need
 from .._grid import Grid, triple_of
+from .._html import shown
 from .._lattice import Lattice, Window
 from .._mesh import Mesh
 from .._run import settings
@@ -58,10 +59,50 @@ class Volume:
         dask = need("dask", "big")
         return sum(dask.compute(*[dask.delayed(_count, pure=True)(block) for block in self.blocks.values()]))
 
-    def compute(self) -> Grid:
-        """The whole grid, here: a bit a voxel."""
-        parts = need("dask", "big").compute(*self.blocks.values())
-        return join(self.lattice, Window((0, 0, 0), self.lattice.shape), parts)
+    def compute(self, **options: Any) -> Grid:
+        """The whole grid, here: a bit a voxel; ``options`` are those of ``dask.compute``."""
+        parts = need("dask", "big").compute(*self.blocks.values(), **options)
+        return _whole(parts, self.lattice)
+
+    def persist(self, **options: Any) -> Volume:
+        """The same volume whose chunks are computed (and, on a cluster, stay on the workers); ``options`` are those of ``dask.persist``."""
+        return Volume(self.chunks, dict(zip(self.blocks, need("dask", "big").persist(*self.blocks.values(), **options))))
+
+    # ---- Dask's collection protocol: dask.compute, persist, optimize and visualize take volumes ----
+
+    def __dask_graph__(self) -> Any:
+        merged: dict[Any, Any] = {}
+        for block in self.blocks.values():
+            merged.update(block.__dask_graph__())
+        return merged
+
+    def __dask_keys__(self) -> list[Any]:
+        return [block.key for block in self.blocks.values()]
+
+    def __dask_layers__(self) -> tuple[str, ...]:
+        return tuple(name for block in self.blocks.values() for name in block.__dask_layers__())
+
+    def __dask_tokenize__(self) -> Any:
+        return type(self).__name__, self.lattice._key(), self.chunks.size, self.__dask_keys__()
+
+    @staticmethod
+    def __dask_optimize__(graph: Any, keys: Any, **options: Any) -> Any:
+        """Tasks that nothing needs are left out."""
+        return need("dask.optimization", "big").cull(dict(graph), [key for key in _flat(keys)])[0]
+
+    @property
+    def __dask_scheduler__(self) -> Any:
+        return need("dask.threaded", "big").get
+
+    def __dask_postcompute__(self) -> Any:
+        return _whole, (self.lattice,)
+
+    def __dask_postpersist__(self) -> Any:
+        return _persisted, (self.chunks, self.__dask_keys__())
+
+    def _repr_html_(self) -> str:
+        return shown(self, {"voxels": self.shape, "chunks": self.chunks.counts, "of": self.chunks.size, "spacing": self.lattice.spacing,
+                            "corner": self.lattice.corner, "tasks": len(self.__dask_graph__())})
 
     def rechunk(self, chunks: int | Sequence[int]) -> Volume:
         """The same voxels in other ``chunks``: voxels along each axis, one number or three."""
@@ -201,6 +242,24 @@ class Volume:
 
     def __repr__(self) -> str:
         return f"Volume({self.chunks!r})"
+
+
+def _whole(parts: Sequence[Grid], lattice: Lattice) -> Grid:
+    return join(lattice, Window((0, 0, 0), lattice.shape), parts)
+
+
+def _flat(keys: Any) -> Any:
+    for key in keys:
+        if isinstance(key, list):
+            yield from _flat(key)
+        else:
+            yield key
+
+
+def _persisted(graph: Any, chunks: Chunks, keys: Sequence[Any], *, rename: dict[str, str] | None = None) -> Volume:
+    delayed = need("dask.delayed", "big").Delayed
+    found = [(rename or {}).get(key, key) for key in keys]
+    return Volume(chunks, {index: delayed(key, graph) for index, key in zip(chunks, found)})
 
 
 # ---- windows of a volume ----

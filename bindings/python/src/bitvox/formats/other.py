@@ -30,7 +30,7 @@ def read_other(path: str, kind: str) -> Any:
     if kind == "amf":
         return read_amf(path)
     if kind in ("xyz", "pts", "pcd", "las", "laz", "e57"):
-        raise UnsupportedError(f"{path}: holds points, not a mesh; bitvox.read_points reads .xyz and .ply, bitvox.voxelize_points takes them")
+        raise UnsupportedError(f"{path}: holds points, not a mesh; bitvox.read_points reads it, bitvox.voxelize_points takes them")
     if kind not in _OTHERS:
         raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
     trimesh = need("trimesh", "formats")

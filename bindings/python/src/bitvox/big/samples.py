@@ -1,0 +1,115 @@
+"""Samples in chunks on Dask: numbers of any type, their thresholds and the surfaces of their levels."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+from .._errors import ArgumentError, need
+from .._lattice import Lattice
+from .._mesh import Mesh
+from .._run import settings
+from .._stages import merge
+from .._volume import Volume as WholeVolume
+from .._words import FaceRule
+from .chunks import Chunks, Index
+from .store import array_of
+from .volume import Volume
+
+
+class Samples:
+    """A volume of samples in chunks, nothing of it computed before it is asked for: what `bitvox.Volume` is for one machine.
+
+    Attributes:
+        array: a Dask array [x, y, z] of whole numbers or floats.
+        lattice: the lattice whose voxels' centres the samples are.
+    """
+
+    __slots__ = ("array", "lattice")
+    array: Any
+    lattice: Lattice
+
+    def __init__(self, array: Any, lattice: Lattice | None = None) -> None:
+        if array.ndim != 3:
+            raise ArgumentError(f"array has {array.ndim} axes; it must have three")
+        where = Lattice(array.shape) if lattice is None else lattice
+        if where.shape != tuple(array.shape):
+            raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
+        self.array, self.lattice = array, where
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Samples along x, y, z."""
+        return self.lattice.shape
+
+    def compute(self) -> WholeVolume:
+        """The whole volume, here."""
+        return WholeVolume(self.array.compute(), lattice=self.lattice)
+
+    def _cut(self, chunks: int | Sequence[int] | None) -> Chunks:
+        return Chunks(self.lattice, [sides[0] for sides in self.array.chunks] if chunks is None else chunks)
+
+    def _window(self, low: Sequence[int], size: Sequence[int]) -> Any:
+        """A part of the array as one delayed array."""
+        part = self.array[tuple(slice(a, a + n) for a, n in zip(low, size))].rechunk(tuple(size))
+        return part.to_delayed().ravel()[0]
+
+    def threshold(self, low: float = float("-inf"), high: float = float("inf"), *, chunks: int | Sequence[int] | None = None) -> Volume:
+        """The voxels of `bitvox.Volume.threshold` of the whole.
+
+        Args:
+            low, high: as there.
+            chunks: of the result; None: the array's own.
+        """
+        if low > high:
+            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
+        cut, made = self._cut(chunks), need("dask", "big").delayed(_threshold, pure=True)
+        return Volume(cut, {i: made(self._window(*cut.window(i)), self.lattice, cut.window(i).low, low, high) for i in cut})
+
+    def surface(self, level: float = 0.0, *, below: bool = False, face_rule: FaceRule = "separate", dtype: Any = "float64",
+                local_frame: bool = False, chunks: int | Sequence[int] | None = None) -> Mesh:
+        """The closed surface of a level: chunk by chunk on the workers, merged here.
+
+        Args:
+            level, below, face_rule, dtype, local_frame: as for `bitvox.Volume.surface`.
+            chunks: samples of a task along each axis; None: the array's own chunks.
+
+        Returns:
+            A `Mesh` with keys: the bytes of ``samples.compute().surface(level, keys=True, dtype=dtype)``.
+        """
+        options = {"below": below, "face_rule": face_rule, "dtype": dtype, "local_frame": local_frame}
+        dask, cut = need("dask", "big"), self._cut(chunks)
+        part = dask.delayed(_part, pure=True)
+        return merge(dask.compute(*[part(self._window(*cut.cells(i)[0]), cut, i, float(level), options) for i in cut]))
+
+    def __repr__(self) -> str:
+        x, y, z = self.shape
+        return f"Samples({x} x {y} x {z}, {self.array.dtype})"
+
+
+def _threshold(array: Any, lattice: Lattice, low: Any, least: float, most: float) -> Any:
+    with settings(threads=1):
+        return WholeVolume(array, lattice=lattice, low=low).threshold(least, most)
+
+
+def _part(array: Any, cut: Chunks, index: Index, level: float, options: dict[str, Any]) -> Mesh:
+    window, sides = cut.cells(index)
+    return WholeVolume(array, lattice=cut.lattice, low=window.low).surface(level, keys=True, open_sides=sides, threads=1, **options)
+
+
+def samples_from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, channel: int | Sequence[int] | None = None,
+                      chunks: int | Sequence[int] | None = None) -> Samples:
+    """Samples of OME-Zarr (0.4 and 0.5) or of a plain Zarr array [z, y, x].
+
+    Args:
+        path: a folder or a URL that all workers reach.
+        dataset: of the group; None: the first, which is the finest.
+        channel: index along the axes before z, such as time and channel: one number for the last of them, or one for each.
+        chunks: samples of a task along each axis; None: the array's own chunks or shards.
+    """
+    da = need("dask.array", "big")
+    found, lattice, lead, _ = array_of(path, dataset, channel)
+    pieces = (found.shards or found.chunks)[len(lead):]
+    whole = da.from_array(found, chunks=(1,) * len(lead) + tuple(pieces), name=False, lock=False)[lead] if lead else da.from_array(found, chunks=pieces, name=False)
+    array = whole.transpose(2, 1, 0)
+    return Samples(array if chunks is None else array.rechunk(Chunks(lattice, chunks).size), lattice)
