@@ -38,7 +38,8 @@ def compiles(compiler: str, flags: list[str], program: str = "int main(void) { r
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "probe.c"
         source.write_text(program)
-        command = [*compiler.split(), "-Werror", *flags, str(source), "-o", str(Path(folder) / "probe")]
+        libraries = [flag for flag in flags if flag.startswith("-l")]  # linkers look for what comes before them
+        command = [*compiler.split(), "-Werror", *flags, str(source), "-o", str(Path(folder) / "probe"), *libraries]
         try:
             return subprocess.run(command, capture_output=True, check=False).returncode == 0
         except OSError:

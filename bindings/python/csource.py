@@ -27,7 +27,7 @@ _UNIT_HEAD = """#if defined(__linux__) && !defined(_GNU_SOURCE)
 def prepare() -> Path:
     """Make sure that the sources and the header are in csrc and up to date; returns the header's path."""
     if (REPOSITORY / "src" / "core").is_dir() and (REPOSITORY / "include" / "bitvox.h").is_file():
-        rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir() and not path.name.startswith("cli")]
+        rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir()]
         files = {f"src/{room.name}/{path.name}": path.read_bytes() for room in rooms for path in sorted(room.glob("*.[ch]"))}
         files |= {f"unit_{i:02}.c": text.encode() for i, text in enumerate(_units(files))}
         files |= {"bitvox.h": (REPOSITORY / "include" / "bitvox.h").read_bytes(), "LICENSE": (REPOSITORY / "LICENSE").read_bytes()}
@@ -40,7 +40,7 @@ def prepare() -> Path:
 
 def _units(files: dict[str, bytes]) -> list[str]:
     """Sources that include the library's, a part each; names of statics are unique over all of them."""
-    sources = sorted(name for name in files if name.endswith(".c"))
+    sources = sorted(name for name in files if name.endswith(".c") and not name.startswith("src/cli"))
     total, at, texts = sum(len(files[name]) for name in sources), 0, [_UNIT_HEAD] * UNITS
     for name in sources:
         texts[at * UNITS // total] += f'#include "{name}"\n'
@@ -63,6 +63,11 @@ def _lay(files: dict[str, bytes]) -> None:
 def units() -> list[Path]:
     """The files to compile."""
     return sorted(SOURCE.glob("unit_*.c"))
+
+
+def program() -> list[Path]:
+    """The files of the command, beside those of the library."""
+    return sorted(SOURCE.glob("src/cli_*/*.c"))
 
 
 def _drop_inline(text: str) -> str:

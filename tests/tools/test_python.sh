@@ -45,6 +45,9 @@ check 'wheel is for every Python from 3.10' test -n "$(find "$work/wheel" -name 
 check 'install' get --no-deps --force-reinstall "$work"/wheel/*.whl
 "$python" -c "$report" >"$work/ours.txt" || failed=$((failed + 1))
 
+wheels() { BUILD=$work PYTHON=$python sh tests/tools/wheels.sh "$work"/wheel/*.whl; }
+check 'wheel for other machines, and without a compiler' wheels
+
 sdist() { (cd "$project" && "$python" setup.py --quiet sdist --dist-dir "$work/sdist" 2>"$work/sdist.log" || { cat "$work/sdist.log"; false; }); }
 hostile() {
     mkdir -p "$work/alone" && tar -xzf "$work"/sdist/bitvox-*.tar.gz -C "$work/alone" --strip-components 1 || return 1
