@@ -213,6 +213,8 @@ int cli_parse(cli_run *run, int count, char **word);
 int cli_takes(const cli_run *run, const char *name);
 /* 1 when this option of the command stands on its command line. */
 int cli_given(const cli_run *run, const char *name);
+/* The same of a name of so many bytes: the name, or NULL. */
+const char *cli_given_name(const cli_run *run, const char *name, size_t length);
 /* The options of a command, for its help. */
 void cli_print_options(int32_t command_bit);
 /* Another option of the command whose name differs by one letter, or NULL. */

@@ -78,10 +78,16 @@ int cli_takes(const cli_run *run, const char *name)
     return find_argument(name, strlen(name), run->command->bit) >= 0;
 }
 
+const char *cli_given_name(const cli_run *run, const char *name, size_t length)
+{
+    int const row = find_argument(name, length, run->command->bit);
+
+    return row >= 0 && run->given[row] ? cli_argument_at(row)->name : NULL;
+}
+
 int cli_given(const cli_run *run, const char *name)
 {
-    int const row = find_argument(name, strlen(name), run->command->bit);
-    return row >= 0 && run->given[row];
+    return cli_given_name(run, name, strlen(name)) != NULL;
 }
 
 int cli_reduces(const cli_run *run)

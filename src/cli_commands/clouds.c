@@ -4,35 +4,22 @@
 #include <inttypes.h>
 #include <string.h>
 
-int cli_check_cloud_options(cli_run *run, const char *kind)
-{
-    static const char *const of_clouds[] = {"--minimum", "--body"};
-
-    for (size_t i = 0; i < sizeof of_clouds / sizeof of_clouds[0]; i++)
-        if (cli_given(run, of_clouds[i]))
-            return cli_usage(run, "%s is for clouds of points; %s is %s", of_clouds[i],
-                             cli_input_name(run->options->input[0]), kind);
-    return CLI_DONE;
-}
-
-int cli_check_cloud(cli_run *run, int cloud)
-{
-    static const char *const of_meshes[] = {
-        "--mode",          "--fill",       "--add-shell", "--check-edges", "--check-thin",
-        "--compare-fills", "--half-width", "--sign",      "--vectors",     "--value-type"};
-    const cli_options *const o = run->options;
-    const char *const name = cli_input_name(o->input[0]);
-
-    for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0] && cloud; i++)
-        if (cli_given(run, of_meshes[i]))
-            return cli_usage(run, "%s is for meshes; %s is a cloud of points", of_meshes[i], name);
-    if (!cloud && cli_check_cloud_options(run, "a mesh") != CLI_DONE) return CLI_USAGE;
-    if (cloud && cli_given(run, "--close-gaps") && !o->body)
-        return cli_usage(run, "--close-gaps needs --body");
-    if (cloud && o->body && o->window.count != 0)
-        return cli_usage(run, "--body needs the whole lattice, no --window");
-    return CLI_DONE;
-}
+const cli_rule cli_cloud_rules[] = {
+    {.when = CLI_OF_CLOUD,
+     .given =
+         "--mode --fill --add-shell --check-edges --check-thin --compare-fills --half-width --sign --vectors "
+         "--value-type",
+     .message = "%o is for meshes; %i is a cloud of points"},
+    {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
+    {.when = CLI_OF_VOLUME,
+     .given = "--minimum --body",
+     .message = "%o is for clouds of points; %i is a volume"},
+    {.when = CLI_OF_CLOUD, .given = "--close-gaps", .lacking = "--body", .message = "%o needs --body"},
+    {.when = CLI_OF_CLOUD,
+     .given = "--body",
+     .beside = "--window",
+     .message = "%o needs the whole lattice, no %b"},
+    {0}};
 
 static void tell_cloud(cli_run *run, const bvx_points_report *r)
 {

@@ -29,10 +29,30 @@ static const char *const operation_names[] = {BVX_BOOLEAN_LIST(CLI_NAME_OF) NULL
 
 /* ---- Options ---- */
 
-static int refuse_boolean_option(cli_run *run, const char *option, const char *why)
-{
-    return cli_given(run, option) ? cli_usage(run, "%s %s", option, why) : CLI_DONE;
-}
+/* Facts of the line. */
+enum {
+    HAS_GRID = 1 << CLI_FIRST_FACT, /* among the inputs */
+    HAS_GRIDS = 2 << CLI_FIRST_FACT /* both inputs */
+};
+
+static const cli_rule boolean_rules[] = {
+    {.unless = CLI_TO_MESH | CLI_TO_GRID,
+     .message = "%f: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")"},
+    {.when = HAS_GRID,
+     .given = "--resolution --spacing",
+     .message = "%o is for two meshes; a grid brings its own lattice"},
+    {.when = HAS_GRID,
+     .given = "--interpolation --sharp --no-sharp --least-part --thin",
+     .message = "%o is for two meshes that become a mesh"},
+    {.when = CLI_TO_GRID,
+     .given = "--interpolation --sharp --no-sharp --least-part --thin",
+     .message = "%o is for two meshes that become a mesh"},
+    {.when = HAS_GRIDS, .given = "--fill", .message = "%o is for meshes"},
+    {.unless = HAS_GRIDS, .given = "--resample", .message = "%o is for two grids"},
+    {.also = cli_reduction_rules},
+    {.also = cli_lattice_rules},
+    {.also = cli_sharp_rules},
+    {0}};
 
 static int take_operation(cli_run *run, boolean_run *b)
 {
@@ -44,10 +64,6 @@ static int take_operation(cli_run *run, boolean_run *b)
 
 static int check_boolean_options(cli_run *run, boolean_run *b)
 {
-    static const char *const of_lattice[] = {"--resolution", "--spacing"};
-    static const char *const of_mesh[] = {"--interpolation", "--sharp", "--no-sharp", "--least-part",
-                                          "--thin"};
-    const char *const out = run->options->output;
     int kind[2], grids, status = take_operation(run, b);
 
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
@@ -55,24 +71,9 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     if (status != CLI_DONE) return status;
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
-    b->kind = cli_kind_of_format(bvx_format_of_name(out));
-    if (b->kind == 0)
-        return cli_usage(
-            run, "%s: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")",
-            out);
-    for (int i = 0; i < 2 && status == CLI_DONE && grids != 0; i++)
-        status = refuse_boolean_option(run, of_lattice[i],
-                                       "is for two meshes; a grid brings its own lattice");
-    for (int i = 0; i < 5 && status == CLI_DONE && (grids != 0 || b->kind == CLI_GRID); i++)
-        status = refuse_boolean_option(run, of_mesh[i], "is for two meshes that become a mesh");
-    if (status == CLI_DONE && grids == 2) status = refuse_boolean_option(run, "--fill", "is for meshes");
-    if (status == CLI_DONE && grids != 2)
-        status = refuse_boolean_option(run, "--resample", "is for two grids");
-    if (status == CLI_DONE && b->kind == CLI_GRID)
-        status = cli_refuse_reduction(run, "is for a mesh; the result is a grid");
-    if (status == CLI_DONE) status = cli_check_reduction(run);
-    if (status == CLI_DONE) status = cli_check_lattice(run);
-    if (status == CLI_DONE) status = cli_check_sharp(run);
+    b->kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
+    status = cli_check_rules(run, boolean_rules, (grids != 0 ? HAS_GRID : 0u) | (grids == 2 ? HAS_GRIDS : 0u),
+                             NULL);
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     return status;
 }

@@ -14,6 +14,14 @@ static int refuse_other_kind(cli_run *run, int from)
         run, "%s is a grid and %s would be a mesh: 'bitvox lod --levels N' makes meshes of a grid", in, out);
 }
 
+static const cli_rule convert_rules[] = {
+    {.when = CLI_OF_MESH,
+     .given = "--window --expand --states",
+     .message = "%o is for grids and octrees; %i is a mesh"},
+    {.when = CLI_OF_GRID, .given = "--normals", .message = "%o is for meshes; %i holds voxels"},
+    {.also = cli_mesh_file_rules},
+    {0}};
+
 static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
 {
     const cli_options *const o = run->options;
@@ -31,15 +39,7 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
         return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees",
                          cli_input_name(o->input[0]), o->output);
     if (to != CLI_TREE && *kind != to) return refuse_other_kind(run, *kind);
-    for (int i = 0; i < 3 && *kind == CLI_MESH; i++) {
-        static const char *const for_voxels[3] = {"--window", "--expand", "--states"};
-        if (cli_given(run, for_voxels[i]))
-            return cli_usage(run, "%s is for grids and octrees; %s is a mesh", for_voxels[i],
-                             cli_input_name(o->input[0]));
-    }
-    if (*kind != CLI_MESH && o->normals)
-        return cli_usage(run, "--normals is for meshes; %s holds voxels", cli_input_name(o->input[0]));
-    status = cli_check_normals(run);
+    status = cli_check_rules(run, convert_rules, *kind == CLI_MESH ? CLI_OF_MESH : CLI_OF_GRID, NULL);
     return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
 

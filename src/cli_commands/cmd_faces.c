@@ -6,16 +6,17 @@
 
 static int check_faces_options(cli_run *run)
 {
-    const char *const out = run->options->output;
-    int kind, status = cli_input_kind(run, run->options->input[0], &kind);
+    static const cli_rule rules[] = {{.also = cli_to_mesh_rules},
+                                     {.when = CLI_OF_GRID, .also = cli_grid_rules},
+                                     {.also = cli_lattice_rules},
+                                     {.also = cli_fill_rules},
+                                     {0}};
+    const char *const path = run->options->input[0];
+    int kind, status = cli_input_kind(run, path, &kind);
 
-    if (status != CLI_DONE) return status;
-    if (cli_kind_of_format(bvx_format_of_name(out)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
-                         out);
-    if (kind == CLI_GRID) return cli_refuse_for_grid(run, run->options->input[0]);
-    status = cli_check_lattice(run);
-    return status == CLI_DONE ? cli_check_fill(run) : status;
+    return status == CLI_DONE
+               ? cli_check_rules(run, rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path))
+               : status;
 }
 
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)

@@ -17,71 +17,67 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
-static const char *const of_solid[] = {"--levels", "--threshold",  "--edge-samples", "--collapse",
-                                       "--fill",   "--close-gaps", "--padding",      NULL};
-static const char *const of_collapse[] = {"--error",        "--error-kind",    "--count",      "--strict",
-                                          "--even",         "--colour-weight", "--source",     "--open",
-                                          "--sharp",        "--no-sharp",      "--outer-hull", "--least-part",
-                                          "--least-cavity", "--shell",         "--sign",       NULL};
+#define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
+#define OF_COLLAPSE                                                                                                 \
+    "--error --error-kind --count --strict --even --colour-weight --source --open --sharp --no-sharp --outer-hull " \
+    "--least-part --least-cavity --shell --sign"
 
-static const char *given_of(const cli_run *run, const char *const *names)
+/* Facts of the line: the method. */
+enum {
+    COLLAPSES = 1 << CLI_FIRST_FACT,
+    COVERS = 2 << CLI_FIRST_FACT /* --method coverage */
+};
+
+static const cli_rule method_rules[] = {
+    {.when = COLLAPSES | CLI_OF_GRID,
+     .message = "--method collapse is for meshes; %i is a grid, for edge-ratio and coverage"},
+    {.when = COLLAPSES,
+     .given = OF_SOLID,
+     .message = "%o is for --method edge-ratio and coverage; collapse takes --triangles, --error or --count"},
+    {.when = CLI_OF_GRID,
+     .given = OF_COLLAPSE,
+     .message = "%o is for --method collapse, which takes meshes; %i is a grid"},
+    {.unless = COLLAPSES,
+     .given = OF_COLLAPSE,
+     .beside = OF_SOLID,
+     .message = "%o is for --method collapse, and %b for edge-ratio and coverage; leave one of them out"},
+    {.when = COVERS, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for coverage"},
+    {.unless = COLLAPSES, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for edge-ratio"},
+    {0}};
+
+static const cli_rule solid_rules[] = {
+    {.also = cli_to_mesh_rules},
+    {.when = CLI_OF_GRID, .also = cli_grid_rules},
+    {.also = cli_fill_rules},
+    {.also = cli_mesh_file_rules},
+    {.given = "--levels", .beside = "--triangles", .message = "%o and %b exclude each other"},
+    {.when = COVERS, .given = "--edge-samples", .message = "%o needs --method edge-ratio"},
+    {.given = "--collapse", .lacking = "--triangles", .message = "%o needs --triangles"},
+    {0}};
+
+static uint32_t facts_of_method(const cli_run *run, int kind, int collapses)
 {
-    for (int i = 0; names[i] != NULL; i++)
-        if (cli_given(run, names[i])) return names[i];
-    return NULL;
+    return (kind == CLI_GRID ? CLI_OF_GRID : 0u) | (collapses ? COLLAPSES : 0u) |
+           (run->options->method == BVX_LOD_COVERAGE ? COVERS : 0u);
 }
 
 /* --method, or what the input and the other options mean; *collapse tells. */
 static int choose_method(cli_run *run, int kind, int *collapse)
 {
-    const cli_options *const o = run->options;
-    const char *const in = cli_input_name(o->input[0]);
-    const char *const solid = given_of(run, of_solid), *const edges = given_of(run, of_collapse);
+    int32_t const method = run->options->method;
 
-    *collapse = o->method == CLI_METHOD_COLLAPSE || (o->method == 0 && kind == CLI_MESH && solid == NULL);
-    if (*collapse && kind == CLI_GRID)
-        return cli_usage(run, "--method collapse is for meshes; %s is a grid, for edge-ratio and coverage",
-                         in);
-    if (*collapse && solid != NULL)
-        return cli_usage(
-            run, "%s is for --method edge-ratio and coverage; collapse takes --triangles, --error or --count",
-            solid);
-    if (*collapse || edges == NULL) return CLI_DONE;
-
-    if (kind == CLI_GRID)
-        return cli_usage(run, "%s is for --method collapse, which takes meshes; %s is a grid", edges, in);
-    if (solid != NULL)
-        return cli_usage(
-            run, "%s is for --method collapse, and %s for edge-ratio and coverage; leave one of them out",
-            edges, solid);
-    return cli_usage(run, "%s is for --method collapse, not for %s", edges,
-                     o->method == BVX_LOD_COVERAGE ? "coverage" : "edge-ratio");
-}
-
-/* Options that speak of voxelizing, or of what only meshes have. */
-static int refuse_for_grid(cli_run *run)
-{
-    static const char *const option[] = {"--resolution", "--padding", "--fill", "--close-gaps", "--carry"};
-    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
-        if (cli_given(run, option[i]))
-            return cli_usage(run, "%s is for meshes; %s is a grid", option[i],
-                             cli_input_name(run->options->input[0]));
-    return CLI_DONE;
+    *collapse = method == CLI_METHOD_COLLAPSE ||
+                (method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
+    return cli_check_rules(run, method_rules, facts_of_method(run, kind, *collapse), NULL);
 }
 
 static int check_lod_options(cli_run *run, cli_chain *c)
 {
     const cli_options *const o = run->options;
 
-    if (cli_check_mesh_name(run, o->output) != CLI_DONE) return CLI_USAGE;
-    if (c->kind == CLI_GRID && refuse_for_grid(run) != CLI_DONE) return CLI_USAGE;
-    if (cli_check_fill(run) != CLI_DONE) return CLI_USAGE;
-    if (cli_check_carry_name(run) != CLI_DONE || cli_check_normals(run) != CLI_DONE) return CLI_USAGE;
-    if (o->levels.count != 0 && o->triangles.count != 0)
-        return cli_usage(run, "--levels and --triangles exclude each other");
-    if (o->edge_samples != 0 && o->method == BVX_LOD_COVERAGE)
-        return cli_usage(run, "--edge-samples needs --method edge-ratio");
-    if (o->collapse != 0.0 && o->triangles.count == 0) return cli_usage(run, "--collapse needs --triangles");
+    if (cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])) !=
+        CLI_DONE)
+        return CLI_USAGE;
     c->by_triangles = o->triangles.count != 0;
     c->count = c->by_triangles ? o->triangles.count : o->levels.count != 0 ? o->levels.count : 3;
     if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;

@@ -44,53 +44,62 @@ static int take_action(cli_run *run, morph_job *job)
         word);
 }
 
-/* Each option with the actions that take it, as bits. */
-static int refuse_unused(cli_run *run, morph_action action)
+/* Facts of the line: the action, and values that an option needs. */
+enum {
+    GROWS = 1 << CLI_FIRST_FACT,
+    HOLLOWS = 2 << CLI_FIRST_FACT,
+    MEASURES = 4 << CLI_FIRST_FACT,
+    IS_THICK = 8 << CLI_FIRST_FACT,       /* --thickness above 0 */
+    DRAINS = 16 << CLI_FIRST_FACT,        /* --drain above 0 */
+    NOTHING_BEYOND = 32 << CLI_FIRST_FACT /* --beyond nothing */
+};
+
+static uint32_t facts_of_action(const cli_options *o, morph_action action)
 {
-    enum { GROW = 1 << DILATE | 1 << ERODE | 1 << OPEN | 1 << CLOSE };
-    static const struct {
-        const char *option;
-        int actions;
-    } uses[] = {{"--neighbourhood", GROW}, {"--steps", GROW},
-                {"--radius", GROW},        {"--thickness", 1 << HOLLOW},
-                {"--drain", 1 << HOLLOW},  {"--drain-side", 1 << HOLLOW},
-                {"--side", 1 << DISTANCE}, {"--value-type", 1 << DISTANCE}};
-    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++)
-        if (cli_given(run, uses[i].option) && (uses[i].actions >> action & 1) == 0)
-            return cli_usage(run, "morph %s has no use for %s", action_names[action], uses[i].option);
-    if (cli_given(run, "--radius") && (cli_given(run, "--neighbourhood") || cli_given(run, "--steps")))
-        return cli_usage(run, "--radius is in place of --neighbourhood and --steps");
-    if (action == HOLLOW && !(run->options->thickness > 0.0))
-        return cli_usage(run, "morph hollow needs --thickness, above 0");
-    if (cli_given(run, "--drain-side") && !(run->options->drain > 0.0))
-        return cli_usage(run, "--drain-side needs --drain");
-    if (action != DISTANCE && cli_given(run, "--beyond") && run->options->beyond == BVX_BEYOND_NOTHING)
-        return cli_usage(run, "--beyond nothing is for distances");
-    return CLI_DONE;
+    return (action == HOLLOW     ? (uint32_t)HOLLOWS
+            : action == DISTANCE ? (uint32_t)MEASURES
+                                 : (uint32_t)GROWS) |
+           (o->thickness > 0.0 ? IS_THICK : 0u) | (o->drain > 0.0 ? DRAINS : 0u) |
+           (o->beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
 }
 
-static int check_morph_output(cli_run *run, morph_action action)
-{
-    const char *const out = run->options->output;
-    int32_t const format = bvx_format_of_name(out);
-    if (action != DISTANCE) return cli_check_grid_name(run, out);
-    if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
-        return cli_usage(run, "%s: distances are written as .npy, .nrrd or .vti", out);
-    return CLI_DONE;
-}
+/* The word is the action's name. */
+static const cli_rule action_rules[] = {
+    {.unless = GROWS, .given = "--neighbourhood --steps --radius", .message = "morph %w has no use for %o"},
+    {.unless = HOLLOWS, .given = "--thickness --drain --drain-side", .message = "morph %w has no use for %o"},
+    {.unless = MEASURES, .given = "--side --value-type", .message = "morph %w has no use for %o"},
+    {.given = "--radius",
+     .beside = "--neighbourhood --steps",
+     .message = "%o is in place of --neighbourhood and --steps"},
+    {.when = HOLLOWS, .unless = IS_THICK, .message = "morph hollow needs --thickness, above 0"},
+    {.unless = DRAINS, .given = "--drain-side", .message = "%o needs --drain"},
+    {.when = NOTHING_BEYOND,
+     .unless = MEASURES,
+     .given = "--beyond",
+     .message = "--beyond nothing is for distances"},
+    {.when = MEASURES,
+     .unless = CLI_TO_DISTANCES,
+     .message = "%f: distances are written as .npy, .nrrd or .vti"},
+    {.unless = MEASURES, .also = cli_to_grid_rules},
+    {0}};
+
+/* The word is the input's name. */
+static const cli_rule input_rules[] = {{.when = CLI_OF_GRID, .also = cli_grid_rules},
+                                       {.also = cli_lattice_rules},
+                                       {.also = cli_fill_rules},
+                                       {0}};
 
 static int check_morph_options(cli_run *run, morph_job *job)
 {
     const char *const path = run->options->input[1];
     int kind, status = take_action(run, job);
 
-    if (status == CLI_DONE) status = refuse_unused(run, job->action);
-    if (status == CLI_DONE) status = check_morph_output(run, job->action);
+    if (status == CLI_DONE)
+        status = cli_check_rules(run, action_rules, facts_of_action(run->options, job->action),
+                                 action_names[job->action]);
     if (status == CLI_DONE) status = cli_input_kind(run, path, &kind);
     if (status != CLI_DONE) return status;
-    if (kind == CLI_GRID) return cli_refuse_for_grid(run, path);
-    status = cli_check_lattice(run);
-    return status == CLI_DONE ? cli_check_fill(run) : status;
+    return cli_check_rules(run, input_rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
 }
 
 /* ---- the voxels ---- */

@@ -8,17 +8,18 @@ enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 
 /* ---- what is asked for ---- */
 
+enum { CHOOSES_LEVELS = 1 << CLI_FIRST_FACT }; /* --halvings auto */
+
 /* An octree has been refined: what the options for that would ask is decided. */
-static int check_options_for_tree(cli_run *run)
-{
-    static const char *const for_meshes[] = {"--resolution", "--base", "--halvings", "--outer-levels",
-                                             "--adaptive"};
-    for (size_t i = 0; i < sizeof for_meshes / sizeof for_meshes[0]; i++)
-        if (cli_given(run, for_meshes[i]))
-            return cli_usage(run, "%s is for meshes; %s is not a mesh", for_meshes[i],
-                             cli_input_name(run->options->input[0]));
-    return CLI_DONE;
-}
+static const cli_rule tree_rules[] = {{.given = "--resolution --base --halvings --outer-levels --adaptive",
+                                       .message = "%o is for meshes; %i is not a mesh"},
+                                      {0}};
+
+static const cli_rule mesh_rules[] = {
+    {.given = "--resolution", .beside = "--base", .message = "%o and %b contradict each other"},
+    {.when = CHOOSES_LEVELS, .lacking = "--resolution", .message = "--halvings auto needs --resolution"},
+    {.given = "--outer-levels", .lacking = "--window", .message = "%o needs --window"},
+    {0}};
 
 /* The number of the last level, REFINE_AUTO when it is to be chosen. */
 static int32_t levels_asked_for(const cli_run *run)
@@ -32,12 +33,8 @@ static int check_levels(cli_run *run)
     const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
 
-    if (o->resolution.count != 0 && o->base_voxels != 0)
-        return cli_usage(run, "--resolution and --base contradict each other");
-    if (levels == REFINE_AUTO && o->resolution.count == 0)
-        return cli_usage(run, "--halvings auto needs --resolution");
-    if (cli_given(run, "--outer-levels") && o->window.count == 0)
-        return cli_usage(run, "--outer-levels needs --window");
+    if (cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL) != CLI_DONE)
+        return CLI_USAGE;
     if (levels == REFINE_AUTO) return CLI_DONE;
     if (o->outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
@@ -56,7 +53,7 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
         return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
-    status = *kind == CLI_MESH ? check_levels(run) : check_options_for_tree(run);
+    status = *kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL);
     return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
 

@@ -196,16 +196,36 @@ static int points_nowhere(const cli_triple *t)
     return t->given && t->value[0] == 0.0 && t->value[1] == 0.0 && t->value[2] == 0.0;
 }
 
-static int check_slices(cli_run *run)
-{
-    static const char *const useless[] = {"--cut",       "--from",    "--up",       "--smooth",
-                                          "--wireframe", "--compare", "--turntable"};
-    if (run->options->slices.count == 0) return CLI_DONE;
-    for (size_t i = 0; i < sizeof useless / sizeof useless[0]; i++)
-        if (cli_given(run, useless[i]))
-            return cli_usage(run, "--slices and %s exclude each other", useless[i]);
-    return CLI_DONE;
-}
+/* Facts of the line. */
+enum {
+    HAS_MESH = 1 << CLI_FIRST_FACT, /* among the inputs */
+    HAS_TWO = 2 << CLI_FIRST_FACT,  /* inputs */
+    ARE_MIXED = 4 << CLI_FIRST_FACT /* a mesh and a grid, or more */
+};
+
+/* The word is how many inputs there are. */
+static const cli_rule render_rules[] = {
+    {.unless = HAS_MESH,
+     .given = "--voxels",
+     .message = "%o is for meshes; the voxels of a grid are drawn as they are"},
+    {.unless = HAS_MESH, .given = "--fill", .message = "%o needs --voxels"},
+    {.given = "--fill", .lacking = "--voxels --compare", .message = "%o needs --voxels"},
+    {.when = HAS_MESH,
+     .given = "--slices",
+     .lacking = "--voxels",
+     .message = "%o shows voxels: with a mesh it needs --voxels"},
+    {.unless = HAS_TWO, .given = "--compare", .message = "%o takes two inputs, not %w"},
+    {.when = ARE_MIXED,
+     .given = "--compare",
+     .message = "%o takes two grids or two meshes: voxelize the mesh on the grid's lattice first"},
+    {.also = cli_fill_rules},
+    {0}};
+
+static const cli_rule slices_rules[] = {
+    {.given = "--cut --from --up --smooth --wireframe --compare --turntable",
+     .beside = "--slices",
+     .message = "%b and %o exclude each other"},
+    {0}};
 
 static int check_turntable(cli_run *run)
 {
@@ -232,24 +252,18 @@ static int check_kinds(cli_run *run)
 {
     const cli_options *const o = run->options;
     int meshes = 0, kind, status = CLI_DONE;
+    char count[16];
 
     for (int i = 0; i < o->inputs && status == CLI_DONE; i++) {
         status = cli_input_kind(run, o->input[i], &kind);
         meshes += status == CLI_DONE && kind == CLI_MESH;
     }
     if (status != CLI_DONE) return status;
-    if (o->voxels != 0 && meshes == 0)
-        return cli_usage(run, "--voxels is for meshes; the voxels of a grid are drawn as they are");
-    if (cli_given(run, "--fill") && (meshes == 0 || (o->voxels == 0 && !o->difference)))
-        return cli_usage(run, "--fill needs --voxels");
-    if (o->slices.count != 0 && meshes != 0 && o->voxels == 0)
-        return cli_usage(run, "--slices shows voxels: with a mesh it needs --voxels");
-    if (o->difference && o->inputs != 2)
-        return cli_usage(run, "--compare takes two inputs, not %d", o->inputs);
-    if (o->difference && meshes == 1)
-        return cli_usage(
-            run, "--compare takes two grids or two meshes: voxelize the mesh on the grid's lattice first");
-    return CLI_DONE;
+    snprintf(count, sizeof count, "%d", o->inputs);
+    return cli_check_rules(run, render_rules,
+                           (meshes != 0 ? HAS_MESH : 0u) | (o->inputs == 2 ? HAS_TWO : 0u) |
+                               (meshes == 1 ? ARE_MIXED : 0u),
+                           count);
 }
 
 static int check_render_options(cli_run *run)
@@ -261,9 +275,8 @@ static int check_render_options(cli_run *run)
         return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
     if (points_nowhere(&o->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&o->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
-    status = check_slices(run);
+    status = cli_check_rules(run, slices_rules, 0, NULL);
     if (status == CLI_DONE) status = check_kinds(run);
-    if (status == CLI_DONE) status = cli_check_fill(run);
     return status == CLI_DONE ? check_turntable(run) : status;
 }
 

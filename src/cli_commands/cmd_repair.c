@@ -218,11 +218,13 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 
 static int check_repair_options(cli_run *run)
 {
-    if (cli_check_mesh_name(run, run->options->output) != CLI_DONE) return CLI_USAGE;
-    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
-    if (cli_check_sharp(run) != CLI_DONE) return CLI_USAGE;
-    if (cli_check_carry_name(run) != CLI_DONE) return CLI_USAGE;
-    return cli_check_normals(run);
+    static const cli_rule rules[] = {{.also = cli_to_mesh_rules},
+                                     {.also = cli_reduction_rules},
+                                     {.also = cli_sharp_rules},
+                                     {.also = cli_mesh_file_rules},
+                                     {0}};
+
+    return cli_check_rules(run, rules, 0, NULL);
 }
 
 static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired, bvx_repair_report *report)

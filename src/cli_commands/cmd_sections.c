@@ -23,39 +23,48 @@ typedef struct sections_job {
     cli_reduction reduction;
 } sections_job;
 
-static int check_sections_options(cli_run *run)
+/* Facts of the line. */
+enum {
+    READS_CONTOURS = 1 << CLI_FIRST_FACT,
+    READS_CSV = 2 << CLI_FIRST_FACT,
+    STAYS_OPEN = 4 << CLI_FIRST_FACT,   /* --caps open */
+    MODEL_IS_CSV = 8 << CLI_FIRST_FACT, /* --block-model */
+    HAS_BLOCKS = 16 << CLI_FIRST_FACT   /* --block with sides above 0 */
+};
+
+static uint32_t facts_of_sections(const cli_run *run)
 {
     const cli_options *const o = run->options;
-    int32_t const format = cli_input_format(run, o->input[0]);
+    uint32_t facts = HAS_BLOCKS;
 
-    if (!cli_is_contours(run, o->input[0]))
-        return cli_usage(
-            run, "%s: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)",
-            cli_input_name(o->input[0]));
-    if (cli_kind_of_format(bvx_format_of_name(o->output)) != CLI_MESH)
-        return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
-                         o->output);
-    if (cli_given(run, "--close-gap") && format != BVX_FORMAT_CSV)
-        return cli_usage(run, "--close-gap is for .csv; loops of .csl are closed by their format");
-    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
-    if (o->caps == BVX_CAPS_OPEN &&
-        cli_refuse_reduction(run, "needs a closed body, not --caps open") != CLI_DONE)
-        return CLI_USAGE;
-    if (cli_given(run, "--grid") && cli_given(run, "--spacing"))
-        return cli_usage(run, "--grid and --spacing contradict each other");
-    if ((o->block_model != NULL) != (o->block.given != 0))
-        return cli_usage(run, "--block-model and --block go together");
-    if (o->block_model != NULL) {
-        if (bvx_format_of_name(o->block_model) != BVX_FORMAT_CSV)
-            return cli_usage(run, "%s: a block model's name ends in .csv", o->block_model);
-        if (o->caps == BVX_CAPS_OPEN)
-            return cli_usage(run, "--block-model needs a closed body, not --caps open");
-        for (int k = 0; k < 3; k++)
-            if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300))
-                return cli_usage(run, "--block: sides must be above 0");
-    }
-    return CLI_DONE;
+    if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
+    if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
+    if (o->caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
+    if (o->block_model != NULL && bvx_format_of_name(o->block_model) == BVX_FORMAT_CSV) facts |= MODEL_IS_CSV;
+    for (int k = 0; k < 3; k++)
+        if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
+    return facts;
 }
+
+/* The word is the block model's name. */
+static const cli_rule sections_rules[] = {
+    {.unless = READS_CONTOURS,
+     .message = "%i: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)"},
+    {.also = cli_to_mesh_rules},
+    {.unless = READS_CSV,
+     .given = "--close-gap",
+     .message = "%o is for .csv; loops of .csl are closed by their format"},
+    {.also = cli_reduction_rules},
+    {.when = STAYS_OPEN,
+     .given = "--triangles --error --error-kind",
+     .message = "%o needs a closed body, not --caps open"},
+    {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
+    {.given = "--block-model", .lacking = "--block", .message = "--block-model and --block go together"},
+    {.given = "--block", .lacking = "--block-model", .message = "--block-model and --block go together"},
+    {.unless = MODEL_IS_CSV, .given = "--block-model", .message = "%w: a block model's name ends in .csv"},
+    {.when = STAYS_OPEN, .given = "--block-model", .message = "%o needs a closed body, not --caps open"},
+    {.unless = HAS_BLOCKS, .given = "--block", .message = "%o: sides must be above 0"},
+    {0}};
 
 static int build_body(cli_run *run, sections_job *job)
 {
@@ -333,7 +342,7 @@ static int run_sections(cli_run *run)
 {
     sections_job job;
     cli_text blocks = {NULL, 0, 0, 0};
-    int status = check_sections_options(run);
+    int status = cli_check_rules(run, sections_rules, facts_of_sections(run), run->options->block_model);
 
     memset(&job, 0, sizeof job);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);

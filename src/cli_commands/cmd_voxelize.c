@@ -17,18 +17,71 @@ typedef struct voxel_job {
 
 /* ---- what is asked for ---- */
 
-static int check_mode(cli_run *run)
+/* Facts of the line. */
+enum {
+    SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
+    SETS_FIELD = 2 << CLI_FIRST_FACT,
+    LOOKS_FOR_THIN = 4 << CLI_FIRST_FACT /* --check-thin always */
+};
+
+static uint32_t facts_of_mode(const cli_run *run)
 {
-    static const char *const of_solids[] = {"--fill",        "--close-gaps", "--add-shell",
-                                            "--check-edges", "--check-thin", "--compare-fills",
-                                            "--base",        "--second",     "--up"};
-    int32_t const mode = run->options->mode;
-    for (size_t i = 0; i < sizeof of_solids / sizeof of_solids[0] && mode != CLI_MODE_SOLID; i++)
-        if (cli_given(run, of_solids[i]))
-            return cli_usage(run, "%s is for solids; --mode %s has no use for it", of_solids[i],
-                             cli_mode_names[mode]);
-    return CLI_DONE;
+    const cli_options *const o = run->options;
+
+    return (o->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (o->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
+           (o->check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
+
+/* A volume has its own lattice, and voxels already. */
+static const cli_rule volume_rules[] = {
+    {.given =
+         "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell --check-edges "
+         "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type",
+     .message = "%o is for meshes; %i is a volume"},
+    {.also = cli_cloud_rules},
+    {0}};
+
+static const cli_rule fill_rules[] = {
+    {.unless = CLI_FILLS_BELOW, .given = "--base --second --up", .message = "%o needs --fill below"},
+    {.unless = CLI_FILLS_FLOOD,
+     .given = "--close-gaps",
+     .lacking = "--compare-fills --body",
+     .message = "%o needs --fill flood, --compare-fills, or --body for clouds"},
+    {.also = cli_fill_rules},
+    {.when = CLI_FILLS_BELOW | LOOKS_FOR_THIN,
+     .given = "--check-thin",
+     .message = "%o has no use with --fill below: it is for bodies"},
+    {.when = CLI_FILLS_BELOW,
+     .given = "--compare-fills",
+     .message = "%o has no use with --fill below: the other rules are for closed shapes"},
+    {.given = "--compare-fills", .beside = "--window", .message = "%o needs the whole lattice, no %b"},
+    {0}};
+
+/* The word is the mode's name. */
+static const cli_rule mesh_rules[] = {
+    {.also = cli_to_grid_rules},
+    {.given = "--triangles --error --error-kind",
+     .message = "%o is for a mesh made of a volume; the result is a grid"},
+    {.also = cli_lattice_rules},
+    {.unless = SETS_SOLID,
+     .given =
+         "--fill --close-gaps --add-shell --check-edges --check-thin --compare-fills --base --second --up",
+     .message = "%o is for solids; --mode %w has no use for it"},
+    {.unless = SETS_FIELD,
+     .given = "--half-width --sign --vectors --value-type",
+     .message = "%o is for fields; --mode %w has no use for it"},
+    {.when = SETS_FIELD | CLI_KEEPS_PARTS,
+     .message = "--keep-largest and --least-part are for voxels; --mode field has no use for them"},
+    {.when = SETS_FIELD,
+     .unless = CLI_TO_DISTANCES,
+     .message = "%f: fields are written as .npy, .nrrd or .vti"},
+    {.also = fill_rules},
+    {.when = CLI_OF_CLOUD, .also = cli_cloud_rules},
+    {.when = CLI_OF_GRID,
+     .message =
+         "%i is a grid already: 'bitvox convert' writes it in another format; --level, --range or --label "
+         "choose voxels of a volume"},
+    {0}};
 
 static int check_second(cli_run *run)
 {
@@ -43,46 +96,31 @@ static int check_second(cli_run *run)
     return status;
 }
 
-/* A volume has its own lattice. */
-static int check_volume(cli_run *run, bvx_window *window)
-{
-    static const char *const of_meshes[] = {
-        "--resolution", "--spacing",   "--origin",      "--padding",    "--mode",          "--fill",
-        "--close-gaps", "--add-shell", "--check-edges", "--check-thin", "--compare-fills", "--base",
-        "--second",     "--up",        "--half-width",  "--sign",       "--vectors",       "--value-type"};
-
-    for (size_t i = 0; i < sizeof of_meshes / sizeof of_meshes[0]; i++)
-        if (cli_given(run, of_meshes[i]))
-            return cli_usage(run, "%s is for meshes; %s is a volume", of_meshes[i],
-                             cli_input_name(run->options->input[0]));
-    if (cli_check_cloud_options(run, "a volume") != CLI_DONE) return CLI_USAGE;
-    return cli_window_option(run, window);
-}
-
-static int check_voxelize_options(cli_run *run, bvx_window *window)
+/* What the input is by its name; of a cloud in .ply it is known once it is read. */
+static int find_kind(cli_run *run, uint32_t *kind)
 {
     const char *const input = run->options->input[0];
-    int const cloud = cli_input_format(run, input) == BVX_FORMAT_XYZ;
-    int kind = 0, status = cloud ? CLI_DONE : cli_input_kind(run, input, &kind);
+    int of = CLI_MESH, status = CLI_DONE;
 
-    if (status == CLI_DONE && kind == CLI_GRID && cli_is_volume(run, input)) return check_volume(run, window);
-    if (status == CLI_DONE) status = cli_check_grid_name(run, run->options->output);
-    if (status == CLI_DONE)
-        status = cli_refuse_reduction(run, "is for a mesh made of a volume; the result is a grid");
-    if (status == CLI_DONE) status = cli_check_lattice(run);
-    if (status == CLI_DONE) status = check_mode(run);
-    if (status == CLI_DONE) status = cli_check_field(run);
-    if (status == CLI_DONE) status = cli_check_fill(run);
-    if (status == CLI_DONE) status = check_second(run);
-    if (status == CLI_DONE) status = cli_window_option(run, window);
-    if (status == CLI_DONE && cloud) return cli_check_cloud(run, 1);
-    if (status == CLI_DONE && kind == CLI_GRID)
-        return cli_usage(
-            run,
-            "%s is a grid already: 'bitvox convert' writes it in another format; --level, --range or --label choose "
-            "voxels of a volume",
-            cli_input_name(input));
+    if (cli_input_format(run, input) == BVX_FORMAT_XYZ) {
+        *kind = CLI_OF_CLOUD;
+        return CLI_DONE;
+    }
+    status = cli_input_kind(run, input, &of);
+    *kind = of != CLI_GRID ? 0 : cli_is_volume(run, input) ? CLI_OF_VOLUME : CLI_OF_GRID;
     return status;
+}
+
+static int check_voxelize_options(cli_run *run, uint32_t *kind, bvx_window *window)
+{
+    const char *const mode = cli_mode_names[run->options->mode];
+    int status = find_kind(run, kind);
+
+    if (status == CLI_DONE && *kind == CLI_OF_VOLUME)
+        status = cli_check_rules(run, volume_rules, *kind, NULL);
+    else if (status == CLI_DONE) status = cli_check_rules(run, mesh_rules, *kind | facts_of_mode(run), mode);
+    if (status == CLI_DONE) status = check_second(run);
+    return status == CLI_DONE ? cli_window_option(run, window) : status;
 }
 
 /* ---- the lattice ---- */
@@ -216,7 +254,8 @@ static int read_meshes(cli_run *run, voxel_job *job)
     const cli_options *const o = run->options;
     int status = cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud);
 
-    if (status == CLI_DONE) status = cli_check_cloud(run, job->cloud);
+    if (status == CLI_DONE)
+        status = cli_check_rules(run, cli_cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL);
     if (status == CLI_DONE && o->second != NULL) status = cli_read_mesh(run, o->second, &job->second);
     if (status != CLI_DONE) return status;
     bvx_mesh_view_of(&job->mesh, &job->view);
@@ -227,12 +266,13 @@ static int read_meshes(cli_run *run, voxel_job *job)
 static int run_voxelize(cli_run *run)
 {
     voxel_job job;
+    uint32_t kind = 0;
     int status;
 
     memset(&job, 0, sizeof job);
-    status = check_voxelize_options(run, &job.window);
-    if (status == CLI_DONE && cli_is_volume(run, run->options->input[0]))
-        return cli_voxelize_volume(run, &job.window);
+    status = check_voxelize_options(run, &kind, &job.window);
+    if (status == CLI_DONE && kind == CLI_OF_VOLUME) return cli_voxelize_volume(run, &job.window);
+    if (status == CLI_DONE && run->options->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
     if (status == CLI_DONE) status = read_meshes(run, &job);
     if (status == CLI_DONE)

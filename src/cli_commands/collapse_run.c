@@ -22,25 +22,25 @@ enum {
 
 /* ---- Options ---- */
 
+static const cli_rule collapse_rules[] = {
+    {.also = cli_to_mesh_rules},
+    {.also = cli_reduction_rules},
+    {.given = "--triangles --error", .beside = "--count", .message = "%o and %b exclude each other"},
+    {.also = cli_mesh_file_rules},
+    {.given = "--colour-weight",
+     .lacking = "--carry",
+     .message = "%o needs --carry, which gives the levels the colours"},
+    {0}};
+
 int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
     int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
 
-    if (ways > 1)
-        return cli_usage(run, "%s and %s exclude each other",
-                         o->triangles.count != 0 ? "--triangles" : "--error",
-                         o->triangles.count != 0 && o->errors.count != 0 ? "--error" : "--count");
-    if (cli_given(run, "--error-kind") && o->errors.count == 0)
-        return cli_usage(run, "--error-kind needs --error");
+    if (cli_check_rules(run, collapse_rules, 0, NULL) != CLI_DONE) return CLI_USAGE;
 
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
-    if (cli_check_mesh_name(run, o->output) != CLI_DONE || cli_check_carry_name(run) != CLI_DONE ||
-        cli_check_normals(run) != CLI_DONE)
-        return CLI_USAGE;
-    if (cli_given(run, "--colour-weight") && !run->options->carry)
-        return cli_usage(run, "--colour-weight needs --carry, which gives the levels the colours");
     return cli_check_level_names(run, c->count);
 }
 

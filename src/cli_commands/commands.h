@@ -15,13 +15,9 @@ void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measur
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
-/* Refuse options that speak of voxelizing beside a grid; path names it. */
-int cli_refuse_for_grid(cli_run *run, const char *path);
 /* The mesh of an input becomes its solid. */
 int cli_fill_input(cli_run *run, cli_input *in);
 
-/* Refuse options that the rule of --fill has no use for. */
-int cli_check_fill(cli_run *run);
 /* --fill and its options; second and the report are the caller's. */
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why. */
@@ -37,10 +33,8 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
 
 /* ---- clouds.c: voxels of a cloud of points ---- */
 
-/* Refuse options of clouds for another kind of input. */
-int cli_check_cloud_options(cli_run *run, const char *kind);
-/* Refuse the options of clouds for meshes, and those of meshes for clouds. */
-int cli_check_cloud(cli_run *run, int cloud);
+/* The options of clouds for meshes and volumes, and those of meshes for clouds. */
+extern const cli_rule cli_cloud_rules[];
 /* A grid of the window from the options, on the report's lattice; told, written and warned of. */
 int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_window *window);
 
@@ -64,10 +58,6 @@ typedef struct cli_reduction {
     bvx_level_report level;
 } cli_reduction;
 
-/* Refuse both together. */
-int cli_check_reduction(cli_run *run);
-/* Refuse each of them, with the reason behind its name. */
-int cli_refuse_reduction(cli_run *run, const char *why);
 /* The edges of a closed mesh collapse, where that is asked for. */
 int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
 /* What became of it: a line of text, a member of the JSON report. */

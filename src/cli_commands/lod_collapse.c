@@ -11,37 +11,44 @@ typedef struct lod_collapse {
     bvx_levels_report report;
 } lod_collapse;
 
-static const char *given_of(const cli_run *run, const char *const *names)
-{
-    for (int i = 0; names[i] != NULL; i++)
-        if (cli_given(run, names[i])) return names[i];
-    return NULL;
-}
-
 /* ---- Options ---- */
+
+#define OF_MEASURED "--resolution --sign --least-part --least-cavity --outer-hull --sharp --no-sharp --shell"
+
+/* Facts of the line. */
+enum {
+    FROM_MESH = 1 << CLI_FIRST_FACT,     /* --source mesh */
+    FROM_MEASURED = 2 << CLI_FIRST_FACT, /* --source measured */
+    LEAVES_OPEN = 4 << CLI_FIRST_FACT    /* --open keep, --open cut */
+};
+
+/* The word is the name of --open. */
+static const cli_rule measured_rules[] = {
+    {.given = "--level --range --label --below --shape --sample-type --big-endian --skip --voxel-size",
+     .message = "%o is for volumes; %i is a mesh"},
+    {.when = FROM_MESH,
+     .given = OF_MEASURED,
+     .message = "%o is for a measured surface, and --source mesh measures none"},
+    {.when = LEAVES_OPEN,
+     .given = OF_MEASURED,
+     .message = "--open %w keeps borders, and a measured surface (%o) has none"},
+    {.when = LEAVES_OPEN | FROM_MEASURED,
+     .message = "--open %w keeps borders, and a measured surface (--source measured) has none"},
+    {.also = cli_sharp_rules},
+    {.given = "--outer-hull",
+     .beside = "--least-cavity",
+     .message = "%o fills every cavity; %b has no use beside it"},
+    {0}};
 
 static int check_measured_options(cli_run *run)
 {
-    static const char *const of_volumes[] = {
-        "--level",       "--range",      "--label", "--below",      "--shape",
-        "--sample-type", "--big-endian", "--skip",  "--voxel-size", NULL};
-    static const char *const of_measured[] = {"--resolution",   "--sign",       "--least-part",
-                                              "--least-cavity", "--outer-hull", "--sharp",
-                                              "--no-sharp",     "--shell",      NULL};
     const cli_options *const o = run->options;
-    const char *const volume = given_of(run, of_volumes), *const measured = given_of(run, of_measured);
+    uint32_t const facts = (o->source == BVX_LEVELS_MESH ? FROM_MESH : 0u) |
+                           (o->source == BVX_LEVELS_MEASURED ? FROM_MEASURED : 0u) |
+                           (o->open != BVX_OPEN_SHELL ? LEAVES_OPEN : 0u);
 
-    if (volume != NULL)
-        return cli_usage(run, "%s is for volumes; %s is a mesh", volume, cli_input_name(o->input[0]));
-    if (o->source == BVX_LEVELS_MESH && measured != NULL)
-        return cli_usage(run, "%s is for a measured surface, and --source mesh measures none", measured);
-    if (o->open != BVX_OPEN_SHELL && (o->source == BVX_LEVELS_MEASURED || measured != NULL))
-        return cli_usage(run, "--open %s keeps borders, and a measured surface (%s) has none",
-                         o->open == BVX_OPEN_KEEP ? "keep" : "cut",
-                         measured != NULL ? measured : "--source measured");
-    if (cli_check_sharp(run) != CLI_DONE) return CLI_USAGE;
-    if (o->outer_hull && cli_given(run, "--least-cavity"))
-        return cli_usage(run, "--outer-hull fills every cavity; --least-cavity has no use beside it");
+    if (cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut") != CLI_DONE)
+        return CLI_USAGE;
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
         return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
                          o->resolution.value[0], 1 << 24);
@@ -229,8 +236,7 @@ static void report_levels(cli_run *run, const lod_collapse *l)
 
 static void warn_of_unused(cli_run *run, const lod_collapse *l)
 {
-    static const char *const of_measured[] = {"--sharp", "--no-sharp", "--shell", NULL};
-    const char *const unused = given_of(run, of_measured);
+    const char *const unused = cli_given_of(run, "--sharp --no-sharp --shell");
 
     if (unused != NULL && !is_measured(l))
         cli_warn(run,

@@ -6,26 +6,6 @@
 
 #include <inttypes.h>
 
-int cli_check_reduction(cli_run *run)
-{
-    const cli_options *const o = run->options;
-
-    if (o->triangles.count != 0 && o->errors.count != 0)
-        return cli_usage(run, "--triangles and --error exclude each other");
-    if (cli_given(run, "--error-kind") && o->errors.count == 0)
-        return cli_usage(run, "--error-kind needs --error");
-    return CLI_DONE;
-}
-
-int cli_refuse_reduction(cli_run *run, const char *why)
-{
-    static const char *const option[] = {"--triangles", "--error", "--error-kind"};
-
-    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
-        if (cli_given(run, option[i])) return cli_usage(run, "%s %s", option[i], why);
-    return CLI_DONE;
-}
-
 int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
 {
     const cli_options *const o = run->options;

@@ -6,41 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-int cli_check_fill(cli_run *run)
-{
-    static const char *const below_alone[] = {"--base", "--second", "--up"};
-    const cli_options *const o = run->options;
-    int const below = o->fill == BVX_FILL_BELOW, voxelize = run->command->bit == CLI_VOXELIZE;
-
-    for (size_t i = 0; i < sizeof below_alone / sizeof below_alone[0] && voxelize && !below; i++)
-        if (cli_given(run, below_alone[i])) return cli_usage(run, "%s needs --fill below", below_alone[i]);
-    if (cli_given(run, "--close-gaps") && o->fill != BVX_FILL_FLOOD && !o->compare_fills && !o->body)
-        return cli_usage(run, voxelize
-                                  ? "--close-gaps needs --fill flood, --compare-fills, or --body for clouds"
-                                  : "--close-gaps needs --fill flood");
-    if (below && o->add_shell) return cli_usage(run, "--add-shell has no use with --fill below");
-    if (below && cli_given(run, "--check-thin") && o->check_thin == 1)
-        return cli_usage(run, "--check-thin has no use with --fill below: it is for bodies");
-    if (below && o->compare_fills)
-        return cli_usage(
-            run, "--compare-fills has no use with --fill below: the other rules are for closed shapes");
-    if ((o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS) && o->window.count != 0)
-        return cli_usage(run, "--fill %s needs the whole lattice, no --window", cli_fill_names[o->fill]);
-    if (o->compare_fills && o->window.count != 0)
-        return cli_usage(run, "--compare-fills needs the whole lattice, no --window");
-    return CLI_DONE;
-}
-
-int cli_refuse_for_grid(cli_run *run, const char *path)
-{
-    static const char *const option[] = {"--resolution", "--spacing", "--origin",
-                                         "--padding",    "--fill",    "--close-gaps"};
-    for (size_t i = 0; i < sizeof option / sizeof option[0]; i++)
-        if (cli_given(run, option[i]))
-            return cli_usage(run, "%s is for meshes; %s is a grid", option[i], cli_input_name(path));
-    return CLI_DONE;
-}
-
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 {
     const cli_options *const o = run->options;

@@ -14,27 +14,34 @@ typedef struct volume_job {
     uint64_t label_count;
 } volume_job;
 
-static int check_volume_output(cli_run *run, int *kind)
+/* Facts of the output's name. */
+enum {
+    HAS_NUMBER = 1 << CLI_FIRST_FACT, /* %d */
+    HAS_NUMBERS = 2 << CLI_FIRST_FACT /* two */
+};
+
+static const cli_rule output_rules[] = {
+    {.unless = CLI_TO_MESH | CLI_TO_GRID,
+     .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS "), and in no mesh "
+                "format (" CLI_MESHES_WRITTEN ")"},
+    {.also = cli_reduction_rules},
+    {.unless = CLI_TO_MESH,
+     .given = "--all-labels",
+     .message = "%o writes a mesh for each label: %f needs %d in the name of a mesh"},
+    {.unless = HAS_NUMBER,
+     .given = "--all-labels",
+     .message = "%o writes a mesh for each label: %f needs %d in the name of a mesh"},
+    {.when = HAS_NUMBER, .lacking = "--all-labels", .message = "%f: %d is for --all-labels"},
+    {.when = HAS_NUMBERS, .message = "%f: the name has two %d"},
+    {0}};
+
+static int check_volume_output(cli_run *run)
 {
     const char *const out = run->options->output;
-    int const has_number = cli_has_number(out);
 
-    *kind = cli_kind_of_format(bvx_format_of_name(out));
-    if (*kind == 0)
-        return cli_usage(run,
-                         "%s: the name ends in no grid format that is written (" CLI_GRIDS
-                         "), and in no mesh "
-                         "format (" CLI_MESHES_WRITTEN ")",
-                         out);
-    if (*kind == CLI_GRID && cli_refuse_reduction(run, "is for a mesh; the result is a grid") != CLI_DONE)
-        return CLI_USAGE;
-    if (cli_check_reduction(run) != CLI_DONE) return CLI_USAGE;
-    if (run->options->all_labels && (*kind != CLI_MESH || !has_number))
-        return cli_usage(run, "--all-labels writes a mesh for each label: %s needs %%d in the name of a mesh",
-                         out);
-    if (!run->options->all_labels && has_number) return cli_usage(run, "%s: %%d is for --all-labels", out);
-    if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
-    return CLI_DONE;
+    return cli_check_rules(
+        run, output_rules,
+        (cli_has_number(out) ? HAS_NUMBER : 0u) | (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u), NULL);
 }
 
 static void say_volume(cli_run *run, const volume_job *j)
@@ -363,7 +370,8 @@ static int make_label_meshes(cli_run *run, volume_job *j)
 int cli_voxelize_volume(cli_run *run, const bvx_window *window)
 {
     static volume_job j;
-    int kind, status = check_volume_output(run, &kind);
+    int const kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
+    int status = check_volume_output(run);
 
     memset(&j, 0, sizeof j);
     if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);

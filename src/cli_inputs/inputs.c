@@ -103,15 +103,11 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     return status;
 }
 
-static int refuse_of_trees(cli_run *run, const char *path, const char *kind)
-{
-    static const char *const of_trees[] = {"--expand", "--states"};
-
-    for (size_t i = 0; i < sizeof of_trees / sizeof of_trees[0]; i++)
-        if (cli_given(run, of_trees[i]))
-            return cli_usage(run, "%s is for octrees; %s is %s", of_trees[i], cli_input_name(path), kind);
-    return CLI_DONE;
-}
+/* The word is the input's name. */
+static const cli_rule tree_rules[] = {
+    {.when = CLI_OF_GRID, .given = "--expand --states", .message = "%o is for octrees; %w is a grid"},
+    {.when = CLI_OF_MESH, .given = "--expand --states", .message = "%o is for octrees; %w is a mesh"},
+    {0}};
 
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed)
 {
@@ -122,7 +118,7 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
     if (status == CLI_DONE && in.kind == CLI_TREE)
         status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path),
                                  &in.grid);
-    else if (status == CLI_DONE) status = refuse_of_trees(run, path, "a grid");
+    else if (status == CLI_DONE) status = cli_check_rules(run, tree_rules, CLI_OF_GRID, cli_input_name(path));
     bvx_octree_free(run->context, in.tree);
     *grid = in.grid;
     *placed = in.placed;
@@ -155,7 +151,7 @@ int cli_read_input(cli_run *run, const char *path, cli_input *input)
     status = cli_input_kind(run, path, &input->kind);
     if (status != CLI_DONE) return status;
     if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
-    if (refuse_of_trees(run, path, "a mesh") != CLI_DONE) return CLI_USAGE;
+    if (cli_check_rules(run, tree_rules, CLI_OF_MESH, cli_input_name(path)) != CLI_DONE) return CLI_USAGE;
     return cli_read_mesh(run, path, &input->mesh);
 }
 

@@ -2,7 +2,7 @@
 #ifndef BVX_CLI_INPUTS_H
 #define BVX_CLI_INPUTS_H
 
-#include "cli_args/args.h"
+#include "cli_inputs/rules.h"
 
 /* ---- named_formats.c: formats by the names of files ---- */
 
@@ -129,8 +129,6 @@ typedef struct cli_box {
     double low[3], high[3];
 } cli_box;
 
-/* Refuse what of --resolution, --spacing, --origin and --padding contradicts itself. */
-int cli_check_lattice(cli_run *run);
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);

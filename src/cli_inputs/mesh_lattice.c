@@ -6,17 +6,6 @@
 
 enum { LATTICE_RESOLUTION = 256 };
 
-int cli_check_lattice(cli_run *run)
-{
-    const cli_options *const o = run->options;
-    if (o->resolution.count != 0 && o->spacing != 0.0)
-        return cli_usage(run, "--resolution and --spacing exclude each other");
-    if (o->origin.given && o->spacing == 0.0) return cli_usage(run, "--origin needs --spacing");
-    if (o->origin.given && o->padding != 0)
-        return cli_usage(run, "--origin and --padding exclude each other");
-    return CLI_DONE;
-}
-
 static double coordinate_of(const bvx_mesh *mesh, uint32_t vertex, int axis)
 {
     size_t const at = (size_t)vertex * 3 + (size_t)axis;

@@ -18,9 +18,23 @@ enum { DATA_NAME_ROOM = 4096 };
 
 /* ---- what is asked for ---- */
 
-static const char *const of_raw[] = {"--shape", "--sample-type", "--big-endian",
-                                     "--skip",  "--voxel-size",  NULL};
-static const char *const of_volumes[] = {"--level", "--range", "--label", "--all-labels", "--below", NULL};
+#define OF_RAW     "--shape --sample-type --big-endian --skip --voxel-size"
+#define OF_VOLUMES "--level --range --label --all-labels --below"
+
+enum { IS_RAW = 1 << CLI_FIRST_FACT }; /* a .raw file is read */
+
+/* The word is the input's name. */
+static const cli_rule selection_rules[] = {
+    {.given = "--below", .lacking = "--level", .message = "%o needs --level"},
+    {.unless = IS_RAW, .given = OF_RAW, .message = "%o is for .raw files; %w tells it itself"},
+    {0}};
+
+static const cli_rule raw_rules[] = {
+    {.lacking = "--shape",
+     .message = "%w holds samples alone: --shape X,Y,Z and --sample-type tell what they are"},
+    {.lacking = "--sample-type",
+     .message = "%w holds samples alone: --shape X,Y,Z and --sample-type tell what they are"},
+    {0}};
 
 static int may_be_volume(int32_t format)
 {
@@ -69,9 +83,8 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
 
 int cli_check_volume_options(cli_run *run)
 {
-    const char *const *const lists[2] = {of_volumes, of_raw};
+    const char *const given = cli_given_of(run, OF_VOLUMES " " OF_RAW);
     const cli_options *const o = run->options;
-    const char *given = NULL;
     int volumes = 0, raw = 0;
 
     if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
@@ -85,19 +98,9 @@ int cli_check_volume_options(cli_run *run)
         raw += format == BVX_FORMAT_RAW;
     }
 
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; lists[k][i] != NULL && given == NULL; i++)
-            if (cli_given(run, lists[k][i])) given = lists[k][i];
     if (given == NULL) return CLI_DONE;
     if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
-
-    if (cli_given(run, "--below") && !cli_given(run, "--level"))
-        return cli_usage(run, "--below needs --level");
-    for (int i = 0; of_raw[i] != NULL && raw == 0; i++)
-        if (cli_given(run, of_raw[i]))
-            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i],
-                             cli_input_name(o->input[0]));
-    return CLI_DONE;
+    return cli_check_rules(run, selection_rules, raw != 0 ? IS_RAW : 0, cli_input_name(o->input[0]));
 }
 
 int cli_check_selection(cli_run *run, const char *path)
@@ -106,16 +109,9 @@ int cli_check_selection(cli_run *run, const char *path)
 
     if (selections(run) > 1)
         return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
-    if (cli_given(run, "--below") && !cli_given(run, "--level"))
-        return cli_usage(run, "--below needs --level");
-    for (int i = 0; of_raw[i] != NULL && !raw; i++)
-        if (cli_given(run, of_raw[i]))
-            return cli_usage(run, "%s is for .raw files; %s tells it itself", of_raw[i],
-                             cli_input_name(path));
-    if (raw && (!cli_given(run, "--shape") || !cli_given(run, "--sample-type")))
-        return cli_usage(run, "%s holds samples alone: --shape X,Y,Z and --sample-type tell what they are",
-                         cli_input_name(path));
-    return CLI_DONE;
+    if (cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)) != CLI_DONE)
+        return CLI_USAGE;
+    return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
 }
 
 /* ---- packed samples ---- */

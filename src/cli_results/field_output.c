@@ -13,26 +13,13 @@ static double half_width_of(const cli_run *run)
     return run->options->half_width > 0.0 ? run->options->half_width : (double)INFINITY;
 }
 
-int cli_check_field(cli_run *run)
+void cli_choose_field_padding(cli_run *run)
 {
-    static const char *const of_fields[] = {"--half-width", "--sign", "--vectors", "--value-type"};
     cli_options *const o = run->options;
-    int32_t const format = bvx_format_of_name(o->output);
     double const width = half_width_of(run);
 
-    for (size_t i = 0; i < sizeof of_fields / sizeof of_fields[0] && o->mode != CLI_MODE_FIELD; i++)
-        if (cli_given(run, of_fields[i]))
-            return cli_usage(run, "%s is for fields; --mode %s has no use for it", of_fields[i],
-                             cli_mode_names[o->mode]);
-    if (o->mode != CLI_MODE_FIELD) return CLI_DONE;
-    if (cli_keeps_parts(run))
-        return cli_usage(run,
-                         "--keep-largest and --least-part are for voxels; --mode field has no use for them");
-    if (format != BVX_FORMAT_NPY && format != BVX_FORMAT_NRRD && format != BVX_FORMAT_VTI)
-        return cli_usage(run, "%s: fields are written as .npy, .nrrd or .vti", o->output);
-    if (!cli_given(run, "--padding") && !o->origin.given) /* room for the band around the mesh */
+    if (!cli_given(run, "--padding") && !o->origin.given)
         o->padding = width < FIELD_MOST_PADDING ? (int32_t)ceil(width) : FIELD_HALF_WIDTH;
-    return CLI_DONE;
 }
 
 static int write_field_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)

@@ -53,13 +53,6 @@ char *cli_numbered_path(const char *pattern, int64_t number)
     return path;
 }
 
-int cli_check_mesh_name(cli_run *run, const char *path)
-{
-    if (cli_kind_of_format(bvx_format_of_name(path)) == CLI_MESH) return CLI_DONE;
-    return cli_usage(run, "%s: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")",
-                     path);
-}
-
 int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options->output;
@@ -99,16 +92,6 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
-int cli_check_carry_name(cli_run *run)
-{
-    const char *const out = run->options->output;
-
-    if (!run->options->carry || bvx_format_of_name(out) != BVX_FORMAT_STL) return CLI_DONE;
-    return cli_usage(
-        run, "%s: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for --carry",
-        out);
-}
-
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
 {
     int32_t const format = bvx_format_of_name(path);
@@ -118,25 +101,6 @@ void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
     if (!colours && !uvs) return;
     cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
              colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
-}
-
-int cli_check_sharp(cli_run *run)
-{
-    if (run->options->sharp && run->options->no_sharp)
-        return cli_usage(run, "--sharp and --no-sharp exclude each other");
-    return CLI_DONE;
-}
-
-int cli_check_normals(cli_run *run)
-{
-    const char *const out = run->options->output;
-    int32_t const format = bvx_format_of_name(out);
-    int const holds = format == BVX_FORMAT_PLY || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_GLB;
-
-    if (!run->options->normals || holds) return CLI_DONE;
-    return cli_usage(run, "%s: --normals is for .ply and .obj; %s", out,
-                     format == BVX_FORMAT_STL ? ".stl has the normals of triangles only"
-                                              : "no normals are written to this format");
 }
 
 /* ---- what the file holds ---- */

@@ -61,17 +61,11 @@ int cli_has_number(const char *pattern);
 int cli_has_two_numbers(const char *pattern);
 /* A pattern with its %d or %03d replaced, to be freed; NULL without memory. */
 char *cli_numbered_path(const char *pattern, int64_t number);
-/* Refuse an ending that stands for no mesh format. */
-int cli_check_mesh_name(cli_run *run, const char *path);
 /* Refuse a name without %d for several levels (count 0: several in any
  * case), but for one .glb, which may hold them. */
 int cli_check_level_names(cli_run *run, int count);
-/* Refuse --carry to a format that holds nothing to carry, or of a mesh that has nothing. */
-int cli_check_carry_name(cli_run *run);
+/* Refuse --carry of a mesh that has nothing to carry. */
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
-/* Refuse --normals for a format without. */
-int cli_check_normals(cli_run *run);
-int cli_check_sharp(cli_run *run);
 /* What of a mesh a format cannot hold, as a warning. */
 void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
 /* Refuse --output-origin for outputs other than meshes. */
@@ -109,8 +103,8 @@ void cli_say_written(cli_run *run, int count);
 
 /* ---- field_output.c: distances as files; voxelize --mode field ---- */
 
-/* Refuse options and names that the mode has no use for; choose the padding. */
-int cli_check_field(cli_run *run);
+/* Where no padding is given: as much as the band around the mesh takes. */
+void cli_choose_field_padding(cli_run *run);
 /* Write a field as one file or two. */
 int cli_write_field(cli_run *run, const bvx_field *field);
 /* Measure on the report's lattice, write, tell; ends the stage that the caller began. */

@@ -272,9 +272,19 @@ def program(rows):
                 continue
             f = targets[0]
             compare_row(where, f, kind, float(low), float(high), int(least), names.split(",") if names else [], int(base), help)
+    names_exist({row.split("\t")[1] for row in rows if row.startswith("row\t")})
     for one in OWN:
         if one not in seen:
             wrong("tests/tools/option_exceptions.py", f"{one} is not in the table of options")
+
+
+def names_exist(known):
+    """Names of options in the program's sources, as rows of rules have them: one that is misspelt would never hold."""
+    for path in sorted(Path("src").glob("cli_*/*.c")):
+        for text in re.findall(r'"((?: ?--[a-z][a-z-]*)+ ?)"', path.read_text()):
+            for name in text.split():
+                if name not in known | {"--man", "--bash-completion", "--version"}:
+                    wrong(str(path), f"{name} is no option of any command")
 
 
 def compare_row(where, f, kind, low, high, least, names, base, help):

@@ -1,0 +1,158 @@
+/* rules.c - options that are of no use beside other options, inputs or outputs: what rows say is refused.
+ *
+ * A table is read from its first row on and the first row that holds is told, so rows go from what the line is about
+ * to its details. tests/tools/check_options.py finds names that no command has. */
+#include "cli_inputs/inputs.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define VOLUME_FORMATS (1u << BVX_FORMAT_NPY | 1u << BVX_FORMAT_NRRD | 1u << BVX_FORMAT_VTI)
+#define NORMAL_FORMATS (1u << BVX_FORMAT_PLY | 1u << BVX_FORMAT_OBJ | 1u << BVX_FORMAT_GLB)
+
+const cli_rule cli_lattice_rules[] = {
+    {.given = "--resolution", .beside = "--spacing", .message = "%o and %b exclude each other"},
+    {.given = "--origin", .lacking = "--spacing", .message = "%o needs --spacing"},
+    {.when = CLI_PADS, .given = "--origin", .beside = "--padding", .message = "%o and %b exclude each other"},
+    {0}};
+
+const cli_rule cli_fill_rules[] = {
+    {.unless = CLI_FILLS_FLOOD,
+     .given = "--close-gaps",
+     .lacking = "--compare-fills --body",
+     .message = "%o needs --fill flood"},
+    {.when = CLI_FILLS_BELOW, .given = "--add-shell", .message = "%o has no use with --fill below"},
+    {.when = CLI_FILLS_FLOOD, .given = "--window", .message = "--fill flood needs the whole lattice, no %o"},
+    {.when = CLI_FILLS_REGIONS,
+     .given = "--window",
+     .message = "--fill regions needs the whole lattice, no %o"},
+    {0}};
+
+const cli_rule cli_reduction_rules[] = {
+    {.when = CLI_TO_GRID,
+     .given = "--triangles --error --error-kind",
+     .message = "%o is for a mesh; the result is a grid"},
+    {.given = "--triangles", .beside = "--error", .message = "%o and %b exclude each other"},
+    {.given = "--error-kind", .lacking = "--error", .message = "%o needs --error"},
+    {0}};
+
+const cli_rule cli_to_mesh_rules[] = {
+    {.unless = CLI_TO_MESH,
+     .message = "%f: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")"},
+    {0}};
+
+const cli_rule cli_to_grid_rules[] = {
+    {.unless = CLI_TO_GRID, .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS ")"},
+    {0}};
+
+const cli_rule cli_sharp_rules[] = {
+    {.given = "--sharp", .beside = "--no-sharp", .message = "%o and %b exclude each other"}, {0}};
+
+const cli_rule cli_mesh_file_rules[] = {
+    {.when = CLI_TO_STL,
+     .given = "--carry",
+     .message = "%f: .stl holds neither colours nor texture coordinates; take .ply, .obj or .glb for %o"},
+    {.when = CLI_TO_STL,
+     .given = "--normals",
+     .message = "%f: %o is for .ply and .obj; .stl has the normals of triangles only"},
+    {.unless = CLI_TO_NORMALS,
+     .given = "--normals",
+     .message = "%f: %o is for .ply and .obj; no normals are written to this format"},
+    {0}};
+
+const cli_rule cli_grid_rules[] = {
+    {.given = "--resolution --spacing --origin --padding --fill --close-gaps --carry",
+     .message = "%o is for meshes; %w is a grid"},
+    {0}};
+
+/* ---- facts ---- */
+
+static uint32_t fact_if(int holds, uint32_t fact)
+{
+    return holds ? fact : 0;
+}
+
+static uint32_t facts_of_options(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+
+    return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
+           fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
+           fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
+           fact_if(cli_keeps_parts(run), CLI_KEEPS_PARTS);
+}
+
+static uint32_t facts_of_output(const char *path)
+{
+    int32_t const format = path != NULL ? bvx_format_of_name(path) : BVX_FORMAT_UNKNOWN;
+    int const kind = cli_kind_of_format(format);
+    uint32_t const bit = format >= 0 && format < 32 ? 1u << format : 0;
+
+    return fact_if(kind == CLI_MESH, CLI_TO_MESH) | fact_if(kind == CLI_GRID, CLI_TO_GRID) |
+           fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) |
+           fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
+           fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
+}
+
+/* ---- rows ---- */
+
+const char *cli_given_of(const cli_run *run, const char *names)
+{
+    for (const char *p = names; *p != 0;) {
+        size_t const n = strcspn(p, " ");
+        const char *const name = cli_given_name(run, p, n);
+
+        if (name != NULL) return name;
+        p += n + (p[n] != 0);
+    }
+    return NULL;
+}
+
+/* The message with its names put in. */
+static int refuse_by(cli_run *run, const char *message, const char *option, const char *beside,
+                     const char *word)
+{
+    char text[512];
+    size_t n = 0;
+
+    for (const char *p = message; *p != 0 && n + 1 < sizeof text; p++) {
+        const char *const put = *p != '%'     ? NULL
+                                : p[1] == 'o' ? option
+                                : p[1] == 'b' ? beside
+                                : p[1] == 'i' ? cli_input_name(run->options->input[0])
+                                : p[1] == 'f' ? run->options->output
+                                : p[1] == 'w' ? word
+                                              : NULL;
+
+        if (put == NULL) text[n++] = *p;
+        else n += (size_t)snprintf(text + n, sizeof text - n, "%s", put);
+        p += put != NULL;
+        if (n >= sizeof text) n = sizeof text - 1;
+    }
+    text[n] = 0;
+    return cli_usage(run, "%s", text);
+}
+
+static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word)
+{
+    for (const cli_rule *r = rules; r->message != NULL || r->also != NULL; r++) {
+        const char *option = NULL, *beside = NULL;
+
+        if ((facts & r->when) != r->when || (facts & r->unless) != 0) continue;
+        if (r->also != NULL) {
+            if (check_rows(run, r->also, facts, word) != CLI_DONE) return CLI_USAGE;
+            continue;
+        }
+        if (r->given != NULL && (option = cli_given_of(run, r->given)) == NULL) continue;
+        if (r->beside != NULL && (beside = cli_given_of(run, r->beside)) == NULL) continue;
+        if (r->lacking != NULL && cli_given_of(run, r->lacking) != NULL) continue;
+        return refuse_by(run, r->message, option, beside, word);
+    }
+    return CLI_DONE;
+}
+
+int cli_check_rules(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word)
+{
+    return check_rows(run, rules, facts | facts_of_options(run) | facts_of_output(run->options->output),
+                      word);
+}
