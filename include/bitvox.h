@@ -101,7 +101,7 @@ BVX_API const char *bvx_status_text(bvx_status status);
 /** Why a call failed, for programs: the reason, its frozen value and its text. */
 #define BVX_REASON_LIST(X)                                                                                  \
     X(BVX_REASON_NONE, 0, "no call has failed")                                                             \
-    X(BVX_REASON_UNSPECIFIED, 1, "the status and the message say it")                                       \
+    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more")                                              \
     X(BVX_REASON_NULL, 2, "an argument is NULL")                                                            \
     X(BVX_REASON_RESERVED, 3, "a reserved field is not 0")                                                  \
     X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know")   \
@@ -120,8 +120,20 @@ BVX_API const char *bvx_status_text(bvx_status status);
     X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")            \
     X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                           \
     X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")             \
-    X(BVX_REASON_RANGE, 19, "an option is outside its range")
-enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 20 };
+    X(BVX_REASON_RANGE, 19, "an option is outside its range")                                               \
+    X(BVX_REASON_CONTRADICTION, 20, "arguments or options exclude or need each other")                      \
+    X(BVX_REASON_INVALID, 21, "an argument's sizes, counts or arrays do not describe what it should be")    \
+    X(BVX_REASON_NOT_EMPTY, 22, "an output brings arrays of its own, which are not used")                   \
+    X(BVX_REASON_OVERLAP, 23, "an output's memory is an input's")                                           \
+    X(BVX_REASON_TOPOLOGY, 24, "the mesh is not closed, manifold or oriented as the call needs it")         \
+    X(BVX_REASON_TOO_FAR, 25, "a coordinate or a length is beyond what numbers or a format represent")      \
+    X(BVX_REASON_TOO_MANY, 26, "there are more elements than an index, a format or a machine counts")       \
+    X(BVX_REASON_TARGET, 27, "a target of triangles or of error cannot be kept")                            \
+    X(BVX_REASON_EMPTY, 28, "the input holds nothing to work on")                                           \
+    X(BVX_REASON_DAMAGED, 29, "the data is damaged or not of the stated format")                            \
+    X(BVX_REASON_UNSUPPORTED, 30, "the build or the format has no such thing")                              \
+    X(BVX_REASON_VERSION, 31, "the header and the library are of different major versions")
+enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 32 };
 
 /** The fixed text of a reason; "unknown reason" for any other number. Never NULL. */
 BVX_API const char *bvx_reason_text(int32_t reason);
@@ -214,7 +226,7 @@ BVX_API const char *bvx_last_message(const bvx_context *context);
  *  owns it and may append fields. */
 typedef struct bvx_error {
     bvx_status status;    /**< BVX_OK: no call has failed */
-    int32_t reason;       /**< BVX_REASON_...; BVX_REASON_UNSPECIFIED where none is listed */
+    int32_t reason;       /**< BVX_REASON_...; after a failure neither BVX_REASON_NONE nor _UNSPECIFIED */
     const char *function; /**< the public function that was called; "" when none failed */
     const char *message;  /**< as bvx_last_message returns it */
     const char *text;     /**< the message without the function's name in front */

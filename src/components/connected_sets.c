@@ -123,6 +123,6 @@ bvx_status bvxi_check_connectivity(bvx_context *ctx, const char *function, int32
 {
     if (connectivity == BVXI_CONNECT_6 || connectivity == BVXI_CONNECT_18 || connectivity == BVXI_CONNECT_26)
         return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6, 18 or 26", function,
-                     (int64_t)connectivity);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: connectivity is %d, not 6, 18 or 26",
+                         function, (int64_t)connectivity);
 }

@@ -112,8 +112,8 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
     if (topology == NULL) return bvxi_fail_null(context, topology_name, "topology");
     BVXI_TRY(bvxi_grid_check(context, topology_name, grid));
     if (connectivity != BVXI_CONNECT_6 && connectivity != BVXI_CONNECT_26)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: connectivity is %d, not 6 or 26", topology_name,
-                         (int64_t)connectivity);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: connectivity is %d, not 6 or 26", topology_name, (int64_t)connectivity);
     BVXI_TRY(bvx_grid_count(context, grid, &t.voxels));
     BVXI_TRY(count_topology_parts(context, grid, connectivity, &t.components));
     BVXI_TRY(count_cavities(context, grid, connectivity == BVXI_CONNECT_6 ? BVXI_CONNECT_26 : BVXI_CONNECT_6,

@@ -38,10 +38,11 @@ static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int
         const int32_t *const s = seeds + 3 * i;
         for (int a = 0; a < 3; a++)
             if (s[a] < 0 || s[a] >= walls->size[a])
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
-                                 grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2],
-                                 (int64_t)walls->size[0], (int64_t)walls->size[1], (int64_t)walls->size[2]);
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                    "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
+                    grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)walls->size[0],
+                    (int64_t)walls->size[1], (int64_t)walls->size[2]);
         if (bvx_grid_get(walls, s[0], s[1], s[2]))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
                              grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);

@@ -147,10 +147,11 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, con
         const int32_t *const s = o->seeds + 3 * i;
         for (int32_t a = 0; a < 3; a++)
             if (s[a] < 0 || s[a] >= grid->size[a])
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
-                                 keep_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2],
-                                 (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                    "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
+                    (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)grid->size[0],
+                    (int64_t)grid->size[1], (int64_t)grid->size[2]);
     }
     return BVX_OK;
 }

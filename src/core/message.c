@@ -77,7 +77,7 @@ static void message_put_format(message_line *l, const char *format, va_list args
     }
 }
 
-/* What a status says by itself. */
+/* What a status says by itself: each has a reason that is true of all its failures. */
 static int32_t reason_of_status(bvx_status status)
 {
     switch (status) {
@@ -86,7 +86,12 @@ static int32_t reason_of_status(bvx_status status)
     case BVX_ERR_CAPACITY: return BVX_REASON_CAPACITY;
     case BVX_ERR_LATTICE: return BVX_REASON_LATTICE;
     case BVX_CANCELLED: return BVX_REASON_CANCELLED;
-    default: return BVX_REASON_UNSPECIFIED;
+    case BVX_ERR_VERSION: return BVX_REASON_VERSION;
+    case BVX_ERR_RANGE: return BVX_REASON_TOO_FAR;
+    case BVX_ERR_EMPTY: return BVX_REASON_EMPTY;
+    case BVX_ERR_FORMAT: return BVX_REASON_DAMAGED;
+    case BVX_ERR_UNSUPPORTED: return BVX_REASON_UNSUPPORTED;
+    default: return BVX_REASON_INVALID;
     }
 }
 

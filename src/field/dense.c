@@ -38,15 +38,15 @@ static bvx_status check_far(bvx_context *ctx, const char *function, const bvx_fi
                             const bvx_mesh_view *mesh, int32_t far_rule)
 {
     if (far_rule != BVX_FAR_CONSTANT && far_rule != BVX_FAR_PROPAGATED)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: far_rule is %d, not BVX_FAR_CONSTANT (0) or BVX_FAR_PROPAGATED (1)", function,
-                         (int64_t)far_rule);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: far_rule is %d, not BVX_FAR_CONSTANT (0) or BVX_FAR_PROPAGATED (1)",
+                             function, (int64_t)far_rule);
     if (far_rule == BVX_FAR_CONSTANT) return BVX_OK;
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
     if (field->triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: BVX_FAR_PROPAGATED needs the field's triangles: measure it with features 1",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: BVX_FAR_PROPAGATED needs the field's triangles: measure it with features 1",
+                             function);
     if (field->value_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the band has no value that could be propagated", function);
     return BVX_OK;

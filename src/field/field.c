@@ -44,9 +44,9 @@ static bvx_status check_field_rows(bvx_context *ctx, const char *function, const
 
     for (uint64_t r = 0; r < rows; r++) {
         if (field->row_values[r] != next)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: field.row_values[%i] is %u, but the rows before hold %u values", function,
-                             r, field->row_values[r], next);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: field.row_values[%i] is %u, but the rows before hold %u values",
+                                 function, r, field->row_values[r], next);
         next += field_row_values(&field->band, r);
     }
     if (field->row_values[rows] != next || field->value_count != next)
@@ -60,8 +60,9 @@ static bvx_status check_field_inside(bvx_context *ctx, const char *function, con
 {
     if (field->inside.words == NULL) {
         if (field->sign == BVX_SIGN_NONE) return BVX_OK;
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.inside has no words, but field.sign is %d",
-                         function, (int64_t)field->sign);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: field.inside has no words, but field.sign is %d", function,
+                             (int64_t)field->sign);
     }
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->inside));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->inside));
@@ -81,18 +82,19 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: field.reserved[%u] must be 0", function, i);
     if (field->row_values == NULL || field->distances == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field is empty: it has no %s", function,
-                         field->row_values == NULL ? "row_values" : "distances");
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: the field is empty: it has no %s",
+                             function, field->row_values == NULL ? "row_values" : "distances");
     if (field->value_type != BVX_F32 && field->value_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type is %d, not BVX_F32 (1) or BVX_F64 (2)",
-                         function, (int64_t)field->value_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: field.value_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)field->value_type);
     if (field->sign < BVX_SIGN_EXACT || field->sign > BVX_SIGN_NONE)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: field.sign is %d; BVX_SIGN_EXACT (1) to BVX_SIGN_NONE (6) are possible",
-                         function, (int64_t)field->sign);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: field.sign is %d; BVX_SIGN_EXACT (1) to BVX_SIGN_NONE (6) are possible",
+                             function, (int64_t)field->sign);
     if (!(field->half_width > 0.0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.half_width is %g; it must be above 0", function,
-                         field->half_width);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: field.half_width is %g; it must be above 0", function, field->half_width);
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->band));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->band));
     BVXI_TRY(check_field_inside(ctx, function, field));
@@ -103,10 +105,11 @@ bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, cons
                                     int32_t vectors)
 {
     if (vectors != 0 && vectors != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: vectors is %d, not 0 or 1", function, (int64_t)vectors);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: vectors is %d, not 0 or 1",
+                             function, (int64_t)vectors);
     if (vectors == 1 && field->vectors == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the field has no vectors (it was measured with no_vectors)", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: the field has no vectors (it was measured with no_vectors)", function);
     return BVX_OK;
 }
 

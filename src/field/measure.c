@@ -58,8 +58,8 @@ static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
     if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
         field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
         field->features != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field brings arrays, which are not used; zero it first",
-                         measure_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: field brings arrays, which are not used; zero it first", measure_name);
     return BVX_OK;
 }
 
@@ -82,9 +82,9 @@ static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *jo
         double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
         double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
         if (!(above - below < most))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: distances of up to %g do not fit the field's numbers%s",
-                             measure_name, above - below,
-                             job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: distances of up to %g do not fit the field's numbers%s", measure_name,
+                                 above - below, job->o.value_type == BVX_F32 ? ": take BVX_F64" : "");
     }
     return BVX_OK;
 }
@@ -97,14 +97,14 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
 
     for (int a = 0; a < 3; a++) {
         if (job->o.value_type == BVX_F32 && (l->spacing[a] > 0x1p100 || l->spacing[a] < 0x1p-100))
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64",
-                             measure_name, l->spacing[a], axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64",
+                                 measure_name, l->spacing[a], axis_name[a]);
     }
     if (!(width > 0.0))
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: half_width is %g voxels, which is nothing in the world's unit", measure_name,
-                         job->o.half_width);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
+                             "%s: half_width is %g voxels, which is nothing in the world's unit",
+                             measure_name, job->o.half_width);
     return check_largest_distance(ctx, job, l, width);
 }
 

@@ -176,9 +176,9 @@ static bvx_status check_sources(bvx_context *ctx, const char *function, const bv
                                 const bvx_mesh_view *mesh)
 {
     if (field->value_count >= PROPAGATE_NONE)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function,
-                         field->value_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function,
+                             field->value_count);
     for (uint64_t n = 0; n < field->value_count; n++)
         if (field->triangles[n] >= mesh->triangle_count)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,

@@ -178,9 +178,9 @@ bvx_status bvxi_sign_pseudonormal(bvx_context *ctx, const char *function, const 
     bvx_status status;
 
     if (sides->mesh->triangle_count > UINT32_MAX / 3)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u", function,
-                         sides->mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u",
+                             function, sides->mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
     BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
     rule.mesh = sides->mesh;
     rule.scale = bvxi_unit_scale(low, high);

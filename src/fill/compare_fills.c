@@ -201,7 +201,8 @@ static bvx_status check_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const
     BVXI_TRY(bvxi_take_options(ctx, fills_name, given, o, sizeof *o));
     BVXI_TRY(bvxi_check_options(ctx, fills_name, o, BVXI_OPTIONS(compare_fills_rows)));
     if (o->disagreeing != NULL && o->disagreeing == o->lost)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: disagreeing and lost are one grid", fills_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
+                             "%s: disagreeing and lost are one grid", fills_name);
     BVXI_TRY(bvxi_view_check(ctx, fills_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", fills_name);

@@ -23,7 +23,8 @@ void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
 
 static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const char *rule)
 {
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s goes with the rule %s alone", solid_name, option, rule);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                         "%s: %s goes with the rule %s alone", solid_name, option, rule);
 }
 
 static const bvxi_option voxelize_rows[] = {
@@ -50,10 +51,11 @@ static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
     if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
     if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
     if (o->check_thin == 1 && below)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: check_thin is for bodies, not for the rule below",
-                         solid_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: check_thin is for bodies, not for the rule below", solid_name);
     if (o->add_shell && below)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the rule below has no shell to add", solid_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: the rule below has no shell to add", solid_name);
     return BVX_OK;
 }
 
@@ -63,8 +65,8 @@ static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, cons
     if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
     for (int32_t a = 0; a < 3; a++)
         if (window->size[a] != lattice->dims[a])
-            return bvxi_fail(
-                ctx, BVX_ERR_ARGUMENT,
+            return bvxi_fail_for(
+                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                 "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
                 "the rule vote takes windows",
                 solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");

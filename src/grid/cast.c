@@ -342,7 +342,8 @@ static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const 
                                      "%s: ray %i has %s = %g, which is not finite", function, i, part[k],
                                      ray[k]);
         if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: ray %i has a direction of length 0", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: ray %i has a direction of length 0", function, i);
     }
     return BVX_OK;
 }
@@ -360,11 +361,11 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
     if (!(t_max >= 0.0))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or above", function,
-                         t_max);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: t_max is %g; it must be 0 or above", function, t_max);
     if (count > SIZE_MAX / sizeof *hits)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u rays are beyond this machine's addresses", function,
-                         count);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u rays are beyond this machine's addresses", function, count);
     BVXI_TRY(check_cast_rays(context, function, rays, count));
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
         BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));

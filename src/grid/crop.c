@@ -181,14 +181,14 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     for (int32_t a = 0; a < 3; a++) {
         int32_t const room = BVXI_MAX_SIDE - grid->lattice.dims[a];
         if (low[a] < 0 || high[a] < 0)
-            return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                             "%s: low[%d] is %d and high[%d] is %d; 0 and more are possible", function,
-                             (int64_t)a, (int64_t)low[a], (int64_t)a, (int64_t)high[a]);
+            return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: low[%d] is %d and high[%d] is %d; 0 and more are possible", function,
+                                 (int64_t)a, (int64_t)low[a], (int64_t)a, (int64_t)high[a]);
         if (low[a] > room || high[a] > room - low[a])
-            return bvxi_fail(context, BVX_ERR_RANGE,
-                             "%s: the lattice would have %d voxels along axis %d; %d are possible", function,
-                             (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
-                             (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the lattice would have %d voxels along axis %d; %d are possible",
+                                 function, (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
+                                 (int64_t)BVXI_MAX_SIDE);
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];

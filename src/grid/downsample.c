@@ -76,9 +76,10 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     for (int32_t a = 0; a < 3; a++) {
         bvxi_sample_axis *const axis = &d->axis[a];
         if (n[a] > BVXI_DOWNSAMPLE_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: levels are made of grids up to %d voxels along an axis, this one has %d",
-                             function, (int64_t)BVXI_DOWNSAMPLE_SIDE, (int64_t)n[a]);
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                "%s: levels are made of grids up to %d voxels along an axis, this one has %d", function,
+                (int64_t)BVXI_DOWNSAMPLE_SIDE, (int64_t)n[a]);
         axis->n = n[a];
         axis->r = r[a];
         axis->voxels = fine->size[a];

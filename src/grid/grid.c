@@ -33,7 +33,8 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
     bvx_grid g = *grid;
 
     if (words == 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the grid's size does not fit 64 bits", function);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the grid's size does not fit 64 bits", function);
     if (g.words != NULL && g.word_capacity < words)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid needs %u words, the array given holds %u",
                          function, words, g.word_capacity);
@@ -83,7 +84,8 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     bvx_window window, unused;
 
     if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
-    if (grid->words == NULL) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has no words", function);
+    if (grid->words == NULL)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: the grid has no words", function);
     for (uint64_t i = 0; i < 4; i++)
         if (grid->reserved[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,

@@ -43,9 +43,9 @@ bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_gri
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     if (grid == result ||
         bvxi_overlap(grid->words, bvxi_grid_words(grid) * 8, result->words, bytes_held(result)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the result's array holds words of the grid; it needs words of its own",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
+                             "%s: the result's array holds words of the grid; it needs words of its own",
+                             function);
     return BVX_OK;
 }
 
@@ -59,8 +59,8 @@ bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const b
     if (grid->words == result->words ||
         !bvxi_overlap(grid->words, bytes, result->words, held < bytes ? held : bytes))
         return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                     "%s: the result's words overlap the grid's without being the same", function);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
+                         "%s: the result's words overlap the grid's without being the same", function);
 }
 
 bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task,

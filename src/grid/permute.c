@@ -117,12 +117,12 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
     for (int32_t a = 0; a < 3; a++) {
         int32_t const flip = flips != NULL ? flips[a] : 0;
         if (axes[a] < 0 || axes[a] > 2 || (seen >> axes[a] & 1) != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: axes are %d, %d, %d; they must be 0, 1, 2 in any order", function,
-                             (int64_t)axes[0], (int64_t)axes[1], (int64_t)axes[2]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                                 "%s: axes are %d, %d, %d; they must be 0, 1, 2 in any order", function,
+                                 (int64_t)axes[0], (int64_t)axes[1], (int64_t)axes[2]);
         if ((flip & ~1) != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: flips[%d] is %d, not 0 or 1", function, (int64_t)a,
-                             (int64_t)flip);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: flips[%d] is %d, not 0 or 1",
+                                 function, (int64_t)a, (int64_t)flip);
         seen |= 1 << axes[a];
         job->axes[a] = axes[a];
         job->flips[a] = flip;

@@ -44,9 +44,9 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
     uint64_t bytes;
 
     if (voxels > UINT32_MAX || voxels * (uint64_t)b->factor[2] > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: blocks of %d x %d x %d voxels; fewer than 2^32 are possible", function,
-                         (int64_t)b->factor[0], (int64_t)b->factor[1], (int64_t)b->factor[2]);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: blocks of %d x %d x %d voxels; fewer than 2^32 are possible", function,
+                             (int64_t)b->factor[0], (int64_t)b->factor[1], (int64_t)b->factor[2]);
     b->plane_count = 1;
     if (b->what == BVXI_BLOCKS_COUNT)
         while (voxels * (uint64_t)b->factor[2] >> b->plane_count != 0) b->plane_count++;
@@ -72,8 +72,9 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
         int32_t const n = grid->lattice.dims[a];
         int64_t first, last;
         if (factor[a] < 1 || factor[a] > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: factor[%d] is %d; 1 to %d are possible", function,
-                             (int64_t)a, (int64_t)factor[a], (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: factor[%d] is %d; 1 to %d are possible", function, (int64_t)a,
+                                 (int64_t)factor[a], (int64_t)BVXI_MAX_SIDE);
         spacing[a] = grid->lattice.spacing[a] * (double)factor[a];
         b->factor[a] = factor[a] < n ? factor[a] : n;
         first = grid->low[a] / b->factor[a];

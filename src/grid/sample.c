@@ -102,8 +102,8 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
     if (count > SIZE_MAX / 24)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses",
-                         function, count);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(check_sample_points(context, function, points, count));
     return bvxi_parallel(context, "sample", 0.0, 1.0, w.pieces, sample_points_piece, &w);
 }

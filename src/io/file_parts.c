@@ -88,8 +88,8 @@ bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer 
 {
     if (file == NULL) return bvxi_fail_null(ctx, function, "file");
     if (file->bytes != NULL && file->capacity == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: file brings bytes, which are not used; zero it first",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: file brings bytes, which are not used; zero it first", function);
     bvx_buffer_free(ctx, file);
     return BVX_OK;
 }

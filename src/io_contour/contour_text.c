@@ -27,7 +27,8 @@ static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
     if (count < *room) return BVX_OK;
     if (larger > INT32_MAX)
-        return bvxi_fail(f->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", f->format, what);
+        return bvxi_fail_for(f->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
+                             f->format, what);
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, block, *room * item, larger * item, what));
     *room = larger;
     return BVX_OK;

@@ -33,8 +33,8 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
         return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "contours that are read", format,
                                 BVX_SECTIONS_READ);
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u bytes are more than this machine addresses",
-                         function, size);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u bytes are more than this machine addresses", function, size);
     memset(&f, 0, sizeof f);
     f.ctx = context;
     f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";

@@ -232,9 +232,9 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
         bound_drawing(s, axis, low, high);
         for (int k = 0; k < 2; k++)
             if (s->point_count > 0 && !(high[k] - low[k] < 0x1p1020))
-                return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "%s: the points reach from %g to %g in their plane, too far to be drawn",
-                                 function, low[k], high[k]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                     "%s: the points reach from %g to %g in their plane, too far to be drawn",
+                                     function, low[k], high[k]);
     } else {
         return bvxi_fail_format(ctx, BVX_ERR_ARGUMENT, function, "contours", format, BVX_SECTIONS_WRITTEN);
     }

@@ -13,8 +13,9 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format,
                              axis_name[a]);
         if (dims[a] > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the file has %u voxels along %s; 1 to %d are possible",
-                             format, dims[a], axis_name[a], (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
+                                 axis_name[a], (int64_t)BVXI_MAX_SIDE);
         if (!(origin[a] - origin[a] == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
                                  "%s: the origin is not finite along %s", format, axis_name[a]);
@@ -47,10 +48,10 @@ static bvx_status take_file_part(const bvxi_grid_source *source, const char *for
     }
     for (int a = 0; a < 3; a++)
         if (w->low[a] < 0 || w->size[a] < 1 || w->low[a] > size[a] - w->size[a])
-            return bvxi_fail(source->ctx, BVX_ERR_RANGE,
-                             "%s: the window's voxels %d to %d along %s are not inside the file's %d", format,
-                             (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1, axis_name[a],
-                             (int64_t)size[a]);
+            return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: the window's voxels %d to %d along %s are not inside the file's %d",
+                                 format, (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1,
+                                 axis_name[a], (int64_t)size[a]);
     *part = *w;
     return BVX_OK;
 }

@@ -395,8 +395,8 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
-                         size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: size is %u, more than memory can hold", function, size);
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     memset(&l, 0, sizeof l);
     memset(&t, 0, sizeof t);

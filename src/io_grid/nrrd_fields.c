@@ -41,7 +41,7 @@ bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char 
 
 static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
 {
-    return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, v->p, why);
+    return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, v->p, why);
 }
 
 static bvx_status nrrd_take_end(const nrrd_head *h, nrrd_value *v)

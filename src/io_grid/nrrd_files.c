@@ -57,14 +57,14 @@ static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], in
 
     for (int i = 0; i < 3; i++)
         if (range[i] > INT32_MAX || range[i] < -INT32_MAX)
-            return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+            return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                          "the numbers of the data files are beyond 2^31");
     if (step == 0 || (step > 0 ? range[1] < range[0] : range[1] > range[0]))
         return bvxi_fail_expected(&h->source, h->files,
                                   "a pattern whose numbers go from the first to the last");
     *count = (uint64_t)((range[1] - range[0]) / step) + 1;
     if (axes != 0 && axes != 2)
-        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                      "data files that hold anything but slices of z");
     f->number = range[0] + (int64_t)(index < *count ? index : 0) * step;
     return BVX_OK;
@@ -110,10 +110,10 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
     }
     if (*count > 1 && (h->encoding == NRRD_GZIP || h->line_skip != 0 || h->byte_skip != 0))
         return bvxi_nrrd_unsupported(
-            h, BVX_REASON_UNSPECIFIED, h->files,
+            h, BVX_REASON_UNSUPPORTED, h->files,
             "several data files that are packed, or whose beginning is to be skipped");
     if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
-        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSPECIFIED, h->files,
+        return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                      "data files times bytes of the head are more than 2^31");
     return BVX_OK;
 }

@@ -80,7 +80,7 @@ static bvx_status nrrd_check_source(const bvxi_grid_source *source, const nrrd_h
 
     if (h->files != NULL && (o == NULL || o->data == NULL))
         return bvxi_nrrd_unsupported(
-            h, BVX_REASON_UNSPECIFIED, h->files,
+            h, BVX_REASON_UNSUPPORTED, h->files,
             o == NULL ? "the samples are in another file; join head and samples in one .nrrd "
                         "(unu save -f nrrd -e raw)"
                       : "the samples are in another file, whose bytes were not given");
@@ -177,8 +177,8 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     if (bytes == NULL || count == NULL)
         return bvxi_fail_null(context, function, bytes == NULL ? "bytes" : "count");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
-                         size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: size is %u, more than memory can hold", function, size);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
@@ -188,8 +188,8 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     *count = files;
     if (name == NULL) return BVX_OK;
     if (index >= files)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: index is %u, the head names %u data files", function,
-                         index, files);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                             "%s: index is %u, the head names %u data files", function, index, files);
     size_t const digits = f.pattern ? nrrd_print_number(&f, number) : 0;
     size_t const first = f.pattern ? f.place : f.length;
     size_t const rest = f.pattern ? f.length - f.rest : 0;

@@ -36,11 +36,11 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
         return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "RAW: sample type %d is unknown", (int64_t)o->sample_type);
     if ((o->big_endian & ~1) != 0)
-        return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: big_endian is 0 or 1");
+        return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "RAW: big_endian is 0 or 1");
     for (int a = 0; a < 3; a++) {
         if (o->size[a] < 1)
-            return bvxi_fail(source->ctx, BVX_ERR_ARGUMENT, "RAW: size[%d] is %d", (int64_t)a,
-                             (int64_t)o->size[a]);
+            return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "RAW: size[%d] is %d",
+                                 (int64_t)a, (int64_t)o->size[a]);
         dims[a] = (uint64_t)o->size[a];
     }
     BVXI_TRY(bvxi_file_box(source->ctx, "RAW", o->origin, o->spacing, dims, &d->box));
@@ -295,12 +295,13 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     if (volume == NULL || bytes == NULL)
         return bvxi_fail_null(context, name, volume == NULL ? "volume" : "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", name, size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     if (o.data_size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: data_size is %u, more than memory can hold", name,
-                         o.data_size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: data_size is %u, more than memory can hold", name, o.data_size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", name);
     source.ctx = context;
     source.begin = bytes;

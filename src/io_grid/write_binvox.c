@@ -241,8 +241,9 @@ static bvx_status binvox_place(bvx_context *ctx, const bvx_grid *grid, double co
     *scale = binvox_scale(s[0], longest);
     bvxi_grid_corner(grid, corner);
     if (!(*scale - *scale == 0.0))
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "BINVOX: %d voxels of %g are longer than a number can be",
-                         (int64_t)longest, s[0]);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "BINVOX: %d voxels of %g are longer than a number can be", (int64_t)longest,
+                             s[0]);
     return BVX_OK;
 }
 

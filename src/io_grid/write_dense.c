@@ -14,7 +14,9 @@ bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_d
     kind->put_head(grid, &head);
     uint64_t const voxels = bvxi_mul(bvxi_grid_rows(grid), (uint64_t)grid->size[0], &fits);
     uint64_t const size = bvxi_add(voxels, head.size + tail, &fits);
-    if (!fits) return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_write_grid: the grid has 2^64 voxels or more");
+    if (!fits)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "bvx_write_grid: the grid has 2^64 voxels or more");
     BVXI_TRY(bvxi_make_buffer(ctx, size, kind->what, &made));
     head.bytes = made.bytes;
     head.size = 0;
@@ -35,8 +37,9 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
     for (int a = 0; a < 3; a++) {
         double const centre = corner[a] + 0.5 * grid->lattice.spacing[a];
         if (!(corner[a] - corner[a] == 0.0) || !(centre - centre == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the window's first voxel has no finite place along %s",
-                             format, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: the window's first voxel has no finite place along %s", format,
+                                 axis_name[a]);
     }
     return BVX_OK;
 }

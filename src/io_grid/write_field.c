@@ -205,7 +205,8 @@ static bvx_status write_field_file(bvx_context *ctx, const bvx_field *field, int
     uint64_t const numbers = bvxi_mul(voxels, field_number_bytes(field) * (vectors ? 3 : 1), &fits);
     uint64_t const size = bvxi_add(numbers, head.size + tail, &fits);
     if (!fits)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_write_field: the file would have 2^64 bytes or more");
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "bvx_write_field: the file would have 2^64 bytes or more");
     BVXI_TRY(bvxi_make_buffer(ctx, size, kind->what, &made));
     head.bytes = made.bytes;
     head.size = 0;

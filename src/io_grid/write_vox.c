@@ -49,8 +49,8 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
 
     for (int32_t a = 0; a < 3; a++)
         if (grid->size[a] > VOX_MAX_SIDE)
-            return bvxi_fail(
-                ctx, BVX_ERR_RANGE,
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                 "VOX: %d voxels along %s; the format holds %d a side: write windows of the grid, "
                 "or take another format",
                 (int64_t)grid->size[a], axis_name[a], (int64_t)VOX_MAX_SIDE);

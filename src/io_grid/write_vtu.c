@@ -162,20 +162,21 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     for (int a = 0; a < 3; a++) {
         double const far = tree->lattice.origin[a] + (double)tree->lattice.dims[a] * tree->lattice.spacing[a];
         if (tree->lattice.dims[a] >= (int32_t)1 << VTU_SIDE_BITS)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: the lattice has %d voxels along %s; VTU is written up to 2^21 - 1",
-                             vtu_name, (int64_t)tree->lattice.dims[a], axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the lattice has %d voxels along %s; VTU is written up to 2^21 - 1",
+                                 vtu_name, (int64_t)tree->lattice.dims[a], axis_name[a]);
         if (!(far - far == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice ends beyond the largest number along %s",
-                             vtu_name, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: the lattice ends beyond the largest number along %s", vtu_name,
+                                 axis_name[a]);
     }
     BVXI_TRY(bvxi_octree_leaves(ctx, vtu_name, 0.0, 0.1, tree, states, NULL, 0, &v.count));
     if (v.count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the tree has no leaf in states %d", vtu_name,
                          (int64_t)states);
     if (v.count >= (uint64_t)1 << 28)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u leaves; VTU is written up to 2^28 - 1", vtu_name,
-                         v.count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u leaves; VTU is written up to 2^28 - 1", vtu_name, v.count);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, v.count * sizeof *v.leaf, "the octree's leaves", &v.leaf);
     if (status == BVX_OK)
         status = bvxi_octree_leaves(ctx, vtu_name, 0.1, 0.3, tree, states, v.leaf, v.count, &v.count);
@@ -202,8 +203,9 @@ static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree,
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no octree; take BVX or VTU",
                          vtu_name, (int64_t)format);
     if (format == BVX_FORMAT_BVX && states != 0)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: states is %d; BVX holds the whole tree, and takes 0",
-                         vtu_name, (int64_t)states);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: states is %d; BVX holds the whole tree, and takes 0", vtu_name,
+                             (int64_t)states);
     BVXI_TRY(format == BVX_FORMAT_VTU ? write_vtu(context, tree, states, &made)
                                       : bvxi_write_tree(context, tree, &made));
     *file = made;

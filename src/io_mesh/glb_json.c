@@ -50,9 +50,9 @@ void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin)
 bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels)
 {
     if (size <= UINT32_MAX) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_RANGE,
-                     "GLB: the file would take %u bytes or more, the format's limit is 2^32 - 1; %s", size,
-                     levels > 1 ? "write one file a level" : "take PLY");
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                         "GLB: the file would take %u bytes or more, the format's limit is 2^32 - 1; %s",
+                         size, levels > 1 ? "write one file a level" : "take PLY");
 }
 
 /* ---- pieces of JSON ---- */

@@ -54,7 +54,8 @@ static bvx_status obj_make_pieces(obj_file *f)
     const char *p = bvxi_skip_mark(s->begin, s->end);
 
     if (count > INT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "OBJ: the file has %u bytes, more than 2^50", size);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "OBJ: the file has %u bytes, more than 2^50", size);
     f->piece_count = (int32_t)count;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, count * sizeof *f->pieces, "the pieces of the file",
                              &f->pieces));
@@ -90,12 +91,12 @@ bvx_status bvxi_obj_count(obj_file *file)
         f->polygons = obj_count_before(&piece->polygons, f->polygons);
     }
     if (f->vertices > UINT32_MAX || f->uvs > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "OBJ: the file has %u vertices and %u texture coordinates, the limit is below "
-                         "2^32",
-                         f->vertices, f->uvs);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "OBJ: the file has %u vertices and %u texture coordinates, the limit is below "
+                             "2^32",
+                             f->vertices, f->uvs);
     if (f->triangles > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "OBJ: the file has %u triangles, the limit is below 2^31",
-                         f->triangles);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "OBJ: the file has %u triangles, the limit is below 2^31", f->triangles);
     return BVX_OK;
 }

@@ -321,8 +321,8 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
         return ply_fail_line(s, h->strips->name,
                              "element tristrips has no list vertex_indices or vertex_index");
     if (h->vertex->count > UINT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "PLY: %u vertices, the limit is below 2^32",
-                         h->vertex->count);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
     if (!has_faces || h->points) h->face = NULL;
     if (!has_strips || h->points) h->strips = NULL;

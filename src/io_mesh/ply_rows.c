@@ -43,8 +43,9 @@ bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row,
 bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
                                 int64_t corner)
 {
-    return bvxi_fail(f->source->ctx, BVX_ERR_RANGE, "PLY: %s %u (%s %u) names vertex %d, but there are %u",
-                     name, row, ply_unit(f), ply_place(f, at), corner, f->vertex_count);
+    return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                         "PLY: %s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
+                         ply_place(f, at), corner, f->vertex_count);
 }
 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)

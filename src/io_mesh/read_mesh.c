@@ -32,14 +32,14 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold", function,
-                         size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: size is %u, more than memory can hold", function, size);
     if (format < 0 || format > BVX_FORMAT_SVG || (BVX_MESHES_READ >> format & 1) == 0)
         return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format,
                                 BVX_MESHES_READ);
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: mesh brings arrays, which are not used; zero it first", function);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: mesh brings arrays, which are not used; zero it first", function);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;

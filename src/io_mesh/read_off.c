@@ -179,8 +179,8 @@ static bvx_status off_take_counts(off_file *f)
                          "OFF: line %u: %d vertices and %d faces do not fit the %u bytes that follow", line,
                          vertices, faces, left);
     if (vertices > (int64_t)UINT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "OFF: line %u: %d vertices, the limit is below 2^32", line,
-                         vertices);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "OFF: line %u: %d vertices, the limit is below 2^32", line, vertices);
     f->vertex_count = (uint64_t)vertices;
     f->face_count = (uint64_t)faces;
     return BVX_OK;
@@ -327,9 +327,9 @@ static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
     int64_t v;
     BVXI_TRY(off_take_integer(f, "a vertex number", &v));
     if (v < 0 || (uint64_t)v >= f->vertex_count)
-        return bvxi_fail(f->source->ctx, BVX_ERR_RANGE,
-                         "OFF: line %u: face %i names vertex %d, but there are %u",
-                         bvxi_source_line(f->source, f->p), face, v, f->vertex_count);
+        return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                             "OFF: line %u: face %i names vertex %d, but there are %u",
+                             bvxi_source_line(f->source, f->p), face, v, f->vertex_count);
     *vertex = (uint32_t)v;
     return BVX_OK;
 }
@@ -393,8 +393,8 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
     bvx_context *const ctx = f->source->ctx;
 
     if (triangles > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "OFF: the file has %u triangles, the limit is below 2^31",
-                         triangles);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "OFF: the file has %u triangles, the limit is below 2^31", triangles);
     bvxi_free(ctx, f->mesh->triangles, f->mesh->triangle_capacity * 12);
     f->mesh->triangles = NULL;
     f->mesh->triangle_count = f->mesh->triangle_capacity = 0;

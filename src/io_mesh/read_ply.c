@@ -26,8 +26,8 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     bvx_mesh *const mesh = f->mesh;
 
     if (triangles > INT32_MAX || corners > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "PLY: the file has %u triangles, the limit is below 2^31",
-                         triangles);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "PLY: the file has %u triangles, the limit is below 2^31", triangles);
     if (f->uvs_at_corners) bvxi_drop_uvs(ctx, mesh);
     bvxi_free(ctx, mesh->triangles, mesh->triangle_capacity * 12);
     mesh->triangles = NULL;

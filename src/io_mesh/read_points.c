@@ -88,7 +88,8 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
     }
     if (count == 0) return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: the file holds no points", s->format);
     if (count > UINT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: %u points, the limit is below 2^32", s->format, count);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points, the limit is below 2^32", s->format, count);
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
     bvxi_source_pass(s, 0.3, 1);
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
@@ -118,14 +119,14 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
     if (bytes == NULL) return bvxi_fail_null(context, read_points_name, "bytes");
     if (size > SIZE_MAX / 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: size is %u, more than memory can hold",
-                         read_points_name, size);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: size is %u, more than memory can hold", read_points_name, size);
     if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
         return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format,
                                 BVX_POINTS_READ);
     if (points->owned != 1 && !bvxi_mesh_is_empty(points))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: points brings arrays, which are not used; zero it first", read_points_name);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: points brings arrays, which are not used; zero it first", read_points_name);
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;

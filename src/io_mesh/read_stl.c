@@ -96,8 +96,9 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
         if (used == 0 || (*p < s->end && !bvxi_is_space(**p)))
             return bvxi_fail_expected(s, at, "a coordinate");
         if (!(v - v == 0.0f) && !s->takes_any)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "STL: line %u: a coordinate is not a finite 32-bit float",
-                             bvxi_source_line(s, at));
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "STL: line %u: a coordinate is not a finite 32-bit float",
+                                 bvxi_source_line(s, at));
         bits[a] = bvxi_soup_bits(v);
     }
     return BVX_OK;
@@ -216,8 +217,8 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
     if (binary && count == 0)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "STL: the header (byte 80) says 0 triangles");
     if (count > INT32_MAX && binary)
-        return bvxi_fail(source->ctx, BVX_ERR_RANGE,
-                         "STL: the file has %u triangles, the limit is below 2^31", count);
+        return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "STL: the file has %u triangles, the limit is below 2^31", count);
     status = stl_read(&soup, source, binary, count, mesh);
     bvxi_soup_free(&soup);
     return status;

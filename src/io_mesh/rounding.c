@@ -112,8 +112,8 @@ bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_me
     bvxi_measure_rounding(mesh, centre, &r);
     /* its writer says which vertex is too far */
     if (!r.finite || bvxi_rounding_fits(&r, mesh->triangle_count)) return BVX_OK;
-    return bvxi_fail(
-        ctx, BVX_ERR_RANGE,
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
         "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of %u "
         "triangles would lose their area or be turned over; take %s, or bring the mesh near the origin by "
         "mesh.frame",

@@ -83,8 +83,8 @@ static uint64_t soup_limit(const bvxi_soup *s)
 static bvx_status soup_grow(bvxi_soup *s)
 {
     if (s->vertex_count == UINT32_MAX)
-        return bvxi_fail(s->source->ctx, BVX_ERR_RANGE, "%s: the file has 2^32 different vertices or more",
-                         s->source->format);
+        return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the file has 2^32 different vertices or more", s->source->format);
     if (s->vertex_count == s->vertex_room) {
         BVXI_TRY(bvxi_resize(s->source->ctx, BVXI_SCRATCH, &s->positions, s->vertex_room * 12,
                              s->vertex_room * 24, "the vertices of the file"));
@@ -119,8 +119,8 @@ static bvx_status soup_make_triangles(bvxi_soup *s)
 
     if (s->triangle_count + s->waiting <= s->triangle_room) return BVX_OK;
     if (s->triangle_count + s->waiting > INT32_MAX)
-        return bvxi_fail(s->source->ctx, BVX_ERR_RANGE, "%s: the file has 2^31 triangles or more",
-                         s->source->format);
+        return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the file has 2^31 triangles or more", s->source->format);
     BVXI_TRY(bvxi_resize(s->source->ctx, s->triangle_kind, &s->triangles, s->triangle_room * 12, room * 12,
                          "the triangles of the file"));
     s->triangle_room = room; /* twice SOUP_LEAST or more: a batch fits in */

@@ -173,8 +173,8 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
         for (int a = 0; a < 3; a++) {
             float const f = (float)p[a];
             if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
-                return bvxi_fail(
-                    ctx, BVX_ERR_RANGE,
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                     "%s: vertex %i is %g from the middle of the mesh, too far for the format's 32-bit "
                     "floats; take PLY or OBJ",
                     name, (uint64_t)glb_source(glb, v), p[a]);

@@ -30,23 +30,25 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
 {
     if (mesh->uvs == NULL) {
         if (mesh->uv_triangles != NULL || mesh->uv_count != 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uvs is NULL beside %s", function,
-                             mesh->uv_triangles != NULL ? "uv_triangles" : "a uv_count above 0");
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: mesh.uvs is NULL beside %s",
+                                 function,
+                                 mesh->uv_triangles != NULL ? "uv_triangles" : "a uv_count above 0");
         return BVX_OK;
     }
     if (mesh->uv_count > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.uv_count is %u, the limit is below 2^32", function,
-                         mesh->uv_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.uv_count is %u, the limit is below 2^32", function, mesh->uv_count);
     if (mesh->uv_triangles == NULL && mesh->uv_count < mesh->vertex_count)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL", function,
-                         mesh->uv_count, mesh->vertex_count);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL", function,
+                             mesh->uv_count, mesh->vertex_count);
     if (mesh->uv_triangles != NULL)
         for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
             if (mesh->uv_triangles[i] >= mesh->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "%s: triangle %i has texture coordinate number %u, there are %u", function,
-                                 (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i], mesh->uv_count);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                     "%s: triangle %i has texture coordinate number %u, there are %u",
+                                     function, (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i],
+                                     mesh->uv_count);
     for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
         if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
@@ -61,11 +63,11 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
 
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: mesh.triangles is NULL", function);
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 && mesh->vertex_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (int64_t)mesh->position_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
     bvx_mesh_view_of(mesh, &view);
     BVXI_TRY(bvxi_view_check(ctx, function, &view));
     BVXI_TRY(bvxi_view_bounds(ctx, function, &view, low, high));
@@ -263,10 +265,10 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     if (rounded) {
         bvxi_measure_rounding(mesh, centre, &rounding);
         if (!rounding.finite)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: the mesh has coordinates too large for the format's 32-bit floats; "
-                             "take PLY or OBJ",
-                             name);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: the mesh has coordinates too large for the format's 32-bit floats; "
+                                 "take PLY or OBJ",
+                                 name);
         report->fits = bvxi_rounding_fits(&rounding, mesh->triangle_count);
         report->largest_move = rounding.largest_move;
         report->mean_edge = rounding.mean_edge;

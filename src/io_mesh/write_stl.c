@@ -53,10 +53,10 @@ static bvx_status stl_check_floats(bvx_context *ctx, const bvx_mesh *mesh)
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++)
             if (p[a] >= BVXI_FLOAT_LIMIT || p[a] <= -BVXI_FLOAT_LIMIT)
-                return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "STL: vertex %i has the coordinate %g, too large for the format's "
-                                 "32-bit floats; take PLY or OBJ",
-                                 v, p[a]);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                     "STL: vertex %i has the coordinate %g, too large for the format's "
+                                     "32-bit floats; take PLY or OBJ",
+                                     v, p[a]);
     }
     return BVX_OK;
 }

@@ -23,25 +23,26 @@ bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: the lattice's origin is not finite along %s", function, axis_name[a]);
         if (!lattice_number_ok(lattice->spacing[a]) || !(lattice->spacing[a] > 0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: the lattice's spacing along %s is %g; it must be above 0 and finite",
-                             function, axis_name[a], lattice->spacing[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: the lattice's spacing along %s is %g; it must be above 0 and finite",
+                                 function, axis_name[a], lattice->spacing[a]);
         if (lattice->dims[a] < 1 || lattice->dims[a] > BVXI_MAX_SIDE)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: the lattice has %d voxels along %s; 1 to %d are possible", function,
-                             (int64_t)lattice->dims[a], axis_name[a], (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the lattice has %d voxels along %s; 1 to %d are possible", function,
+                                 (int64_t)lattice->dims[a], axis_name[a], (int64_t)BVXI_MAX_SIDE);
     }
     if (lattice->fraction_bits < BVXI_MIN_FRACTION || lattice->fraction_bits > BVXI_MAX_FRACTION)
-        return bvxi_fail(
-            ctx, BVX_ERR_ARGUMENT,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
             "%s: the lattice has %d fraction bits; 4 to 16 are possible (bvx_lattice_make sets them)",
             function, (int64_t)lattice->fraction_bits);
     for (int32_t a = 0; a < 3; a++)
         if ((int64_t)lattice->dims[a] << lattice->fraction_bits > (int64_t)1 << 29)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: %d voxels along %s leave room for %d fraction bits, not %d", function,
-                             (int64_t)lattice->dims[a], axis_name[a],
-                             (int64_t)bvxi_fraction_bits(lattice->dims[a]), (int64_t)lattice->fraction_bits);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: %d voxels along %s leave room for %d fraction bits, not %d", function,
+                                 (int64_t)lattice->dims[a], axis_name[a],
+                                 (int64_t)bvxi_fraction_bits(lattice->dims[a]),
+                                 (int64_t)lattice->fraction_bits);
     return BVX_OK;
 }
 
@@ -58,10 +59,11 @@ bvx_status bvxi_window_take(bvx_context *ctx, const char *function, const bvx_la
     }
     for (int32_t a = 0; a < 3; a++)
         if (given->low[a] < 0 || given->size[a] < 1 || given->low[a] > lattice->dims[a] - given->size[a])
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: the window's voxels %d to %d along %s are not inside the lattice's %d",
-                             function, (int64_t)given->low[a], (int64_t)given->low[a] + given->size[a] - 1,
-                             axis_name[a], (int64_t)lattice->dims[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: the window's voxels %d to %d along %s are not inside the lattice's %d",
+                                 function, (int64_t)given->low[a],
+                                 (int64_t)given->low[a] + given->size[a] - 1, axis_name[a],
+                                 (int64_t)lattice->dims[a]);
     *window = *given;
     return BVX_OK;
 }

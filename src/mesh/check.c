@@ -130,8 +130,9 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
 static bvx_status check_count(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh)
 {
     if (mesh->triangle_count <= UINT32_MAX / 3) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit of a check is %u",
-                     function, mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
+    return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                         "%s: mesh.triangle_count is %u, the limit of a check is %u", function,
+                         mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
 }
 
 static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const double low[3],
@@ -173,7 +174,8 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
     c.view = mesh;
     BVXI_TRY(bvxi_view_check(context, function, mesh));
     if (weld != 0 && weld != 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: weld is %d, not 0 or 1", function, (int64_t)weld);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: weld is %d, not 0 or 1",
+                             function, (int64_t)weld);
     BVXI_TRY(check_count(context, function, mesh));
     if (mesh->triangle_count == 0) return BVX_OK; /* all zero */
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));

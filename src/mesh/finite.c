@@ -107,12 +107,13 @@ static bvx_status run_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint6
         return BVX_OK;
     }
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (int64_t)mesh->position_type);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
-                         function, mesh->triangle_count);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                             mesh->triangle_count);
     return bvxi_mesh_drop_nonfinite(context, function, mesh, dropped);
 }
 

@@ -27,8 +27,8 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, cons
     *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(lattice_rows)));
     if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: give exactly one of resolution, axis_resolution and spacing", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: give exactly one of resolution, axis_resolution and spacing", function);
     for (int32_t a = 0; a < 3; a++) {
         int32_t const n = *per_axis ? o->axis_resolution[a] : *by_spacing ? 1 : o->resolution;
         if (n < 1 || n > BVXI_MAX_SIDE)
@@ -36,8 +36,8 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, cons
                                  "%s: resolution %d is outside 1 to %d", function, (int64_t)n,
                                  (int64_t)BVXI_MAX_SIDE);
         if (*by_spacing && !(o->spacing[a] > 0 && o->spacing[a] - o->spacing[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: spacing %g must be above 0 and finite", function,
-                             o->spacing[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: spacing %g must be above 0 and finite", function, o->spacing[a]);
     }
     return BVX_OK;
 }
@@ -119,7 +119,8 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
                              : "%s: all vertices lie at one point, so a resolution gives no spacing",
                          name);
     if (!(extent[longest] - extent[longest] == 0.0))
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: the extent is too large for a double", name);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the extent is too large for a double", name);
     for (int32_t a = 0; a < 3; a++) {
         double n;
         if (per_axis) {
@@ -130,9 +131,9 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
             n = !by_spacing && a == longest ? o.resolution : least_cover(extent[a], spacing[a]);
         }
         if (!(n + 2.0 * o.padding <= BVXI_MAX_SIDE))
-            return bvxi_fail(context, BVX_ERR_RANGE,
-                             "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
-                             spacing[a], n + 2.0 * o.padding, (int64_t)BVXI_MAX_SIDE);
+            return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
+                                 spacing[a], n + 2.0 * o.padding, (int64_t)BVXI_MAX_SIDE);
         dims[a] = (int32_t)n + 2 * o.padding;
         origin[a] = low[a] - o.padding * spacing[a];
     }
@@ -191,8 +192,9 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
     o.struct_size = sizeof o;
     o.resolution = resolution;
     if (context != NULL && resolution < 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_lattice_fit: resolution %d is outside 1 to %d",
-                         (int64_t)resolution, (int64_t)BVXI_MAX_SIDE);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
+                             (int64_t)BVXI_MAX_SIDE);
     return run_fit_mesh(context, "bvx_lattice_fit", mesh, &o, lattice);
 }
 

@@ -11,9 +11,9 @@ bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int3
 {
     if (position_type == BVX_POSITION_AUTO || position_type == BVX_F32 || position_type == BVX_F64)
         return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                     "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
-                     function, (int64_t)position_type);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                         "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
+                         function, (int64_t)position_type);
 }
 
 /* 1 when arrays that the library made hold such a surface and nothing else. */
@@ -31,20 +31,21 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
                               uint64_t vertex_count, uint64_t triangle_count, const bvx_mesh *mesh)
 {
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type)
-        return bvxi_fail(
-            ctx, BVX_ERR_ARGUMENT,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
             "%s: a mesh that brings arrays needs both positions of the type asked for and triangles",
             function);
     if (keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: keys are asked for and the mesh given has no arrays for them", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: keys are asked for and the mesh given has no arrays for them", function);
     /* they would hold another surface's */
     if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the mesh brings arrays for keys; ask for keys or leave them NULL", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: the mesh brings arrays for keys; ask for keys or leave them NULL",
+                             function);
     if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) /* and these too */
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY,
                          "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
@@ -137,19 +138,21 @@ static bvx_status check_mesh_struct(bvx_context *ctx, const char *function, cons
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64 &&
         !(empty && mesh->position_type == 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (int64_t)mesh->position_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
     if (mesh->vertex_count > UINT32_MAX || mesh->triangle_count > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31", function,
-                         mesh->vertex_count, mesh->triangle_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the mesh has %u vertices and %u triangles, limits are 2^32 and 2^31",
+                             function, mesh->vertex_count, mesh->triangle_count);
     if (mesh->vertex_count != 0 && mesh->positions == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u",
-                         function, mesh->vertex_count);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                             mesh->vertex_count);
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
-                         function, mesh->triangle_count);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                             mesh->triangle_count);
     return BVX_OK;
 }
 

@@ -37,8 +37,8 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
     if (vertex_normals == NULL && facet_normals == NULL)
         return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");
     if (averaged != 0 && averaged != 1)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: averaged is %d, not 0 or 1", normals_name,
-                         (int64_t)averaged);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: averaged is %d, not 0 or 1",
+                             normals_name, (int64_t)averaged);
     BVXI_TRY(bvxi_view_check(context, normals_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, normals_name, mesh, low, high));
     scale = bvxi_unit_scale(low, high);

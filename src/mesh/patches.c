@@ -255,9 +255,9 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
     if (view->triangle_count > UINT32_MAX / 3)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "the mesh has %u triangles; at most %u can be looked at edge by edge",
-                         view->triangle_count, (uint64_t)(UINT32_MAX / 3));
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "the mesh has %u triangles; at most %u can be looked at edge by edge",
+                             view->triangle_count, (uint64_t)(UINT32_MAX / 3));
 
     patches->triangles = view->triangle_count;
     w.view = view;

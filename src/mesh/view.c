@@ -37,48 +37,53 @@ static bvx_status check_view_positions(bvx_context *ctx, const char *function, c
     uint32_t const least = v->position_type == BVX_F32 ? 12 : 24;
 
     if (v->position_type != BVX_F32 && v->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (uint64_t)v->position_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (uint64_t)v->position_type);
     if (v->position_stride != 0 && v->position_stride < least)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: mesh.position_stride is %u, less than the %u bytes of a vertex", function,
                          (uint64_t)v->position_stride, (uint64_t)least);
     if (v->vertex_count > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
-                         v->vertex_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.vertex_count is %u, the limit is below 2^32", function,
+                             v->vertex_count);
     if (v->positions == NULL && v->vertex_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.positions is NULL with a vertex_count of %u",
-                         function, v->vertex_count);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.positions is NULL with a vertex_count of %u", function,
+                             v->vertex_count);
     if (v->vertex_count * bvxi_view_position_stride(v) > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.vertex_count is %u, more than memory can hold",
-                         function, v->vertex_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.vertex_count is %u, more than memory can hold", function,
+                             v->vertex_count);
     return BVX_OK;
 }
 
 static bvx_status check_view_indices(bvx_context *ctx, const char *function, const bvx_mesh_view *v)
 {
     if (v->triangle_count > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, the limit is below 2^31",
-                         function, v->triangle_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.triangle_count is %u, the limit is below 2^31", function,
+                             v->triangle_count);
     if (v->indices == NULL) {
         if (3 * v->triangle_count > v->vertex_count)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: mesh.indices is NULL, so %u triangles need %u vertices, not %u", function,
-                             v->triangle_count, 3 * v->triangle_count, v->vertex_count);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NULL,
+                                 "%s: mesh.indices is NULL, so %u triangles need %u vertices, not %u",
+                                 function, v->triangle_count, 3 * v->triangle_count, v->vertex_count);
         return BVX_OK;
     }
     if (v->index_type < BVX_U16 || v->index_type > BVX_U64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.index_type is %u, not BVX_U16 (1), BVX_U32 (2) or BVX_U64 (3)", function,
-                         (uint64_t)v->index_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.index_type is %u, not BVX_U16 (1), BVX_U32 (2) or BVX_U64 (3)",
+                             function, (uint64_t)v->index_type);
     if (v->index_stride != 0 && v->index_stride < (uint32_t)6 << (v->index_type - BVX_U16))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: mesh.index_stride is %u, less than the %u bytes of a triangle", function,
                          (uint64_t)v->index_stride, (uint64_t)6 << (v->index_type - BVX_U16));
     if (v->triangle_count * bvxi_view_index_stride(v) > SIZE_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: mesh.triangle_count is %u, more than memory can hold",
-                         function, v->triangle_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: mesh.triangle_count is %u, more than memory can hold", function,
+                             v->triangle_count);
     return BVX_OK;
 }
 
@@ -371,9 +376,9 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     for (int32_t i = 0; i < 2; i++)
         for (int32_t k = 0; k < 2; k++)
             if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                                 "%s: the result's %s lie in the mesh's own arrays; it needs others",
-                                 function, i == 0 ? "positions" : "triangles");
+                return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
+                                     "%s: the result's %s lie in the mesh's own arrays; it needs others",
+                                     function, i == 0 ? "positions" : "triangles");
     return BVX_OK;
 }
 

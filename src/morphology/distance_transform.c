@@ -173,9 +173,9 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     for (int32_t a = 0; a < 3; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_SPACING ||
             grid->lattice.spacing[a] > DISTANCE_MOST_SPACING)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: squares of a spacing of %g are beyond what doubles hold well", function,
-                             grid->lattice.spacing[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: squares of a spacing of %g are beyond what doubles hold well", function,
+                                 grid->lattice.spacing[a]);
     /* sides of at most 2^25, words that fit memory */
     voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
     if (capacity < voxels)
@@ -196,13 +196,15 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     if (value_type != BVX_F32 && value_type != BVX_F64)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: value_type is %d; it must be BVX_F32 or BVX_F64",
-                         function, (int64_t)value_type);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: value_type is %d; it must be BVX_F32 or BVX_F64", function,
+                             (int64_t)value_type);
     for (int32_t a = 0; a < 3 && value_type == BVX_F32; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_FLOAT || grid->lattice.spacing[a] > DISTANCE_MOST_FLOAT)
-            return bvxi_fail(context, BVX_ERR_RANGE,
-                             "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64",
-                             function, grid->lattice.spacing[a]);
+            return bvxi_fail_for(
+                context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64", function,
+                grid->lattice.spacing[a]);
     job.values = values;
     job.value_type = value_type;
     return measure_grid_distances(context, &job);
@@ -227,16 +229,16 @@ static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     s = grid->lattice.spacing;
     if (job.o.side == BVX_DISTANCE_SIGNED)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",
-                         function);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",
+                             function);
     if (s[0] != s[1] || s[0] != s[2])
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: voxels of %g x %g x %g are not cubic; bvx_grid_distance takes them", function,
-                         s[0], s[1], s[2]);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: voxels of %g x %g x %g are not cubic; bvx_grid_distance takes them",
+                             function, s[0], s[1], s[2]);
     if (!bvxi_transform_fits_whole(grid->size))
-        return bvxi_fail(
-            context, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
             "%s: squares in a window of %d x %d x %d voxels do not fit 32 bits; take bvx_grid_distance",
             function, (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
     job.squares = squares;

@@ -89,8 +89,9 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
         double const p = floor((hole->at[i] - hollow->lattice.origin[a]) / hollow->lattice.spacing[a]) -
                          (double)hollow->low[a];
         if (!(p >= 0.0 && p < (double)hollow->size[a]))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the drain hole at %g, %g is outside the window",
-                             function, hole->at[0], hole->at[1]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: the drain hole at %g, %g is outside the window", function, hole->at[0],
+                                 hole->at[1]);
         v[a] = (int32_t)p;
     }
     for (int32_t i = 0; i < n; i++) {
@@ -192,8 +193,8 @@ static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_
 {
     for (int a = 0; a < 3; a++)
         if (thickness < lattice->spacing[a] * (1.0 - 1.0 / 1099511627776.0))
-            return bvxi_fail(
-                ctx, BVX_ERR_RANGE,
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
                 "%s: thickness %g is less than a voxel, %g along %s: take a finer lattice or a thicker shell",
                 function, thickness, lattice->spacing[a],
                 a == 0   ? "x"

@@ -28,9 +28,9 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
 
     for (int32_t a = 0; a < 3; a++)
         if (s[a] < 0x1p-400 || s[a] > 0x1p400)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: squares of a spacing of %g are beyond what doubles hold well", function,
-                             s[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: squares of a spacing of %g are beyond what doubles hold well", function,
+                                 s[a]);
     morph->neighbourhood = 0;
     morph->steps = 1;
     morph->limit = r * r * BALL_SPARE;

@@ -175,11 +175,11 @@ static bvx_status take_morph_options(bvx_context *ctx, const char *function, con
     BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
     if (o.neighbourhood == 0 && o.steps != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: steps is %d; a ball takes 1", function,
-                         (int64_t)o.steps);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
     if (o.neighbourhood != 0 && o.radius != 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: radius is %g; it must be 0 unless neighbourhood is 0",
-                         function, o.radius);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: radius is %g; it must be 0 unless neighbourhood is 0", function, o.radius);
     morph->neighbourhood = o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;

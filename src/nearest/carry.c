@@ -83,12 +83,13 @@ static void carry_piece(void *user, int32_t index, int32_t worker)
 static bvx_status check_carried_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
     if (mesh->position_type != BVX_F32 && mesh->position_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
-                         (int64_t)mesh->position_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: mesh.position_type is %d, not BVX_F32 (1) or BVX_F64 (2)", function,
+                             (int64_t)mesh->position_type);
     if (mesh->triangles == NULL && mesh->triangle_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.triangles is NULL with a triangle_count of %u",
-                         function, mesh->triangle_count);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.triangles is NULL with a triangle_count of %u", function,
+                             mesh->triangle_count);
     if (!bvxi_view_finite(mesh->frame))
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: mesh.frame is not finite",
                              function);
@@ -104,17 +105,17 @@ static int is_finite_uv(const float *uv)
 static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const bvx_mesh *source)
 {
     if (source->uvs == NULL && source->uv_triangles != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.uv_triangles is given and mesh.uvs is NULL",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: mesh.uv_triangles is given and mesh.uvs is NULL", function);
     if (source->uvs == NULL) return BVX_OK;
     for (uint64_t t = 0; t < source->triangle_count; t++) {
         uint32_t number[3];
         corner_uvs(source, t, number);
         for (int k = 0; k < 3; k++) {
             if (number[k] >= source->uv_count)
-                return bvxi_fail(ctx, BVX_ERR_RANGE,
-                                 "%s: triangle %i has texture coordinate number %u, but there are %u",
-                                 function, t, (uint64_t)number[k], source->uv_count);
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                     "%s: triangle %i has texture coordinate number %u, but there are %u",
+                                     function, t, (uint64_t)number[k], source->uv_count);
             if (!is_finite_uv(source->uvs + 2 * (size_t)number[k]))
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                      "%s: texture coordinate %i is not finite", function,
@@ -128,14 +129,16 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
 {
     BVXI_TRY(check_carried_mesh(ctx, function, target));
     if (target->owned == 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: its arrays are not the library's own, so it cannot be given others", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CAPACITY,
+                             "%s: its arrays are not the library's own, so it cannot be given others",
+                             function);
     if (target->vertex_count > target->vertex_capacity)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_count is %u with a vertex_capacity of %u",
                          function, target->vertex_count, target->vertex_capacity);
     if (target->vertex_capacity > UINT64_MAX / 24) /* the bytes of an array are a number */
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: mesh.vertex_capacity is %u, more than any memory holds",
-                         function, target->vertex_capacity);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                             "%s: mesh.vertex_capacity is %u, more than any memory holds", function,
+                             target->vertex_capacity);
     bvx_mesh_view_of(target, &w->to);
     BVXI_TRY(bvxi_view_check(ctx, function, &w->to));
     for (int a = 0; a < 3; a++) w->shift[a] = target->frame[a] - w->source->frame[a];
@@ -145,8 +148,9 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
         if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, &w->to, i);
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         if (!bvxi_view_finite(p))
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: vertex %i is beyond a double's range in the source's frame", function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: vertex %i is beyond a double's range in the source's frame", function,
+                                 i);
     }
     return BVX_OK;
 }
@@ -206,7 +210,8 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
     if (source == target)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: source and target are one mesh", function);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
+                             "%s: source and target are one mesh", function);
     memset(&w, 0, sizeof w);
     w.source = source;
     BVXI_TRY(check_carried_mesh(context, of_source, source));

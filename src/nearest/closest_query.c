@@ -303,8 +303,8 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");
     if (count > SIZE_MAX / sizeof *found)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: %u points are beyond this machine's addresses",
-                         function, count);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(check_query_points(context, function, points, count));
     return find_all_closest(context, &q);
 }

@@ -324,8 +324,9 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
                          found, capacity);
     }
     if (status == BVX_OK && pairs != NULL && found > UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: there are %u pairs, the limit of a list is %u", function,
-                         found, (uint64_t)UINT32_MAX);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: there are %u pairs, the limit of a list is %u", function, found,
+                             (uint64_t)UINT32_MAX);
 
     if (status == BVX_OK && pairs != NULL && found != 0) status = write_crossings(ctx, job, found, pairs);
     if (status == BVX_OK) *count = found;

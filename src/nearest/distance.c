@@ -249,8 +249,8 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     BVXI_TRY(bvxi_view_check(context, function_a, a));
     BVXI_TRY(bvxi_view_check(context, function_b, b));
     if (samples < 1 || samples > INT32_MAX)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "bvx_mesh_distance: samples is %u, not 1 to 2147483647",
-                         samples);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "bvx_mesh_distance: samples is %u, not 1 to 2147483647", samples);
     side_a.view = a;
     side_b.view = b;
     BVXI_TRY(bvxi_view_bounds(context, function_a, a, side_a.low, side_a.high));

@@ -62,11 +62,12 @@ static bvx_status check_near_range(bvx_context *ctx, const char *function, const
         double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
         double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
         if (!(last - last == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's last voxel has no finite place along %s",
-                             function, axis_name[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: the lattice's last voxel has no finite place along %s", function,
+                                 axis_name[a]);
         if (!(above - below < 0x1p1023))
-            return bvxi_fail(
-                ctx, BVX_ERR_RANGE,
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                 "%s: along %s lattice and mesh reach from %g to %g, too far for distances in doubles",
                 function, axis_name[a], below, above);
     }

@@ -70,8 +70,8 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(levels_rows)));
     if (o->outer && o->least_cavity != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: outer fills every cavity; least_cavity is not used with it", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: outer fills every cavity; least_cavity is not used with it", function);
     return BVX_OK;
 }
 
@@ -119,7 +119,8 @@ static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mes
     BVXI_TRY(bvxi_view_check(context, plan_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", plan_name);
-    if (level_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_name);
+    if (level_count == 0)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", plan_name);
     BVXI_TRY(bvxi_view_bounds(context, plan_name, mesh, low, high));
 
     /* Marching cubes makes about 2.6 triangles for each square of the surface as large as a voxel. */
@@ -577,14 +578,14 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT,
-                         "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a "
-                         "measured surface; "
-                         "source is BVX_LEVELS_MESH",
-                         levels_name);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a "
+                             "measured surface; "
+                             "source is BVX_LEVELS_MESH",
+                             levels_name);
     if (o.open != BVX_OPEN_SHELL && (o.source == BVX_LEVELS_MEASURED || wants_measured(&o)))
-        return bvxi_fail(
-            context, BVX_ERR_ARGUMENT,
+        return bvxi_fail_for(
+            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
             "lattice, a resolution, a sign, least_part, least_cavity and outer",
             levels_name, (int64_t)o.open);

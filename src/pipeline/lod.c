@@ -58,8 +58,8 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
             int32_t const r = o->resolutions != NULL ? o->resolutions[l]
                                                      : o->axis_resolutions[3 * l + (uint64_t)a];
             if (r < 1 || r > n)
-                return bvxi_fail(
-                    ctx, BVX_ERR_RANGE,
+                return bvxi_fail_for(
+                    ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                     "%s: level %i asks for a resolution of %d; 1 to %d, the grid's own, are possible",
                     lod_name, l + (uint64_t)o->first_level, (int64_t)r, (int64_t)n);
         }
@@ -85,15 +85,17 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, con
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone",
-                         lod_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
-                         lod_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+                             lod_name);
     if (o->collapse != 0 && o->target_triangles == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse belongs to target_triangles alone", lod_name);
-    if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: no level is asked for", lod_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: collapse belongs to target_triangles alone", lod_name);
+    if (level_count == 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: no level is asked for", lod_name);
     return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
 }
 
@@ -187,9 +189,10 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
     status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
     if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
-        status = bvxi_fail(
-            ctx, BVX_ERR_RANGE, "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
-            lod_name, level_number(job), target, fine->triangle_count, bvxi_collapse_triangles(collapse));
+        status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+                               "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
+                               lod_name, level_number(job), target, fine->triangle_count,
+                               bvxi_collapse_triangles(collapse));
     if (status == BVX_OK) status = bvxi_collapse_give(collapse, mesh);
     if (status == BVX_OK) memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
     bvxi_collapse_close(collapse);
@@ -306,8 +309,8 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i keeps nothing of the solid at any resolution",
                          lod_name, level_number(job));
     if (low == 0)
-        return bvxi_fail(
-            ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
             "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
             lod_name, level_number(job), asked);
     *resolution = low;

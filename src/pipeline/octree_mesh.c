@@ -177,15 +177,16 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, octree_mesh_name, "mesh");
     if (mesh->owned != 1 && (mesh->positions != NULL || mesh->triangles != NULL))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: mesh must be empty or the library's own",
-                         octree_mesh_name);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: mesh must be empty or the library's own", octree_mesh_name);
     BVXI_TRY(bvxi_octree_check(context, octree_mesh_name, tree));
     BVXI_TRY(bvxi_octree_check_states(context, octree_mesh_name, states));
     bvx_extract_options_init(&job.options, sizeof job.options);
     BVXI_TRY(bvxi_take_options(context, octree_mesh_name, options, &job.options, sizeof job.options));
     if (job.options.open_sides != 0)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: open_sides is %d; all sides are closed",
-                         octree_mesh_name, (int64_t)job.options.open_sides);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: open_sides is %d; all sides are closed", octree_mesh_name,
+                             (int64_t)job.options.open_sides);
     job.options.struct_size = sizeof job.options;
     job.ctx = context;
     job.tree = tree;

@@ -29,13 +29,14 @@ typedef struct lods_plan {
 static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *o, uint64_t level_count)
 {
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
-                         plan_lods_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
+                             plan_lods_name);
     if (!(o->collapse == 0 || (o->collapse >= 1 && o->collapse <= 64)))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: collapse %g is neither 0 nor from 1 to 64",
-                         plan_lods_name, o->collapse);
-    if (level_count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", plan_lods_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: collapse %g is neither 0 nor from 1 to 64", plan_lods_name, o->collapse);
+    if (level_count == 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", plan_lods_name);
     return BVX_OK;
 }
 
@@ -132,8 +133,8 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
     BVXI_TRY(check_planned_levels(context, &o, level_count));
     if (padding < 0 || padding > 65536)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: padding %d is not from 0 to 65536", plan_lods_name,
-                         (int64_t)padding);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: padding %d is not from 0 to 65536", plan_lods_name, (int64_t)padding);
 
     BVXI_TRY(bvxi_view_check(context, plan_lods_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.low, p.high));

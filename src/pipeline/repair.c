@@ -72,8 +72,8 @@ static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_option
 {
     if (o->lattice != NULL) {
         if (o->target_triangles != 0)
-            return bvxi_fail(
-                ctx, BVX_ERR_ARGUMENT,
+            return bvxi_fail_for(
+                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                 "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
                 bvxi_repair_name);
         return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
@@ -140,8 +140,8 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
         }
     }
     if (low_count == 0)
-        return bvxi_fail(
-            job->ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            job->ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
             "%s: at most %u triangles are asked for; resolution %d has %u, and those below keep nothing",
             bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;

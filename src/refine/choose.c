@@ -195,8 +195,9 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
                              (int64_t)o->window.size[0], (int64_t)o->window.size[1],
                              (int64_t)o->window.size[2]);
     if (!(o->tolerance >= 0) || !(o->tolerance - o->tolerance == 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: tolerance is %g; it must be 0 or more and finite",
-                         choose_name, o->tolerance);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: tolerance is %g; it must be 0 or more and finite", choose_name,
+                             o->tolerance);
     return BVX_OK;
 }
 

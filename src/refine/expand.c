@@ -152,8 +152,9 @@ static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tre
 
     BVXI_TRY(bvxi_octree_check(ctx, function, tree));
     if (level < 0 || level > tree->levels)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function,
-                         (int64_t)level, (int64_t)tree->levels);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                             "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
+                             (int64_t)tree->levels);
     BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
     BVXI_TRY(bvxi_octree_lattice(ctx, tree, level, lattice));
     return bvxi_window_take(ctx, function, lattice, given, window);

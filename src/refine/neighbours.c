@@ -93,16 +93,16 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
         return bvxi_fail_null(context, function, leaf == NULL ? "leaf" : "count");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (direction < 0 || direction >= BVXI_DIRECTIONS)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: direction is %d; 0 to 5 are possible", function,
-                         (int64_t)direction);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: direction is %d; 0 to 5 are possible", function, (int64_t)direction);
     if (leaf->level > tree->levels)
-        return bvxi_fail(context, BVX_ERR_RANGE, "%s: level %d is beyond the tree's %d", function,
-                         (int64_t)leaf->level, (int64_t)tree->levels);
+        return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: level %d is beyond the tree's %d",
+                             function, (int64_t)leaf->level, (int64_t)tree->levels);
     for (int a = 0; a < 3; a++)
         if (leaf->ijk[a] < 0 || leaf->ijk[a] >= tree->base[a] << leaf->level)
-            return bvxi_fail(context, BVX_ERR_RANGE, "%s: voxel (%d, %d, %d) is beyond level %d", function,
-                             (int64_t)leaf->ijk[0], (int64_t)leaf->ijk[1], (int64_t)leaf->ijk[2],
-                             (int64_t)leaf->level);
+            return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: voxel (%d, %d, %d) is beyond level %d", function, (int64_t)leaf->ijk[0],
+                                 (int64_t)leaf->ijk[1], (int64_t)leaf->ijk[2], (int64_t)leaf->level);
     memcpy(v, leaf->ijk, sizeof v);
     v[direction % 3] += direction >= 3 ? 1 : -1;
     list.leaves = leaves;

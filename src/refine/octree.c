@@ -62,7 +62,8 @@ bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int3
 {
     int32_t const all = BVX_STATE_OUTSIDE | BVX_STATE_INSIDE | BVX_STATE_SURFACE;
     if ((states & ~all) == 0) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: states %d is no set of states", function, (int64_t)states);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: states %d is no set of states",
+                         function, (int64_t)states);
 }
 
 int32_t bvx_octree_levels(const bvx_octree *tree)
@@ -98,8 +99,9 @@ bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int3
     if (lattice == NULL) return bvxi_fail_null(context, function, "lattice");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (level < 0 || level > tree->levels)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: level %d is not one of the tree's 0 to %d", function,
-                         (int64_t)level, (int64_t)tree->levels);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                             "%s: level %d is not one of the tree's 0 to %d", function, (int64_t)level,
+                             (int64_t)tree->levels);
     return bvxi_octree_lattice(context, tree, level, lattice);
 }
 
@@ -273,10 +275,11 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     job.leaves = leaves;
     BVXI_TRY(find_octree_places(context, &job, find_octree_voxels, &bad));
     if (bad == count) return BVX_OK;
-    return bvxi_fail(context, BVX_ERR_RANGE, "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d",
-                     function, bad, (int64_t)voxels[3 * bad], (int64_t)voxels[3 * bad + 1],
-                     (int64_t)voxels[3 * bad + 2], (int64_t)tree->lattice.dims[0],
-                     (int64_t)tree->lattice.dims[1], (int64_t)tree->lattice.dims[2]);
+    return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                         "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d", function, bad,
+                         (int64_t)voxels[3 * bad], (int64_t)voxels[3 * bad + 1], (int64_t)voxels[3 * bad + 2],
+                         (int64_t)tree->lattice.dims[0], (int64_t)tree->lattice.dims[1],
+                         (int64_t)tree->lattice.dims[2]);
 }
 
 bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,

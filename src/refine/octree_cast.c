@@ -202,7 +202,8 @@ static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                      "bvx_octree_cast: ray %i is not finite", i);
         if (r[3] == 0 && r[4] == 0 && r[5] == 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "bvx_octree_cast: the direction of ray %i is 0", i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "bvx_octree_cast: the direction of ray %i is 0", i);
     }
     return BVX_OK;
 }
@@ -217,7 +218,8 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
     if (!(t_max >= 0))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: t_max is %g; it must be 0 or more", function, t_max);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: t_max is %g; it must be 0 or more", function, t_max);
     if (count == 0) return BVX_OK;
     if (rays == NULL) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL) return bvxi_fail_null(context, function, "hits");

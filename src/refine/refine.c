@@ -50,13 +50,14 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
     BVXI_TRY(bvxi_lattice_check(ctx, bvx_refine_name, base));
     int32_t const most = levels_that_fit(base->dims);
     if (most < 0)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible", bvx_refine_name,
-                         (int64_t)base->dims[0], (int64_t)base->dims[1], (int64_t)base->dims[2]);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a base of %d x %d x %d voxels; fewer than 2^31 are possible",
+                             bvx_refine_name, (int64_t)base->dims[0], (int64_t)base->dims[1],
+                             (int64_t)base->dims[2]);
     BVXI_TRY(bvxi_check_options(ctx, bvx_refine_name, o, BVXI_OPTIONS(refine_rows)));
     if (o->levels > most)
-        return bvxi_fail(
-            ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
             "%s: %d levels over a base of %d x %d x %d voxels are beyond a lattice's 2^25; %d levels fit",
             bvx_refine_name, (int64_t)o->levels, (int64_t)base->dims[0], (int64_t)base->dims[1],
             (int64_t)base->dims[2], (int64_t)most);
@@ -69,8 +70,9 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
                              "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->outer_levels, (int64_t)o->levels);
     if (o->tolerance > 0 && o->start_level > 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: a tolerance starts at level 0, not %d", bvx_refine_name,
-                         (int64_t)o->start_level);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: a tolerance starts at level 0, not %d", bvx_refine_name,
+                             (int64_t)o->start_level);
     return BVX_OK;
 }
 

@@ -208,8 +208,8 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 
     next->count = place_pieces(job->children, job->pieces);
     if (next->count >= (uint64_t)1 << 28)
-        return bvxi_fail(
-            ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
             "bvx_refine: %u voxels of level %d are to be split, 2^28 - 1 can be; %d levels are possible",
             next->count, (int64_t)job->level + 1, (int64_t)job->level + 1);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 12, "a level's voxels", &next->ijk));

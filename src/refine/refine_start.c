@@ -188,9 +188,9 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
 
     for (uint64_t i = 0; i < words; i++) voxels += bvxi_popcount(job->grids.words[job->start][i]);
     if (voxels >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: triangles touch %u voxels of level %d; 2^32 - 2 are possible", refine_name,
-                         voxels, (int64_t)job->start);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: triangles touch %u voxels of level %d; 2^32 - 2 are possible", refine_name,
+                             voxels, (int64_t)job->start);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the start's ranks", &prefix));
     job->front.slots = bvxi_rank_build(&surface->rank, job->grids.words[job->start], words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last);

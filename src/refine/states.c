@@ -370,8 +370,8 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     bvx_status status;
 
     if (octets + cubes >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "bvx_refine: %u voxels are split; 2^32 - 2 are possible",
-                         octets + cubes);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "bvx_refine: %u voxels are split; 2^32 - 2 are possible", octets + cubes);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block));
     job.tree = tree;
     job.up = up;

@@ -36,7 +36,8 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
                                  "%s: %s has the part %g, which is not finite", function, name, v[a]);
     if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: %s is 0, 0, 0 and points nowhere", function, name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is 0, 0, 0 and points nowhere",
+                             function, name);
     return BVX_OK;
 }
 
@@ -46,14 +47,16 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
     BVXI_TRY(check_picture_direction(ctx, function, "direction", o->direction));
     BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
     if (o->smooth != 0 && o->smooth != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: smooth is %d, not 0 or 1", function, (int64_t)o->smooth);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: smooth is %d, not 0 or 1",
+                             function, (int64_t)o->smooth);
     for (int a = 0; a < 2; a++)
         if (!(o->show[a] >= 0.0) || o->show[a] - o->show[a] != 0.0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: show is %g, %g; both must be 0 or more, and finite",
-                             function, o->show[0], o->show[1]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: show is %g, %g; both must be 0 or more, and finite", function,
+                                 o->show[0], o->show[1]);
     if (o->wireframe != 0 && o->wireframe != 1)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: wireframe is %d, not 0 or 1", function,
-                         (int64_t)o->wireframe);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: wireframe is %d, not 0 or 1",
+                             function, (int64_t)o->wireframe);
     return BVX_OK;
 }
 
@@ -62,8 +65,9 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; a++)
         if (!(o->cut_low[a] <= o->cut_high[a]))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the cut from %g to %g along %s is no range",
-                             function, o->cut_low[a], o->cut_high[a], axis[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                                 "%s: the cut from %g to %g along %s is no range", function, o->cut_low[a],
+                                 o->cut_high[a], axis[a]);
     return BVX_OK;
 }
 
@@ -90,8 +94,8 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
     *options = render_defaults;
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
     if (image->pixels != NULL && (image->width < 1 || image->height < 1))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: image brings pixels, which are not used; zero it first",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: image brings pixels, which are not used; zero it first", function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
     BVXI_TRY(check_picture_options(ctx, function, options));
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;

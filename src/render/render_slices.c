@@ -315,10 +315,11 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (axis < 0 || axis > 2)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: axis is %d, not 0, 1 or 2", function, (int64_t)axis);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: axis is %d, not 0, 1 or 2",
+                             function, (int64_t)axis);
     if (count < 1 || count > SLICES_MOST)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: %d slices are outside 1 to %d", function,
-                         (int64_t)count, (int64_t)SLICES_MOST);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %d slices are outside 1 to %d",
+                             function, (int64_t)count, (int64_t)SLICES_MOST);
     s.grid = grid;
     s.function = function;
     s.axis = axis;

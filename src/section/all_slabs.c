@@ -278,9 +278,11 @@ static bvx_status join_in_job(slabs_job *job)
     }
     triangles += own->triangle_count;
     if (vertices > UINT32_MAX - 1)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices", s->function);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^32 vertices", s->function);
     if (triangles > INT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^31 triangles", s->function);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", s->function);
     if (triangles == 0)
         return bvxi_fail(s->ctx, BVX_ERR_EMPTY,
                          "%s: no point of the grid of %d by %d cells lies inside; take a finer one",

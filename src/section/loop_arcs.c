@@ -32,8 +32,9 @@ static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     if (p->cut_count == p->cut_room) {
         uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
         if (room > INT32_MAX)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times",
-                             s->function, (uint64_t)p->section);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
+                                 (uint64_t)p->section);
         BVXI_TRY(own_cuts(s, p, (uint32_t)room));
     }
     *number = p->cut_count++;

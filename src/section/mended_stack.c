@@ -6,7 +6,9 @@ static bvx_status mended_room(bvx_context *ctx, void *block, uint64_t count, uin
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
 
     if (count < *room) return BVX_OK;
-    if (larger > INT32_MAX) return bvxi_fail(ctx, BVX_ERR_RANGE, "mended loops have more than 2^31 points");
+    if (larger > INT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "mended loops have more than 2^31 points");
     BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the mended loops"));
     *room = larger;
     return BVX_OK;

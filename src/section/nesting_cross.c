@@ -97,8 +97,8 @@ static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint6
 
     if (m->triangles < *room) return BVX_OK;
     if (larger > INT32_MAX)
-        return bvxi_fail(m->s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^31 triangles",
-                         m->s->function);
+        return bvxi_fail_for(m->s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", m->s->function);
     BVXI_TRY(
         bvxi_resize(m->s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the surfaces of levels"));
     *room = larger;

@@ -14,9 +14,10 @@ bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double 
         for (int k = 0; k < 2; k++) {
             double const c = p->uv[i][k];
             if (c - c != 0.0)
-                return s->fixed ? BVX_ERR_RANGE
-                                : bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: point %i is too far out", s->function,
-                                            (uint64_t)p->given[i]);
+                return s->fixed
+                           ? BVX_ERR_RANGE
+                           : bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                           "%s: point %i is too far out", s->function, (uint64_t)p->given[i]);
             if (c < low[k]) low[k] = c;
             if (c > high[k]) high[k] = c;
         }

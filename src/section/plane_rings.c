@@ -150,8 +150,8 @@ static bvx_status make_in_job(ring_job *job)
         s->plane[i].vertex = (uint32_t)vertices;
         vertices += s->plane[i].ring_count;
         if (vertices > UINT32_MAX - 1)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices",
-                             s->function);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the surface has more than 2^32 vertices", s->function);
     }
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;

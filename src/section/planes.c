@@ -140,8 +140,9 @@ static bvx_status open_cuts(planes_job *job)
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t const cuts = job->count[2 * (size_t)i], arcs = job->count[2 * (size_t)i + 1];
         if (cuts > INT32_MAX)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: section %i crosses the grid more than 2^31 times",
-                             s->function, (uint64_t)s->plane[i].section);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
+                                 (uint64_t)s->plane[i].section);
         s->cut_room += cuts + PLANES_SPARE_CUTS;
         s->arc_room += arcs;
         s->report.crossings += cuts;

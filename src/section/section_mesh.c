@@ -16,8 +16,8 @@ bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint
 
     if (m->vertex_count == m->vertex_room) {
         if (m->vertex_count + s->ring_vertices >= UINT32_MAX - 1)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^32 vertices",
-                             s->function);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the surface has more than 2^32 vertices", s->function);
         BVXI_TRY(section_grow(s, &m->position, 24, &m->vertex_room, "the vertices of a body"));
     }
     memcpy(m->position + 3 * m->vertex_count, position, 24);
@@ -29,7 +29,8 @@ bvx_status bvxi_section_more_triangles(bvxi_stack *s)
 {
     bvxi_section_mesh *const m = &s->mesh;
     if (!s->fixed && m->triangle_count >= INT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: the surface has more than 2^31 triangles", s->function);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", s->function);
     return section_grow(s, &m->triangle, 12, &m->triangle_room, "the triangles of a body");
 }
 

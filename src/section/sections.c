@@ -56,7 +56,8 @@ static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_opt
                                  "%s: grid[%d] is %d; 2 to 8192 are possible", sections_name, (int64_t)a,
                                  (int64_t)o->grid[a]);
     if (o->spacing != 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: grid and spacing are both given", sections_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: grid and spacing are both given", sections_name);
     return BVX_OK;
 }
 

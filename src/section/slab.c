@@ -12,7 +12,8 @@ bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_
 {
     uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
     if (larger > INT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^31 of %s", s->function, what);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
+                             s->function, what);
 
     /* Rooms that were laid out beforehand cannot grow: the caller tries again with larger ones. */
     if (s->fixed) return BVX_ERR_BUDGET;

@@ -53,17 +53,19 @@ enum { SLICE_MOST_PLANES = 1 << 20 };
 static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
 {
     if (o->spacing != 0.0)
-        return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: spacing and positions are both given", slice_name);
+        return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: spacing and positions are both given", slice_name);
     if (o->position_count < 1 || o->position_count > SLICE_MOST_PLANES)
-        return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: %u positions, allowed are 1 to %d", slice_name,
-                         o->position_count, (int64_t)SLICE_MOST_PLANES);
+        return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: %u positions, allowed are 1 to %d", slice_name, o->position_count,
+                             (int64_t)SLICE_MOST_PLANES);
     for (uint64_t i = 0; i < o->position_count; i++) {
         if (!(o->positions[i] - o->positions[i] == 0.0))
             return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: position %i is not finite", slice_name, i);
         if (i > 0 && !(o->positions[i] > o->positions[i - 1]))
-            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: position %i does not lie above the one before it",
-                             slice_name, i);
+            return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: position %i does not lie above the one before it", slice_name, i);
     }
     return BVX_OK;
 }
@@ -76,12 +78,13 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
     } else {
         double count;
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)
-            return bvxi_fail(w->ctx, BVX_ERR_ARGUMENT, "%s: a spacing above 0 or positions are needed",
-                             slice_name);
+            return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                                 "%s: a spacing above 0 or positions are needed", slice_name);
         count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
-            return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: a spacing of %g makes %g planes, %d is the limit",
-                             slice_name, o->spacing, count, (int64_t)SLICE_MOST_PLANES);
+            return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: a spacing of %g makes %g planes, %d is the limit", slice_name,
+                                 o->spacing, count, (int64_t)SLICE_MOST_PLANES);
         w->plane_count = count < 1.0 ? 1 : (uint64_t)count;
     }
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->plane_count * 8, "the planes", &w->position));
@@ -177,7 +180,8 @@ static bvx_status list_by_plane(slice_work *w)
     if (w->list_count == 0)
         return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets the mesh", slice_name);
     if (w->list_count > INT32_MAX)
-        return bvxi_fail(w->ctx, BVX_ERR_RANGE, "%s: planes part more than 2^31 triangles", slice_name);
+        return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: planes part more than 2^31 triangles", slice_name);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->list_count * 4, "the triangles of planes", &w->list));
     for (uint64_t t = w->view->triangle_count; t-- > 0;) {
         uint64_t begin, end;

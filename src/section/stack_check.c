@@ -14,11 +14,12 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
     const bvx_section_loop *const l = &given->loops[i];
 
     if (l->section >= given->section_count)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %i is in section %u of %u", function, i,
-                         (uint64_t)l->section, given->section_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: loop %i is in section %u of %u",
+                             function, i, (uint64_t)l->section, given->section_count);
     if (l->first_point > given->point_count || l->point_count > given->point_count - l->first_point)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: loop %i has points %u to %u of %u", function, i,
-                         l->first_point, l->first_point + l->point_count, given->point_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: loop %i has points %u to %u of %u",
+                             function, i, l->first_point, l->first_point + l->point_count,
+                             given->point_count);
     if (l->reserved != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: loop %i: reserved must be 0",
                              function, i);
@@ -31,8 +32,8 @@ bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, co
 {
     if (result == NULL) return bvxi_fail_null(ctx, function, "sections");
     if (result->owned != 1 && (result->points != NULL || result->loops != NULL || result->positions != NULL))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: sections brings arrays, which are not used; zero it first", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: sections brings arrays, which are not used; zero it first", function);
     return BVX_OK;
 }
 
@@ -45,13 +46,14 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: sections.reserved2[%u] must be 0", function, i);
     if (given->point_count > INT32_MAX || given->loop_count > INT32_MAX || given->section_count > INT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u points, %u loops and %u sections; limits are 2^31",
-                         function, given->point_count, given->loop_count, given->section_count);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u points, %u loops and %u sections; limits are 2^31", function,
+                             given->point_count, given->loop_count, given->section_count);
     if ((given->points == NULL && given->point_count != 0) ||
         (given->loops == NULL && given->loop_count != 0) ||
         (given->positions == NULL && given->section_count != 0))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: an array of the sections is NULL although its count is not 0", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: an array of the sections is NULL although its count is not 0", function);
     if (given->loop_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the sections hold no loop", function);
     for (uint64_t i = 0; i < given->section_count; i++)

@@ -47,18 +47,19 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
         } else {
             double const cells = floor(extent / spacing + both) + 1.0;
             if (!(cells <= STACK_MOST_CELLS))
-                return bvxi_fail(s->ctx, BVX_ERR_RANGE,
-                                 "%s: a spacing of %g makes %g cells along an extent of %g; %d is the limit",
-                                 s->function, spacing, cells, extent, (int64_t)STACK_MOST_CELLS);
+                return bvxi_fail_for(
+                    s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                    "%s: a spacing of %g makes %g cells along an extent of %g; %d is the limit", s->function,
+                    spacing, cells, extent, (int64_t)STACK_MOST_CELLS);
             s->size[k] = cells < 2.0 ? 2 : (int32_t)cells;
             s->step[k] = spacing;
         }
         s->origin[k] = s->low[k] - before[k] * s->step[k];
         if (!(s->step[k] > 0.0) || s->origin[k] + s->step[k] * s->size[k] <= s->high[k] ||
             s->origin[k] >= s->low[k])
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE,
-                             "%s: the contours' extent %g is too small beside their coordinates", s->function,
-                             extent);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: the contours' extent %g is too small beside their coordinates",
+                                 s->function, extent);
         if (s->size[k] > most) most = s->size[k];
         s->report.grid[k] = s->size[k];
         s->report.cell[k] = s->step[k];

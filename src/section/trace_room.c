@@ -29,8 +29,8 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
     if (count <= old) return BVX_OK;
     if (s->fixed) return BVX_ERR_BUDGET;
     if (room > INT32_MAX)
-        return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: a cell holds more than 2^31 contour points",
-                         s->function);
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a cell holds more than 2^31 contour points", s->function);
 
     /* what was is kept: a loop grows while it is followed */
     {

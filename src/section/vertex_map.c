@@ -44,7 +44,8 @@ bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32
 
     if (2 * (uint64_t)m->count >= m->room) {
         if (m->room >= UINT32_C(1) << 30)
-            return bvxi_fail(s->ctx, BVX_ERR_RANGE, "%s: more than 2^29 crossings of edges", s->function);
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: more than 2^29 crossings of edges", s->function);
         BVXI_TRY(map_resize(s, m, m->room == 0 ? 64 : 2 * m->room));
     }
     at = map_slot(m, key);

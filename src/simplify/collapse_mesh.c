@@ -381,8 +381,9 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     bvx_status status;
 
     if (mesh->triangle_count > INT32_MAX / 4)
-        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: %u triangles are too many; %u are possible", function,
-                         mesh->triangle_count, (uint64_t)INT32_MAX / 4);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u triangles are too many; %u are possible", function, mesh->triangle_count,
+                             (uint64_t)INT32_MAX / 4);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *c, "the collapse", &c));
     c->ctx = ctx;
     c->function = function;

@@ -27,14 +27,14 @@ static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_c
     const double *const q = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(corner)));
 
     if (borders == BVXI_BORDERS_REFUSED)
-        return bvxi_fail(
-            ctx, BVX_ERR_ARGUMENT,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
             "%s: the mesh is not closed, manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, "
             "%g) does not have two triangles that run along it in opposite directions; bvx_repair makes "
             "such a mesh",
             function, p[0], p[1], p[2], q[0], q[1], q[2]);
-    return bvxi_fail(
-        ctx, BVX_ERR_ARGUMENT,
+    return bvxi_fail_for(
+        ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
         "%s: the mesh is not manifold and oriented: the edge from (%g, %g, %g) to (%g, %g, %g) has "
         "three triangles, or two that run along it in the same direction; BVX_OPEN_CUT makes borders of "
         "such edges",
@@ -163,8 +163,8 @@ static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_
         } while (c != first[v]);
     }
     if (reached == 3 * m->triangles) return BVX_OK;
-    return bvxi_fail(
-        ctx, BVX_ERR_ARGUMENT,
+    return bvxi_fail_for(
+        ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
         "%s: the mesh is not manifold: a vertex joins several fans of triangles; bvx_repair parts them",
         function);
 }
@@ -202,9 +202,9 @@ static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_co
     bvxi_corner_triangle *larger;
 
     if (room > INT32_MAX / 4)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: %u triangles with %u border edges are too many; %u together are possible",
-                         function, m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u triangles with %u border edges are too many; %u together are possible",
+                             function, m->triangles, m->ghosts, (uint64_t)INT32_MAX / 4);
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
     memcpy(larger, m->triangle, (size_t)m->triangles * sizeof *larger);

@@ -14,20 +14,22 @@ enum { LEVEL_ERROR_SAMPLES = 20000, LEVEL_SEED = 1 };
 
 bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 {
-    if (c->count == 0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: level_count is 0", c->function);
+    if (c->count == 0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", c->function);
     if (c->target_triangles != NULL && c->target_errors != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: target_triangles and target_errors exclude each other; set one of them",
-                         c->function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: target_triangles and target_errors exclude each other; set one of them",
+                             c->function);
 
     for (uint64_t i = 0; i < c->count; i++) {
         if (c->target_triangles != NULL && c->target_triangles[i] == 0)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: target_triangles[%i] is 0", c->function, i);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: target_triangles[%i] is 0",
+                                 c->function, i);
         if (c->target_errors != NULL &&
             !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: target_errors[%i] is %g; it must be above 0 and finite", c->function, i,
-                             c->target_errors[i]);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: target_errors[%i] is %g; it must be above 0 and finite", c->function, i,
+                                 c->target_errors[i]);
     }
     return BVX_OK;
 }
@@ -227,8 +229,8 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
     if (c->strict && !met)
-        return bvxi_fail(
-            ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
             "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
             c->function, i, c->levels[i].triangle_count);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));

@@ -91,8 +91,8 @@ static void count_face_piece(void *user, int32_t piece, int32_t worker)
 bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
 {
     if (f->vertex_count < UINT32_MAX && f->face_count < UINT32_MAX / 2) return BVX_OK;
-    return bvxi_fail(
-        ctx, BVX_ERR_RANGE,
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
         "%s: the faces have %u vertices and %u triangles; 2^32 - 1 are possible, extract them by windows",
         f->function, f->vertex_count, 2 * f->face_count);
 }

@@ -42,9 +42,9 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: field.row_values[%i] is %u, the band has %u values before it", function, r,
-                             f->row_values[r], total);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: field.row_values[%i] is %u, the band has %u values before it", function,
+                                 r, f->row_values[r], total);
         for (uint64_t w = 0; w < words; w++) total += bvxi_popcount(f->band.words[r * words + w]);
     }
     if (f->row_values[rows] != total || f->value_count != total)
@@ -71,7 +71,8 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
                                 const bvx_field_surface_options *o)
 {
     if (o->grid == NULL && o->offset != 0.0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: offset is used with grid, which is NULL", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: offset is used with grid, which is NULL", function);
     if (o->grid == NULL) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, o->grid));
     if (!bvxi_lattice_equal(&o->grid->lattice, &f->inside.lattice) ||
@@ -93,8 +94,8 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: field.reserved[%u] must be 0", function, i);
     if (f->sign == BVX_SIGN_NONE || f->inside.words == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has no inside; measure it with a sign",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: the field has no inside; measure it with a sign", function);
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
     BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
@@ -106,15 +107,17 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
         return bvxi_fail(ctx, BVX_ERR_LATTICE,
                          "%s: the field's band and inside have different lattices or windows", function);
     if (f->value_type != BVX_F32 && f->value_type != BVX_F64)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: field.value_type %d is neither BVX_F32 nor BVX_F64",
-                         function, (int64_t)f->value_type);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: field.value_type %d is neither BVX_F32 nor BVX_F64", function,
+                             (int64_t)f->value_type);
     BVXI_TRY(check_row_values(ctx, function, f));
     if (vectors && f->vectors == NULL && f->value_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",
-                         function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: the field has no vectors; measure it with them or take BVX_EDGE_SCALAR",
+                             function);
     if (f->vectors == NULL && f->distances == NULL && f->value_count != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the field has neither vectors nor distances", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: the field has neither vectors nor distances", function);
     return BVX_OK;
 }
 
@@ -142,8 +145,8 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
 
     if (o->sharp >= 0) return BVX_OK;
     if (mesh == NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: sharp is -1, which looks at the mesh's edges, but mesh is NULL", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                             "%s: sharp is -1, which looks at the mesh's edges, but mesh is NULL", function);
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     return BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &o->sharp, &share));

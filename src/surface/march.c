@@ -40,9 +40,9 @@ static bvx_status check_extract_options(bvx_context *ctx, const char *function, 
     /* A key packs three coordinates of 20 bits and an axis into one word, which merging sorts by. */
     for (int32_t a = 0; o->keys && a < 3; a++)
         if (grid->lattice.dims[a] >= 1 << 20)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
-                             function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: keys hold lattices of up to %d voxels along an axis, this one has %d",
+                                 function, (int64_t)(1 << 20) - 1, (int64_t)grid->lattice.dims[a]);
     return BVX_OK;
 }
 
@@ -158,8 +158,8 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
      * every word anyway. */
     if (past != 0) return bvxi_grid_fail_past(ctx, m->function, m->grid);
     if (vertices >= UINT32_MAX || triangles >= UINT32_MAX)
-        return bvxi_fail(
-            ctx, BVX_ERR_RANGE,
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
             "%s: the surface has %u vertices and %u triangles; 2^32 - 1 are possible, extract it by windows",
             m->function, vertices, triangles);
     m->vertex_count = vertices;

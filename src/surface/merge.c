@@ -25,23 +25,23 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         BVXI_TRY(bvxi_mesh_check_reserved(ctx, merge_name, m));
         /* before sums of them could wrap */
         if (m->vertex_count >= UINT32_MAX || m->triangle_count >= UINT32_MAX)
-            return bvxi_fail(ctx, BVX_ERR_RANGE,
-                             "%s: part %i has %u vertices and %u triangles; 2^32 - 2 are possible",
-                             merge_name, p, m->vertex_count, m->triangle_count);
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: part %i has %u vertices and %u triangles; 2^32 - 2 are possible",
+                                 merge_name, p, m->vertex_count, m->triangle_count);
         if (m->vertex_count != 0 && (m->positions == NULL || m->vertex_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no vertex keys; extract it with keys",
-                             merge_name, p);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                                 "%s: part %i has no vertex keys; extract it with keys", merge_name, p);
         if (m->triangle_count != 0 && (m->triangles == NULL || m->triangle_keys == NULL))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has no triangle keys; extract it with keys",
-                             merge_name, p);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
+                                 "%s: part %i has no triangle keys; extract it with keys", merge_name, p);
         if (m->position_type != first->position_type ||
             (m->position_type != BVX_F32 && m->position_type != BVX_F64))
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another position type than part 0",
-                             merge_name, p);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                                 "%s: part %i has another position type than part 0", merge_name, p);
         for (int32_t a = 0; a < 3; a++)
             if (!(m->frame[a] == first->frame[a]))
-                return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: part %i has another frame than part 0",
-                                 merge_name, p);
+                return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                                     "%s: part %i has another frame than part 0", merge_name, p);
         for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
             if (m->triangles[i] >= m->vertex_count)
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -51,9 +51,9 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         w->triangles += m->triangle_count;
     }
     if (w->vertices >= UINT32_MAX || w->triangles >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible", merge_name,
-                         w->vertices, w->triangles);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible",
+                             merge_name, w->vertices, w->triangles);
     w->entries = w->vertices > w->triangles ? w->vertices : w->triangles;
     return BVX_OK;
 }
@@ -168,8 +168,8 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
     if (whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL))
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: whole must be empty or the library's own",
-                         merge_name);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: whole must be empty or the library's own", merge_name);
     w.parts = parts;
     w.part_count = part_count;
     BVXI_TRY(check_parts(context, &w));

@@ -138,9 +138,10 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     w->first[w->march->slot_count] = (uint32_t)total;
     *count = total;
     if (w->march->vertex_count + total >= UINT32_MAX || w->march->triangle_count + 2 * total >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
-                         w->march->function, w->march->vertex_count, total);
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "%s: %u vertices and %u more inside cells; 2^32 - 1 are possible, take fewer voxels",
+            w->march->function, w->march->vertex_count, total);
     return BVX_OK;
 }
 

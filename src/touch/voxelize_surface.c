@@ -130,9 +130,9 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
 
     BVXI_TRY(bvx_grid_count(ctx, job->grid, &voxels));
     if (voxels >= UINT32_MAX)
-        return bvxi_fail(ctx, BVX_ERR_RANGE,
-                         "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2", surface_name,
-                         voxels);
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2",
+                             surface_name, voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the voxels' ranks", &prefix));
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
@@ -170,8 +170,9 @@ static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view 
     BVXI_TRY(bvxi_take_options(ctx, surface_name, given, o, sizeof *o));
     BVXI_TRY(bvxi_check_options(ctx, surface_name, o, BVXI_OPTIONS(surface_option_rows)));
     if (o->attached != NULL && o->attached->offsets == NULL && o->attached->triangles != NULL)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                         "%s: attached brings triangles, which are not used; zero it first", surface_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
+                             "%s: attached brings triangles, which are not used; zero it first",
+                             surface_name);
     BVXI_TRY(bvxi_view_check(ctx, surface_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", surface_name);

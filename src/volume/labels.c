@@ -64,7 +64,8 @@ static bvx_status grow_labels(label_table *t)
     uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
 
     if (room > UINT32_MAX / 2)
-        return bvxi_fail(t->ctx, BVX_ERR_RANGE, "%s: more than 2^30 labels", labels_name);
+        return bvxi_fail_for(t->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^30 labels",
+                             labels_name);
     free_label_slots(t);
     BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
                          room * sizeof *t->entries, "the labels"));

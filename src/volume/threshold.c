@@ -150,7 +150,8 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
     if (low != low || high != high)
-        return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: an end of the range is NaN", name);
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
+                             "%s: an end of the range is NaN", name);
     bvxi_range_make(volume->sample_type, low, high, &range);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);

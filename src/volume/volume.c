@@ -14,8 +14,8 @@ static bvx_status check_reach(bvx_context *ctx, const char *function, const bvx_
         reach = bvxi_add(reach, bvxi_mul(step, (uint64_t)(v->size[a] - 1), &fits), &fits);
     }
     if (fits && reach <= PTRDIFF_MAX) return BVX_OK;
-    return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the volume's strides reach beyond this machine's addresses",
-                     function);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                         "%s: the volume's strides reach beyond this machine's addresses", function);
 }
 
 bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
@@ -47,8 +47,8 @@ bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_v
         uint64_t const row = bvxi_mul(size, (uint64_t)volume->size[0], &fits);
         uint64_t const slice = bvxi_mul(row, (uint64_t)volume->size[1], &fits);
         if (!fits || slice > INT64_MAX)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: the volume's samples are more than addresses can tell", function);
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                                 "%s: the volume's samples are more than addresses can tell", function);
         stride[0] = (int64_t)size;
         stride[1] = (int64_t)row;
         stride[2] = (int64_t)slice;

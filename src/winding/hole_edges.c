@@ -123,9 +123,9 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
         larger.net[larger.used++] = t->net[i];
     }
     close_edge_table(ctx, t);
-    status = larger.size > UINT32_MAX
-                 ? bvxi_fail(ctx, BVX_ERR_RANGE, "more than 2^31 edges of one triangle wait for another")
-                 : plant_edge_tree(ctx, &larger);
+    status = larger.size > UINT32_MAX ? bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                                      "more than 2^31 edges of one triangle wait for another")
+                                      : plant_edge_tree(ctx, &larger);
     *t = larger;
     return status;
 }

@@ -239,8 +239,8 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
     memset(holes, 0, sizeof *holes);
     status = bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count);
     if (status == BVX_OK && count >= HOLE_NONE)
-        status = bvxi_fail(ctx, BVX_ERR_RANGE,
-                           "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
+        status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                               "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
     if (status == BVX_OK && count > 0) status = make_loops(ctx, snapped, edges, count, holes);
     bvxi_free(ctx, edges, count * 8);
     if (status != BVX_OK) bvxi_holes_close(ctx, holes);

@@ -170,6 +170,8 @@ static inline const char *fault_after(bvx_context *context, bvx_status status, b
         return text;
     }
     if (status != BVX_OK && message[0] == 0) return "a failure without a message";
+    if (status != BVX_OK && bvx_last_error(context)->reason <= BVX_REASON_UNSPECIFIED)
+        return "a failure without a reason";
     if (strchr(message, '\n') != NULL) return "a message of several lines";
     if (bvx_memory_used(context) != 0) {
         snprintf(text, sizeof text, "%lu bytes still counted as used",

@@ -296,7 +296,7 @@ static const char *wrong_error(const call *c, const bvx_context *ctx, int damage
     int32_t const expected = reason_of_damage(damage);
 
     if (e->status != status) return "gives another status in bvx_last_error";
-    if (e->reason == BVX_REASON_NONE || e->reason >= BVX_REASON_COUNT) return "gives no reason";
+    if (e->reason <= BVX_REASON_UNSPECIFIED || e->reason >= BVX_REASON_COUNT) return "gives no reason";
     if (expected != BVX_REASON_NONE && e->reason != expected) return bvx_reason_text(e->reason);
     if (strcmp(e->function, c->name) != 0) return e->function;
     if (damage == MESH_NUMBER && e->index != 7) return "names another triangle";
@@ -537,7 +537,8 @@ static void test_choices_out_of_range(void)
         w.bad_size = bad[i].size;
         w.bad = bad[i].size == 4 ? (const void *)&whole : (const void *)&bad[i].value;
         status = bad[i].make(&w);
-        if ((status != BVX_ERR_ARGUMENT && status != BVX_ERR_RANGE) || bvx_memory_used(ctx) != held) {
+        if ((status != BVX_ERR_ARGUMENT && status != BVX_ERR_RANGE) || bvx_memory_used(ctx) != held ||
+            bvx_last_error(ctx)->reason <= BVX_REASON_UNSPECIFIED) {
             printf("%s: status %d, %s\n", bad[i].name, (int)status, bvx_last_message(ctx));
             wrong++;
         }

@@ -129,8 +129,8 @@ static void test_the_function_that_was_called(void)
     bvx_levels_options o;
 
     bad.position_type = 9;
-    failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh),
-           BVX_REASON_UNSPECIFIED, "bvx_boolean");
+    failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh), BVX_REASON_CHOICE,
+           "bvx_boolean");
     TEST_ASSERT_EQUAL_STRING_LEN("mesh b: ", error->text, 8);
     bvx_levels_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NORMAL;
@@ -258,11 +258,11 @@ static void test_levels_by_their_numbers(void)
     bvx_grid_set(&grid, 4, 4, 4, 1);
     bvx_lod_options_init(&o, sizeof o);
     o.resolutions = resolutions;
-    failed(BVX_ERR_RANGE, bvx_build_lods(ctx, &grid, &o, 3, level), BVX_REASON_UNSPECIFIED, "bvx_build_lods");
+    failed(BVX_ERR_RANGE, bvx_build_lods(ctx, &grid, &o, 3, level), BVX_REASON_INDEX, "bvx_build_lods");
     TEST_ASSERT_EQUAL_INT64(2, error->index);
     o.resolutions = &resolutions[2];
     o.first_level = 7; /* one level a call */
-    failed(BVX_ERR_RANGE, bvx_build_lods(ctx, &grid, &o, 1, level), BVX_REASON_UNSPECIFIED, "bvx_build_lods");
+    failed(BVX_ERR_RANGE, bvx_build_lods(ctx, &grid, &o, 1, level), BVX_REASON_INDEX, "bvx_build_lods");
     TEST_ASSERT_EQUAL_INT64(7, error->index);
     TEST_ASSERT_EQUAL_STRING_LEN("level 7 asks", error->text, 12);
     bvx_grid_free(ctx, &grid);

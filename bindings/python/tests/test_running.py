@@ -64,7 +64,13 @@ def test_errors_have_reasons_and_indices():
     assert caught.value.reason == "BVX_REASON_CANCELLED"
     with pytest.raises(bitvox.ArgumentError) as caught:
         bitvox.voxelize(TETRAHEDRON, resolution=8, spacing=1.0)  # found in Python
-    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_UNSPECIFIED", None)
+    assert (caught.value.reason, caught.value.index) == ("BVX_REASON_INVALID", None)
+    for out_of_range in (lambda: bitvox.voxelize(TETRAHEDRON, resolution=0),  # found in Python
+                         lambda: bitvox.repair(TETRAHEDRON, shell=-1.0)):  # found by the library
+        for kind in (bitvox.OptionRangeError, bitvox.ArgumentError, bitvox.RangeError, ValueError):
+            with pytest.raises(kind) as caught:
+                out_of_range()
+            assert (caught.value.code, caught.value.name, caught.value.reason) == (1, "BVX_ERR_ARGUMENT", "BVX_REASON_RANGE")
 
 
 def test_settings_nest_and_end():

@@ -13,13 +13,13 @@ class Error(Exception):
         code: the library's status, a whole number that never changes its meaning.
         name: the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
         reason: why, finer than the status and as fixed as it: a name of the C header's BVX_REASON_LIST, such as
-            ``"BVX_REASON_FLOATS_COARSE"``; ``"BVX_REASON_UNSPECIFIED"`` where none is listed.
+            ``"BVX_REASON_FLOATS_COARSE"``. Where Python finds it before the library does, the one of the status.
         index: of the vertex, triangle, level, loop or other element that the message names first; None: it names none.
     """
 
     code: int = 0
     name: str = "BVX_OK"
-    reason: str = "BVX_REASON_UNSPECIFIED"
+    reason: str = "BVX_REASON_NONE"
     index: int | None = None
 
 
@@ -28,6 +28,7 @@ class ArgumentError(Error, ValueError):
 
     code: int = 1
     name: str = "BVX_ERR_ARGUMENT"
+    reason: str = "BVX_REASON_INVALID"
 
 
 class VersionError(Error, RuntimeError):
@@ -35,6 +36,7 @@ class VersionError(Error, RuntimeError):
 
     code: int = 2
     name: str = "BVX_ERR_VERSION"
+    reason: str = "BVX_REASON_VERSION"
 
 
 class OutOfMemoryError(Error, MemoryError):
@@ -42,6 +44,7 @@ class OutOfMemoryError(Error, MemoryError):
 
     code: int = 3
     name: str = "BVX_ERR_MEMORY"
+    reason: str = "BVX_REASON_MEMORY"
 
 
 class MemoryLimitError(Error, MemoryError):
@@ -49,6 +52,7 @@ class MemoryLimitError(Error, MemoryError):
 
     code: int = 4
     name: str = "BVX_ERR_BUDGET"
+    reason: str = "BVX_REASON_BUDGET"
 
 
 class RangeError(Error, ValueError):
@@ -56,6 +60,14 @@ class RangeError(Error, ValueError):
 
     code: int = 5
     name: str = "BVX_ERR_RANGE"
+    reason: str = "BVX_REASON_TOO_FAR"
+
+
+class OptionRangeError(ArgumentError, RangeError):
+    """An option is a number outside its range: the library's BVX_ERR_ARGUMENT with BVX_REASON_RANGE, whether Python finds it or the
+    library. Both ``ArgumentError`` and ``RangeError`` catch it."""
+
+    reason: str = "BVX_REASON_RANGE"
 
 
 class EmptyError(Error, ValueError):
@@ -63,6 +75,7 @@ class EmptyError(Error, ValueError):
 
     code: int = 6
     name: str = "BVX_ERR_EMPTY"
+    reason: str = "BVX_REASON_EMPTY"
 
 
 class FormatError(Error, ValueError):
@@ -70,6 +83,7 @@ class FormatError(Error, ValueError):
 
     code: int = 7
     name: str = "BVX_ERR_FORMAT"
+    reason: str = "BVX_REASON_DAMAGED"
 
 
 class UnsupportedError(Error, NotImplementedError):
@@ -77,6 +91,7 @@ class UnsupportedError(Error, NotImplementedError):
 
     code: int = 8
     name: str = "BVX_ERR_UNSUPPORTED"
+    reason: str = "BVX_REASON_UNSUPPORTED"
 
 
 class CapacityError(Error, ValueError):
@@ -84,6 +99,7 @@ class CapacityError(Error, ValueError):
 
     code: int = 9
     name: str = "BVX_ERR_CAPACITY"
+    reason: str = "BVX_REASON_CAPACITY"
 
 
 class LatticeError(Error, ValueError):
@@ -91,6 +107,7 @@ class LatticeError(Error, ValueError):
 
     code: int = 10
     name: str = "BVX_ERR_LATTICE"
+    reason: str = "BVX_REASON_LATTICE"
 
 
 class Cancelled(Error):
@@ -98,6 +115,7 @@ class Cancelled(Error):
 
     code: int = 11
     name: str = "BVX_CANCELLED"
+    reason: str = "BVX_REASON_CANCELLED"
 
 
 class MissingExtraError(Error, ImportError):
@@ -105,6 +123,7 @@ class MissingExtraError(Error, ImportError):
 
     code: int = 8
     name: str = "BVX_ERR_UNSUPPORTED"
+    reason: str = "BVX_REASON_UNSUPPORTED"
 
 
 BY_CODE: dict[int, type[Error]] = {

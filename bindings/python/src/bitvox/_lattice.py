@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Sequence, Union
 
 from ._arrays import triple
 from ._calls import call
-from ._errors import ArgumentError, RangeError
+from ._errors import ArgumentError, OptionRangeError, RangeError
 from ._html import shown
 from ._run import Run, ffi, function, in_range, lib, options_of
 
@@ -119,7 +119,7 @@ class Lattice:
                 raise ArgumentError("resolution and spacing contradict each other; give one of them")
             options.spacing = steps = triple("spacing", spacing)
             if not all(0.0 < s < math.inf for s in steps):
-                raise RangeError(f"spacing is {spacing}; it must be finite and above 0")
+                raise OptionRangeError(f"spacing is {spacing}; it must be finite and above 0")
         elif resolution is None:
             options.resolution = 256
         elif isinstance(resolution, (list, tuple)) or getattr(resolution, "ndim", None):

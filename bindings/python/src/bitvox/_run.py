@@ -14,7 +14,7 @@ import time
 from typing import Any, Callable, Iterator, NamedTuple, Union
 
 from . import _native
-from ._errors import BY_CODE, ArgumentError, Error, RangeError, UnsupportedError, VersionError, need
+from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, UnsupportedError, VersionError, need
 
 ffi, lib = _native.ffi, _native.lib
 
@@ -275,8 +275,11 @@ class Run:
 
     def failure(self, status: int) -> Error:
         """The last failure as an exception."""
-        made = BY_CODE.get(status, Error)(self.message() or ffi.string(lib.bvx_status_text(status)).decode())
         found = lib.bvx_last_error(self.context)
+        kind = BY_CODE.get(status, Error)
+        if found.status == status == lib.BVX_ERR_ARGUMENT and found.reason == lib.BVX_REASON_RANGE:
+            kind = OptionRangeError
+        made = kind(self.message() or ffi.string(lib.bvx_status_text(status)).decode())
         if found.status == status:
             made.reason = _reasons().get(found.reason, made.reason)
             made.index = found.index if found.index >= 0 else None
@@ -294,7 +297,7 @@ def in_range(name: str, value: Any, low: int, high: int) -> int:
             raise TypeError(f"{name} must be a whole number, not {value!r}") from None
         number = int(value)
     if not low <= number <= high:
-        raise RangeError(f"{name} is {number}; it must be {low} to {high}")
+        raise OptionRangeError(f"{name} is {number}; it must be {low} to {high}")
     return number
 
 
