@@ -326,6 +326,7 @@ static void warn_of_broken_union(cli_run *run, const boolean_run *b)
 static void warn_of_boolean(cli_run *run, const boolean_run *b)
 {
     static const char *const what[3] = {"A", "B", "the result"};
+    cli_text lost = {0};
     char of[600];
 
     for (int i = 0; i < 2; i++) {
@@ -341,7 +342,10 @@ static void warn_of_boolean(cli_run *run, const boolean_run *b)
                 "has it solid",
                 cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
-        if (!is_thin_kept(b, i)) cli_warn_of_losses(run, of, &run->report.lattice, &b->solid[i]);
+        for (char *p = of; *p != 0; p++) /* warnings are parted by lines */
+            if (*p == '\n') *p = '?';
+        if (!is_thin_kept(b, i)) cli_tell_losses(&lost, of, "", &run->report.lattice, &b->solid[i]);
+        cli_warn_lines(run, &lost);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0)
@@ -358,6 +362,7 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     cli_text *const t = &run->report.more;
     const int32_t *const n = run->report.lattice.dims;
+    cli_text fills = {0};
 
     cli_text_add(t, ", \"boolean\": {\"operation\": \"%s\"", operation_names[b->operation]);
     cli_json_count(t, "voxels_a", b->voxels[0]);
@@ -382,7 +387,8 @@ static void tell_boolean(cli_run *run, const boolean_run *b)
     if (b->report.parts_dropped != 0)
         cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
-        if (b->is_mesh[i]) cli_say_fill(run, &b->solid[i]);
+        if (b->is_mesh[i]) cli_tell_fill(&fills, &b->solid[i]);
+    cli_say_lines(run, &fills);
     for (int i = 0; i < 2; i++)
         if (is_thin_kept(b, i))
             cli_say(run, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",

@@ -201,7 +201,7 @@ static void say_head(cli_run *run, const cli_chain *c)
             " set by %s, %.1f ms\n\n",
             l->dims[0], l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set,
             cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
-    cli_report_solid(run, l, &c->solid_report);
+    cli_report_solid(&run->report.more, run->options, l, &c->solid_report);
 }
 
 static void say_levels(cli_run *run, const cli_chain *c)

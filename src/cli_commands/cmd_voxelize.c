@@ -12,7 +12,9 @@ typedef struct voxel_job {
     int boxed;   /* the lattice is fitted to the box, not to the mesh */
     bvx_window window;
     bvx_grid grid;
-    int cloud; /* 1: mesh holds points alone */
+    bvx_field field;           /* of --mode field */
+    bvx_fill_comparison fills; /* of --compare-fills */
+    int cloud;                 /* 1: mesh holds points alone */
 } voxel_job;
 
 /* ---- what is asked for ---- */
@@ -149,28 +151,35 @@ static int choose_box(cli_run *run, voxel_job *job)
     return CLI_DONE;
 }
 
+static bvx_status fit_lattice(cli_run *run, const voxel_job *job, bvx_lattice *l)
+{
+    if (job->cloud) return cli_make_cloud_lattice(run, &job->view, l);
+    return job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
+}
+
 /* The lattice, and whether the output can hold it. */
 static int choose_lattice(cli_run *run, voxel_job *job)
 {
+    const cli_options *const o = run->options;
     bvx_lattice *const l = &run->report.lattice;
-    int const result = choose_box(run, job);
+    int const result = job->cloud ? CLI_DONE : choose_box(run, job);
     bvx_status status;
 
     if (result != CLI_DONE) return result;
-    status = job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    status = fit_lattice(run, job, l);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     run->report.has_lattice = 1;
-    if (job->window.size[0] == 0 && cli_check_far(run, run->options->input[0], &job->view, 0, l) != CLI_DONE)
+    if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
         return CLI_FAILED;
-    return cli_check_grid_format(run, run->options->output, l,
-                                 job->window.size[0] != 0 ? job->window.size : l->dims);
+    return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 
 /* ---- voxels ---- */
 
-static bvx_status make_surface(cli_run *run, voxel_job *job, bvx_surface_report *report)
+static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
     bvx_surface_options s;
+
     bvx_surface_options_init(&s, sizeof s);
     s.mode = run->options->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
     s.window = job->window;
@@ -178,9 +187,10 @@ static bvx_status make_surface(cli_run *run, voxel_job *job, bvx_surface_report 
     return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
 }
 
-static bvx_status make_solid_voxels(cli_run *run, voxel_job *job, bvx_solid_report *report)
+static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_solid_report *report)
 {
     bvx_voxelize_options v;
+
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = report;
@@ -189,18 +199,19 @@ static bvx_status make_solid_voxels(cli_run *run, voxel_job *job, bvx_solid_repo
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
 
-static void say_surface(cli_run *run, const bvx_surface_report *r)
+static void tell_surface(const cli_options *o, const bvx_surface_report *r, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
-    const char *const mode = cli_mode_names[run->options->mode];
+    cli_text *const t = &made->members;
+    const char *const mode = cli_mode_names[o->mode];
     double const mean = r->triangles != 0 ? (double)r->parts / (double)r->triangles : 0.0;
 
-    cli_say(run, "  surface     %s\n", mode);
+    cli_text_add(&made->text, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
-    if (run->options->mode == CLI_MODE_SAMPLED) {
-        cli_say(run,
-                "  samples     %" PRIu64 " of %" PRIu64 " triangles, mean subdivision coefficient %.3f\n",
-                r->samples, r->triangles, mean);
+    if (o->mode == CLI_MODE_SAMPLED) {
+        cli_text_add(&made->text,
+                     "  samples     %" PRIu64 " of %" PRIu64
+                     " triangles, mean subdivision coefficient %.3f\n",
+                     r->samples, r->triangles, mean);
         cli_json_count(t, "triangles", r->triangles);
         cli_json_count(t, "samples", r->samples);
         cli_json_value(t, "mean_subdivision", mean);
@@ -208,45 +219,68 @@ static void say_surface(cli_run *run, const bvx_surface_report *r)
     cli_text_add(t, "}");
 }
 
-static int voxelize_mesh(cli_run *run, voxel_job *job)
-{
-    int const solid = run->options->mode == CLI_MODE_SOLID;
-    bvx_solid_report report;
+/* What calls of the library tell, each of its own kind of voxels. */
+typedef struct voxel_reports {
+    bvx_solid_report solid;
     bvx_surface_report surface;
-    bvx_fill_comparison fills;
+    bvx_points_report cloud;
+} voxel_reports;
+
+/* Voxels, or the field in their place. */
+static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
+{
+    const bvx_lattice *const l = &run->report.lattice;
     bvx_status status;
+
+    if (!job->cloud && run->options->mode == CLI_MODE_FIELD)
+        return cli_make_field(run, &job->view, l, &job->window, &job->field, made);
+    if (job->cloud) status = cli_make_cloud(run, &job->view, l, &job->window, &reports->cloud, &job->grid);
+    else if (run->options->mode != CLI_MODE_SOLID) status = make_surface(run, job, &reports->surface);
+    else status = make_solid_voxels(run, job, &reports->solid);
+    made->grid = &job->grid;
+    return status;
+}
+
+static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
+{
+    bvx_status status = BVX_OK;
+
+    if (cli_keeps_parts(run)) status = cli_keep_parts(run, &job->grid, &job->grid);
+    return status == BVX_OK ? bvx_grid_count(run->context, &job->grid, &made->set) : status;
+}
+
+static void tell_voxels(const cli_options *o, const voxel_job *job, const voxel_reports *reports,
+                        cli_made *made)
+{
+    int const solid = !job->cloud && o->mode == CLI_MODE_SOLID;
+
+    if (job->cloud) cli_tell_cloud(o, &reports->cloud, made);
+    else if (solid) cli_tell_solid(o, &job->grid, &reports->solid, made);
+    else tell_surface(o, &reports->surface, made);
+    if (solid && o->compare_fills) cli_tell_fills(&job->fills, made);
+
+    if (made->set == 0 && !job->cloud)
+        cli_text_add(&made->warnings, solid ? "no voxel is set: no centre lies inside the mesh\n"
+                                            : "no voxel is set: the surface meets none of the window's\n");
+}
+
+/* All calls of the library; what they made is written and told by the caller. */
+static int make_all(cli_run *run, voxel_job *job, cli_made *made)
+{
+    voxel_reports reports;
     int result;
 
-    memset(&report, 0, sizeof report);
-    memset(&surface, 0, sizeof surface);
+    memset(&reports, 0, sizeof reports);
     cli_stage_begin(run, "voxelize");
     result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
-    if (run->options->mode == CLI_MODE_FIELD) return cli_voxelize_field(run, &job->view, &job->window);
-    status = solid ? make_solid_voxels(run, job, &report) : make_surface(run, job, &surface);
+    made->status = make_voxels(run, job, &reports, made);
     cli_stage_end(run);
-    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &job->grid, &job->grid);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
-    bvx_grid_count(run->context, &job->grid, &run->report.set);
-    run->report.has_set = 1;
-    result = run->options->compare_fills ? cli_compare_fills(run, &job->view, &run->report.lattice, &fills)
-                                         : CLI_DONE;
-    if (result == CLI_DONE) result = cli_write_grid(run, &job->grid);
-    if (result != CLI_DONE) return result;
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
-    cli_say_grid(run, &job->grid, run->report.set, 1);
-    if (solid) {
-        cli_say_solid(run, &job->grid.lattice, &report);
-        cli_report_solid(run, &job->grid.lattice, &report);
-        if (run->options->compare_fills) cli_tell_fills(run, &fills);
-        cli_warn_of_solid(run, &job->grid, &report);
-    } else {
-        say_surface(run, &surface);
-    }
-    if (run->report.set == 0)
-        cli_warn(run, solid ? "no voxel is set: no centre lies inside the mesh"
-                            : "no voxel is set: the surface meets none of the window's");
-    return CLI_DONE;
+    if (made->status == BVX_OK && made->field == NULL) made->status = keep_voxels(run, job, made);
+    if (made->status == BVX_OK && run->options->compare_fills)
+        result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
+    if (made->status == BVX_OK && made->field == NULL) tell_voxels(run->options, job, &reports, made);
+    return result;
 }
 
 static int read_meshes(cli_run *run, voxel_job *job)
@@ -265,6 +299,7 @@ static int read_meshes(cli_run *run, voxel_job *job)
 
 static int run_voxelize(cli_run *run)
 {
+    cli_made made = {.about = cli_input_name(run->options->input[0]), .placed = 1};
     voxel_job job;
     uint32_t kind = 0;
     int status;
@@ -275,8 +310,9 @@ static int run_voxelize(cli_run *run)
     if (status == CLI_DONE && run->options->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
     if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
     if (status == CLI_DONE) status = read_meshes(run, &job);
-    if (status == CLI_DONE)
-        status = job.cloud ? cli_voxelize_cloud(run, &job.view, &job.window) : voxelize_mesh(run, &job);
+    if (status == CLI_DONE) status = make_all(run, &job, &made);
+    if (status == CLI_DONE) status = cli_deliver(run, &made);
+    bvx_field_free(run->context, &job.field);
     bvx_grid_free(run->context, &job.grid);
     bvx_mesh_free(run->context, &job.second);
     bvx_mesh_free(run->context, &job.mesh);

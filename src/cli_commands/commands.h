@@ -20,30 +20,38 @@ int cli_fill_input(cli_run *run, cli_input *in);
 
 /* --fill and its options; second and the report are the caller's. */
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
-/* The rule that filled, and why. */
-void cli_say_fill(cli_run *run, const bvx_solid_report *report);
-/* What the report of a solid tells: warnings; lines of text; a member of the JSON report. */
-/* Of the thin walls and the volume that a solid has lost; of: an input among several with ": ", or "". */
-void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice,
-                        const bvx_solid_report *report);
+/* The rule that filled, and why, as a line. */
+void cli_tell_fill(cli_text *text, const bvx_solid_report *report);
+/* Thin walls and volume that a solid has lost, as warnings; of: an input among several with ": ", or ""; remedy:
+ * what else helps, with "; " before it, or "". */
+void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, const bvx_lattice *lattice,
+                     const bvx_solid_report *report);
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
+/* All that is wrong with a solid, as warnings. */
+void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *grid,
+                     const bvx_solid_report *report);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
-void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
-void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *report);
+/* The solid as a member of the JSON report; that, lines and warnings. */
+void cli_report_solid(cli_text *members, const cli_options *o, const bvx_lattice *lattice,
+                      const bvx_solid_report *report);
+void cli_tell_solid(const cli_options *o, const bvx_grid *grid, const bvx_solid_report *report,
+                    cli_made *made);
 
 /* ---- clouds.c: voxels of a cloud of points ---- */
 
 /* The options of clouds for meshes and volumes, and those of meshes for clouds. */
 extern const cli_rule cli_cloud_rules[];
-/* A grid of the window from the options, on the report's lattice; told, written and warned of. */
-int cli_voxelize_cloud(cli_run *run, const bvx_mesh_view *points, const bvx_window *window);
+/* Voxels of a cloud on this lattice, and what is told of them. */
+bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const bvx_lattice *lattice,
+                          const bvx_window *window, bvx_points_report *report, bvx_grid *grid);
+void cli_tell_cloud(const cli_options *o, const bvx_points_report *report, cli_made *made);
 
 /* ---- fill_table.c: --compare-fills ---- */
 
 int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                       bvx_fill_comparison *comparison);
 /* The comparison as lines of text and as a member of the JSON report. */
-void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison);
+void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made);
 
 /* ---- volume_output.c: voxelize of a volume ---- */
 

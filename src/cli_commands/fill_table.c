@@ -5,26 +5,24 @@
 #include <inttypes.h>
 #include <string.h>
 
-static void say_table(cli_run *run, const bvx_fill_comparison *c)
+static void tell_table(cli_text *t, const bvx_fill_comparison *c)
 {
-    cli_say(run, "  rules       %12s\n", "voxels");
+    cli_text_add(t, "  rules       %12s\n", "voxels");
     for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
-        cli_say(run, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i],
-                i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
-    cli_say(run, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
-            c->disagreeing, c->surface_voxels);
-    if (c->lost_voxels == 0) cli_say(run, "  no wall is lost\n");
+        cli_text_add(t, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i],
+                     i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
+    cli_text_add(t, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
+                 c->disagreeing, c->surface_voxels);
+    if (c->lost_voxels == 0) cli_text_add(t, "  no wall is lost\n");
     else
-        cli_say(run,
-                "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64
-                " voxels of the surface\n",
-                c->lost_places, c->lost_voxels);
+        cli_text_add(t,
+                     "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64
+                     " voxels of the surface\n",
+                     c->lost_places, c->lost_voxels);
 }
 
-static void report_table(cli_run *run, const bvx_fill_comparison *c)
+static void report_table(cli_text *t, const bvx_fill_comparison *c)
 {
-    cli_text *const t = &run->report.more;
-
     cli_text_add(t, ", \"fills\": {\"set\": {");
     for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
         cli_text_add(t, "%s\"%s\": %" PRIu64, i == BVX_FILL_PARITY ? "" : ", ", cli_fill_names[i], c->set[i]);
@@ -52,8 +50,8 @@ int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
-void cli_tell_fills(cli_run *run, const bvx_fill_comparison *comparison)
+void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made)
 {
-    say_table(run, comparison);
-    report_table(run, comparison);
+    tell_table(&made->text, comparison);
+    report_table(&made->members, comparison);
 }

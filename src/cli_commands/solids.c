@@ -41,7 +41,8 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
  * rough at the size of a voxel some always show. */
 enum { LEAST_WALL = 8 };
 
-void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice, const bvx_solid_report *r)
+void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, const bvx_lattice *lattice,
+                     const bvx_solid_report *r)
 {
     char advice[80] = "";
     double box[6];
@@ -51,15 +52,14 @@ void cli_warn_of_losses(cli_run *run, const char *of, const bvx_lattice *lattice
         snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
                  (int)r->thin_resolution);
     if (r->thin_voxels >= LEAST_WALL)
-        cli_warn(run,
-                 "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
-                 " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
-                 of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice,
-                 run->command->bit == CLI_VOXELIZE ? "; --add-shell sets the surface's voxels too" : "");
+        cli_text_add(warnings,
+                     "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
+                     " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s\n",
+                     of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice, remedy);
     if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
-        cli_warn(
-            run,
-            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
+        cli_text_add(
+            warnings,
+            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution\n",
             of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
 }
 
@@ -79,40 +79,48 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
                      box[3], box[4], box[5]);
 }
 
-void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
+void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *grid, const bvx_solid_report *r)
 {
     uint64_t const rows = rows_of(grid, r->fill);
 
     if (r->unbalanced_rows != 0 && r->dropped != 0)
-        cli_warn(run,
-                 "%" PRIu64 " of %" PRIu64
-                 " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
-                 " crossings were dropped",
-                 r->unbalanced_rows, rows, r->dropped);
+        cli_text_add(warnings,
+                     "%" PRIu64 " of %" PRIu64
+                     " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
+                     " crossings were dropped\n",
+                     r->unbalanced_rows, rows, r->dropped);
     else if (r->unbalanced_rows != 0)
-        cli_warn(run,
-                 "%" PRIu64 " of %" PRIu64
-                 " rows do not balance: the mesh has holes or flipped triangles there",
-                 r->unbalanced_rows, rows);
+        cli_text_add(warnings,
+                     "%" PRIu64 " of %" PRIu64
+                     " rows do not balance: the mesh has holes or flipped triangles there\n",
+                     r->unbalanced_rows, rows);
     if (r->fill_reason == BVX_FILL_REASON_NESTED)
-        cli_warn(
-            run,
+        cli_text_add(
+            warnings,
             "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
             "it solid");
     if (r->leaks != 0)
-        cli_warn(run,
-                 "the flood came through a hole to %" PRIu64
-                 " voxels that are surely inside; a larger --close-gaps may hold it, "
-                 "--fill vote or regions does without",
-                 r->leaks);
+        cli_text_add(warnings,
+                     "the flood came through a hole to %" PRIu64
+                     " voxels that are surely inside; a larger --close-gaps may hold it, "
+                     "--fill vote or regions does without\n",
+                     r->leaks);
     if (r->mixed_regions != 0)
-        cli_warn(
-            run,
+        cli_text_add(
+            warnings,
             "%" PRIu64 " of %" PRIu64
             " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
-            " voxels kept its own vote",
+            " voxels kept its own vote\n",
             r->mixed_regions, r->regions, r->mixed_voxels);
-    cli_warn_of_losses(run, "", &grid->lattice, r);
+    cli_tell_losses(warnings, "", remedy, &grid->lattice, r);
+}
+
+void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
+{
+    cli_text warnings = {0};
+
+    cli_tell_faults(&warnings, "", grid, r);
+    cli_warn_lines(run, &warnings);
 }
 
 int cli_fill_input(cli_run *run, cli_input *in)
@@ -145,7 +153,7 @@ int cli_fill_input(cli_run *run, cli_input *in)
 /* In the order of BVX_FILL_REASON_... */
 const char *const cli_fill_reasons[] = {"asked", "sound", "nested", "overlap", "open", "unorientable"};
 
-void cli_say_fill(cli_run *run, const bvx_solid_report *r)
+void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
 {
     static const char *const why[] = {"",
                                       ": closed, nothing lies inside twice",
@@ -153,12 +161,12 @@ void cli_say_fill(cli_run *run, const bvx_solid_report *r)
                                       ": closed shells cross",
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
-    cli_say(run, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
+    cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
     if (r->turned != 0)
-        cli_say(run, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
+        cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
     if (r->doubles != 0)
-        cli_say(run, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
-    cli_say(run, "\n");
+        cli_text_add(t, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
+    cli_text_add(t, "\n");
 }
 
 static double voxel_volume(const bvx_lattice *l)
@@ -166,39 +174,38 @@ static double voxel_volume(const bvx_lattice *l)
     return l->spacing[0] * l->spacing[1] * l->spacing[2];
 }
 
-void cli_say_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
+static void tell_lines(cli_text *t, const cli_options *o, const bvx_lattice *lattice,
+                       const bvx_solid_report *r)
 {
-    const cli_options *const o = run->options;
     double const voxel = voxel_volume(lattice);
 
-    cli_say_fill(run, r);
-    if (r->surface_voxels != 0) cli_say(run, "  surface     %" PRIu64 " voxels", r->surface_voxels);
-    if (r->closed_voxels != 0) cli_say(run, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
-    if (r->surface_voxels != 0) cli_say(run, "\n");
-    if (o->fill == BVX_FILL_REGIONS) cli_say(run, "  regions     %" PRIu64 "\n", r->regions);
+    cli_tell_fill(t, r);
+    if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
+    if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
+    if (r->surface_voxels != 0) cli_text_add(t, "\n");
+    if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
     if (o->fill == BVX_FILL_BELOW) {
-        cli_say(run, "  columns     %" PRIu64 "%s\n", r->columns,
-                o->second != NULL ? " where both terrains are" : " under the surface");
+        cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
+                     o->second != NULL ? " where both terrains are" : " under the surface");
         if (o->second != NULL)
-            cli_say(run,
-                    "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
-                    " voxels, volume %.9g\n",
-                    r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels,
-                    (double)r->fill_voxels * voxel);
+            cli_text_add(t,
+                         "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
+                         " voxels, volume %.9g\n",
+                         r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels,
+                         (double)r->fill_voxels * voxel);
     }
     if (r->thin_checked)
-        cli_say(run,
-                "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
-                r->thin_voxels);
+        cli_text_add(
+            t, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
+            r->thin_voxels);
     if (o->check_edges)
-        cli_say(run, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
-                r->boundary_edges, r->flipped_edges);
+        cli_text_add(t, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
+                     r->boundary_edges, r->flipped_edges);
 }
 
-void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_report *r)
+void cli_report_solid(cli_text *t, const cli_options *o, const bvx_lattice *lattice,
+                      const bvx_solid_report *r)
 {
-    const cli_options *const o = run->options;
-    cli_text *const t = &run->report.more;
     double const voxel = voxel_volume(lattice);
 
     cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill],
@@ -233,4 +240,11 @@ void cli_report_solid(cli_run *run, const bvx_lattice *lattice, const bvx_solid_
     }
     cli_json_losses(t, lattice, r);
     cli_text_add(t, "}");
+}
+
+void cli_tell_solid(const cli_options *o, const bvx_grid *grid, const bvx_solid_report *r, cli_made *made)
+{
+    tell_lines(&made->text, o, &grid->lattice, r);
+    cli_report_solid(&made->members, o, &grid->lattice, r);
+    cli_tell_faults(&made->warnings, "; --add-shell sets the surface's voxels too", grid, r);
 }

@@ -44,14 +44,12 @@ static int check_volume_output(cli_run *run)
         (cli_has_number(out) ? HAS_NUMBER : 0u) | (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u), NULL);
 }
 
-static void say_volume(cli_run *run, const volume_job *j)
+static void tell_samples(cli_text *lines, const bvx_volume_report *r)
 {
-    const bvx_volume_report *const r = &j->report;
-    cli_say(run, "%s -> %s\n  samples     %.9g to %.9g", cli_input_name(run->options->input[0]),
-            run->options->output, r->least, r->greatest);
+    cli_text_add(lines, "  samples     %.9g to %.9g", r->least, r->greatest);
     if (r->nan + r->infinite != 0)
-        cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
-    cli_say(run, "\n");
+        cli_text_add(lines, ", %" PRIu64 " NaN, %" PRIu64 " infinite", r->nan, r->infinite);
+    cli_text_add(lines, "\n");
 }
 
 static void note_set(cli_run *run, const volume_job *j)
@@ -117,25 +115,27 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 static int make_volume_grid(cli_run *run, volume_job *j)
 {
-    const char *const in = cli_input_name(run->options->input[0]);
+    cli_made made = {.about = cli_input_name(run->options->input[0])};
     bvx_grid grid = {0};
-    bvx_status status;
     int result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
                                        j->volume.view.size);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
-    status = cli_select_voxels(run, &j->volume, &j->report, &grid);
+    made.status = cli_select_voxels(run, &j->volume, &j->report, &grid);
     cli_stage_end(run);
-    if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
-    result = status == BVX_OK ? cli_write_grid(run, &grid) : cli_fail_status(run, status, in);
-    if (result == CLI_DONE) {
+    if (made.status == BVX_OK) made.status = keep_chosen(run, j, &grid, &grid);
+    if (made.status == BVX_OK) {
         note_set(run, j);
-        cli_tell_volume(run, &j->volume, &j->report);
-        say_volume(run, j);
-        cli_say_grid(run, &grid, j->report.inside, j->volume.placed);
-        if (j->report.inside == 0) cli_warn(run, "no voxel is set: no sample is in the range");
+        made.grid = &grid;
+        made.set = j->report.inside;
+        made.placed = j->volume.placed;
+        cli_tell_volume(&j->volume, &j->report, &made.members, &made.warnings);
+        tell_samples(&made.head, &j->report);
+        if (j->report.inside == 0)
+            cli_text_add(&made.warnings, "no voxel is set: no sample is in the range\n");
     }
+    result = cli_deliver(run, &made);
     bvx_grid_free(run->context, &grid);
     return result;
 }
@@ -218,6 +218,7 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
 static int make_volume_mesh(cli_run *run, volume_job *j)
 {
     const char *const in = cli_input_name(run->options->input[0]);
+    cli_text lines = {0}, warnings = {0};
     cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
@@ -249,8 +250,11 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
     note_set(run, j);
-    cli_tell_volume(run, &j->volume, &j->report);
-    say_volume(run, j);
+    cli_tell_volume(&j->volume, &j->report, &run->report.more, &warnings);
+    cli_warn_lines(run, &warnings);
+    cli_say(run, "%s -> %s\n", in, run->options->output);
+    tell_samples(&lines, &j->report);
+    cli_say_lines(run, &lines);
     cli_say_parts(run);
     cli_tell_reduction(run, &reduction);
     say_mesh(run, 0);

@@ -54,6 +54,7 @@ static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window
 /* The chosen voxels of a volume. */
 static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
+    cli_text warnings = {0};
     bvx_volume_report report;
     cli_volume v;
     int status = cli_read_volume(run, path, window, &v);
@@ -67,7 +68,8 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         cli_stage_end(run);
         if (selected == BVX_OK && cli_keeps_parts(run)) selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
-        else cli_tell_volume(run, &v, &report);
+        else cli_tell_volume(&v, &report, &run->report.more, &warnings);
+        cli_warn_lines(run, &warnings);
     }
     cli_free_volume(run, &v);
     return status;

@@ -94,8 +94,9 @@ void cli_free_volume(cli_run *run, cli_volume *volume);
 /* The voxels of --level, --range or --label; without any those whose sample is not 0. */
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *volume, bvx_volume_report *report,
                              bvx_grid *grid);
-/* What was found in it: a member of the JSON report, lines of text, a warning. */
-void cli_tell_volume(cli_run *run, const cli_volume *volume, const bvx_volume_report *report);
+/* What was found in it: a member of the JSON report, a warning. */
+void cli_tell_volume(const cli_volume *volume, const bvx_volume_report *report, cli_text *members,
+                     cli_text *warnings);
 
 /* ---- kept_parts.c: --keep-largest and --least-part of voxels ---- */
 

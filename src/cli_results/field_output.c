@@ -3,7 +3,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
 enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 65536 };
 
@@ -51,49 +50,45 @@ int cli_write_field(cli_run *run, const bvx_field *field)
     return result;
 }
 
-static void tell_field(cli_run *run, const bvx_field *f, uint64_t inside)
+static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
-    cli_say_grid(run, &f->band, f->value_count, 1);
-    cli_say(run, "  field       %s within %.9g\n", run->options->vectors ? "vectors" : "distances",
-            f->half_width);
-    cli_say(run, "  sign        %s", cli_sign_names[f->sign]);
-    if (f->sign != BVX_SIGN_NONE) cli_say(run, ", %" PRIu64 " centres inside", inside);
-    cli_say(run, "\n");
+    cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
+                 o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
+    if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
+    cli_text_add(&made->text, "\n");
+
     cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_sign_names[f->sign]);
     cli_json_value(t, "half_width", f->half_width);
     cli_json_count(t, "values", f->value_count);
     cli_json_count(t, "inside", inside);
-    cli_json_truth(t, "vectors", run->options->vectors);
+    cli_json_truth(t, "vectors", o->vectors);
     cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
-    if (f->value_count == 0) cli_warn(run, "no centre lies within %.9g of the mesh", f->half_width);
+    if (f->value_count == 0)
+        cli_text_add(&made->warnings, "no centre lies within %.9g of the mesh\n", f->half_width);
 }
 
-int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window)
+bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                          const bvx_window *window, bvx_field *field, cli_made *made)
 {
     bvx_field_options o;
-    bvx_field field;
     bvx_status status;
     uint64_t inside = 0;
-    int result;
 
-    memset(&field, 0, sizeof field);
     bvx_field_options_init(&o, sizeof o);
     o.half_width = half_width_of(run);
     o.sign = run->options->sign;
     o.value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
     o.no_vectors = !run->options->vectors;
     o.window = *window;
-    status = bvx_measure_field(run->context, view, &run->report.lattice, &o, &field);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
-    if (field.inside.words != NULL) bvx_grid_count(run->context, &field.inside, &inside);
-    run->report.set = field.value_count;
-    run->report.has_set = 1;
-    result = cli_write_field(run, &field);
-    if (result == CLI_DONE) tell_field(run, &field, inside);
-    bvx_field_free(run->context, &field);
-    return result;
+    status = bvx_measure_field(run->context, view, lattice, &o, field);
+    if (status == BVX_OK && field->inside.words != NULL)
+        status = bvx_grid_count(run->context, &field->inside, &inside);
+    if (status != BVX_OK) return status;
+
+    made->field = field;
+    made->set = field->value_count;
+    tell_field(run->options, field, inside, made);
+    return BVX_OK;
 }

@@ -4,6 +4,23 @@
 
 #include "cli_inputs/inputs.h"
 
+/* ---- deliver.c: what a command has made; the one place that writes it and tells of it ---- */
+
+typedef struct cli_made {
+    bvx_status status;    /* of the call of the library that failed; BVX_OK: none */
+    const char *about;    /* the file that this failure is about */
+    const bvx_grid *grid; /* what goes to run->options.output: a grid or a field */
+    const bvx_field *field;
+    uint64_t set;        /* voxels, or values */
+    int placed;          /* 0: nothing tells where the voxels lie */
+    cli_text head, text; /* lines for people, before the voxels' own and after them */
+    cli_text members;    /* of the JSON report, each with ", " before it */
+    cli_text warnings;   /* one a line */
+} cli_made;
+
+/* Write, keep, tell, report and warn, in this order; or fail, and nothing is left. Frees the texts. */
+int cli_deliver(cli_run *run, cli_made *made);
+
 /* ---- tree_output.c, tree_report.c: octrees ---- */
 
 enum { CLI_TREE_LEVELS = 25 };
@@ -107,7 +124,8 @@ void cli_say_written(cli_run *run, int count);
 void cli_choose_field_padding(cli_run *run);
 /* Write a field as one file or two. */
 int cli_write_field(cli_run *run, const bvx_field *field);
-/* Measure on the report's lattice, write, tell; ends the stage that the caller began. */
-int cli_voxelize_field(cli_run *run, const bvx_mesh_view *view, const bvx_window *window);
+/* Measure on this lattice; the field is made->field. */
+bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const bvx_lattice *lattice,
+                          const bvx_window *window, bvx_field *field, cli_made *made);
 
 #endif

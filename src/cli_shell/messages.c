@@ -147,3 +147,20 @@ void cli_say(cli_run *run, const char *format, ...)
     vfprintf(run->standard_taken ? stderr : stdout, format, args);
     va_end(args);
 }
+
+void cli_warn_lines(cli_run *run, cli_text *lines)
+{
+    for (const char *p = lines->bytes; p != NULL && *p != 0;) {
+        size_t const n = strcspn(p, "\n");
+
+        cli_warn(run, "%.*s", (int)n, p);
+        p += n + (p[n] != 0);
+    }
+    cli_text_free(lines);
+}
+
+void cli_say_lines(cli_run *run, cli_text *lines)
+{
+    if (lines->size != 0) cli_say(run, "%s", lines->bytes);
+    cli_text_free(lines);
+}

@@ -121,6 +121,9 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room);
 void cli_warn(cli_run *run, const char *format, ...);
 /* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
 void cli_say(cli_run *run, const char *format, ...);
+/* Each line of a text as a warning; all of a text. The text is freed. */
+void cli_warn_lines(cli_run *run, cli_text *lines);
+void cli_say_lines(cli_run *run, cli_text *lines);
 
 /* ---- outputs.c: whole files out, all or none ---- */
 
