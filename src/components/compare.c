@@ -109,7 +109,7 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
     status = bvxi_parallel(ctx, "compare", 0.0, 0.5, w->pieces, compare_piece, w);
     if (status == BVX_OK) add_compare_sums(w, all);
-    bvxi_free(ctx, w->sums, bytes);
+    bvxi_drop(ctx, w->sums);
     return status;
 }
 
@@ -203,7 +203,7 @@ static bvx_status measure_components(bvx_context *ctx, const bvx_grid *one, cons
     status = visit_difference(ctx, one, other, all, from, to, measure_compare_run, &s);
     for (uint64_t i = 0; status == BVX_OK && i < c->component_count; i++)
         *largest = s.size[i] > *largest ? s.size[i] : *largest;
-    bvxi_free(ctx, s.size, bytes);
+    bvxi_drop(ctx, s.size);
     return status;
 }
 

@@ -46,8 +46,8 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
 
 static void free_component_rows(bvxi_components *c)
 {
-    bvxi_free(c->ctx, c->words, c->slice * 16);
-    bvxi_free(c->ctx, c->before, c->slice * 8);
+    bvxi_drop(c->ctx, c->words);
+    bvxi_drop(c->ctx, c->before);
     c->words = NULL;
     c->before = NULL;
 }
@@ -56,7 +56,7 @@ void bvxi_components_free(bvxi_components *c)
 {
     if (c->ctx == NULL) return;
     free_component_rows(c);
-    bvxi_free(c->ctx, c->label, c->run_count * sizeof *c->label);
+    bvxi_drop(c->ctx, c->label);
     memset(c, 0, sizeof *c);
 }
 

@@ -98,7 +98,7 @@ static bvx_status count_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t
         bvxi_spaces_each(&spaces, mark_cavity_side, &sides);
         for (uint64_t i = 0; i < spaces.count; i++) *count += !sides.at_side[i];
     }
-    bvxi_free(ctx, sides.at_side, spaces.count);
+    bvxi_drop(ctx, sides.at_side);
     bvxi_spaces_free(&spaces);
     return status;
 }

@@ -66,7 +66,7 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
         bvxi_spaces_each(&spaces, look_for_seed, &work);
         bvxi_spaces_each(&spaces, fill_space_run, &work);
     }
-    bvxi_free(ctx, work.wanted, spaces.count);
+    bvxi_drop(ctx, work.wanted);
     bvxi_spaces_free(&spaces);
     return status;
 }

@@ -39,9 +39,9 @@ typedef struct keep_work {
 
 static void close_keep_work(keep_work *w)
 {
-    bvxi_free(w->ctx, w->at_side, w->spaces.count);
-    bvxi_free(w->ctx, w->marks, w->spaces.count);
-    bvxi_free(w->ctx, w->voxels, w->spaces.count * 8);
+    bvxi_drop(w->ctx, w->at_side);
+    bvxi_drop(w->ctx, w->marks);
+    bvxi_drop(w->ctx, w->voxels);
     bvxi_spaces_free(&w->spaces);
 }
 
@@ -176,7 +176,7 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
         if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
         bvxi_spaces_flip(&w.spaces, w.marks, made->words);
     }
-    bvxi_free(ctx, seeds.words, bytes);
+    bvxi_drop(ctx, seeds.words);
     close_keep_work(&w);
     return status;
 }

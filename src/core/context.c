@@ -73,7 +73,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     bvx_context_options o = context_defaults;
     bvxi_arena arena = {0};
     bvx_context *c;
-    size_t given_size = 0, size;
+    size_t given_size = 0, size, table;
     int32_t threads;
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
@@ -92,15 +92,21 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
         o.free = bvxi_heap_free;
     }
 
-    /* The helpers' state lies behind the context, in the one block that creating a context takes. */
+    /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
+     * context takes. */
     threads = choose_threads(&o);
     size = aligned_size(sizeof *c) + (o.parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
+    table = o.arena == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
     c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena)
-                        : o.alloc(o.alloc_user, size, BVXI_ALIGN);
+                        : o.alloc(o.alloc_user, size + table, BVXI_ALIGN);
     if (c == NULL) return BVX_ERR_MEMORY;
 
     memset(c, 0, sizeof *c);
-    c->size = size;
+    c->size = size + table;
+    if (table != 0) {
+        c->scratch = c->scratch_first = (bvxi_scratch *)(void *)((unsigned char *)c + size);
+        c->scratch_room = BVXI_SCRATCH_ROOM;
+    }
     c->alloc = o.alloc;
     c->free = o.free;
     c->alloc_user = o.alloc_user;

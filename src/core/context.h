@@ -10,6 +10,14 @@ typedef struct bvxi_arena {
     size_t size, low, high; /* results are [0, low), scratch is [high, size) */
 } bvxi_arena;
 
+/* Scratch that is in use, in the order in which it was taken. An arena has that in its own headers. */
+typedef struct bvxi_scratch {
+    void *block;
+    uint64_t size, serial;
+} bvxi_scratch;
+
+enum { BVXI_SCRATCH_ROOM = 64 }; /* of the table behind the context */
+
 typedef struct bvxi_pool bvxi_pool;
 
 /* Where in a public call, from 0 to 1, a work reports. */
@@ -25,6 +33,11 @@ struct bvx_context {
     void *alloc_user;
     bvxi_arena arena;
     uint64_t memory_limit, memory_used, memory_peak;
+    uint64_t serial;             /* of the scratch block taken last */
+    uint64_t mark;               /* what it was when the outermost public call began */
+    bvxi_scratch *scratch;       /* by serial [Size: scratch_count, of scratch_room]; NULL in an arena */
+    bvxi_scratch *scratch_first; /* the table behind the context, which does for nearly all calls */
+    uint32_t scratch_count, scratch_room;
     bvx_parallel_fn *parallel;
     void *parallel_user;
     bvx_progress_fn *progress;
@@ -41,8 +54,17 @@ struct bvx_context {
     char message[BVXI_MESSAGE_SIZE];
 };
 
-void *bvxi_arena_alloc(bvxi_arena *arena, int kind, size_t size);
+void *bvxi_arena_alloc(bvxi_arena *arena, int kind, size_t size, uint64_t serial);
 void bvxi_arena_free(bvxi_arena *arena, void *block);
+/* The bytes that a block of scratch was asked for. */
+uint64_t bvxi_arena_size(const bvxi_arena *arena, const void *block);
+/* Free the scratch that was taken since a mark; or let it live on. */
+void bvxi_arena_release(bvx_context *ctx, uint64_t mark);
+void bvxi_arena_adopt(bvxi_arena *arena, uint64_t mark);
+
+/* scratch.c, outside of arenas: a block comes and goes. BVX_ERR_MEMORY: no room for one more. */
+bvx_status bvxi_scratch_remember(bvx_context *ctx, void *block, uint64_t size);
+void bvxi_scratch_forget(bvx_context *ctx, const void *block);
 
 /* heap.c, left out of freestanding builds: the C library's heap with alignment. */
 void *bvxi_heap_alloc(void *user, size_t size, size_t align);

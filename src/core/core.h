@@ -58,11 +58,28 @@ enum { BVXI_RESULT = 0, BVXI_SCRATCH = 1 };
  * what names the block in the message. */
 bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
 bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
-/* Takes back a block of bvxi_alloc with its size; NULL is allowed. */
+/* Takes back a block of bvxi_alloc with its size: a result's, which callers hold. NULL is allowed. */
 void bvxi_free(bvx_context *ctx, void *block, uint64_t size);
 /* Move a block to another size; *block changes, the contents stay as far as both sizes go. */
 bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,
                        const char *what);
+
+/* ---- scratch.c ---- */
+
+/* Takes back a block of scratch; NULL is allowed. */
+void bvxi_drop(bvx_context *ctx, void *block);
+/* Scratch since a mark goes at once, so that steps return at the first failure and free nothing:
+ *   uint64_t const mark = bvxi_scratch_begin(ctx);
+ *   return bvxi_scratch_end(ctx, mark, steps(...));
+ * Both return the status. */
+uint64_t bvxi_scratch_begin(const bvx_context *ctx);
+bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status);
+/* The same after a failure only: for what opens something whose scratch stays until it is closed. */
+bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status);
+
+/* Scratch since a mark lives on when marks end, the public call's too: what callers hold by a handle. It goes by
+ * bvxi_free then. */
+void bvxi_scratch_adopt(bvx_context *ctx, uint64_t mark);
 
 /* ---- message.c ---- */
 

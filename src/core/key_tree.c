@@ -26,7 +26,7 @@ bvx_status bvxi_key_tree_grow(bvx_context *ctx, bvxi_key_tree *tree, uint64_t ro
 
 void bvxi_key_tree_close(bvx_context *ctx, bvxi_key_tree *tree)
 {
-    bvxi_free(ctx, tree->child, tree->room * 8);
+    bvxi_drop(ctx, tree->child);
     memset(tree, 0, sizeof *tree);
 }
 

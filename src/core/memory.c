@@ -6,10 +6,11 @@
 #include "context.h"
 
 typedef struct block_header {
-    size_t payload;  /* bytes of the block, rounded up to the alignment */
-    size_t previous; /* payload of the neighbour towards the arena's end that this block grew from */
+    uint64_t used, serial; /* of scratch: bytes that were asked for, its number */
+    size_t payload;        /* bytes of the block, rounded up to the alignment */
+    size_t previous;       /* payload of the neighbour towards the arena's end that this block grew from */
     size_t is_free;
-    unsigned char fill[BVXI_ALIGN - 3 * sizeof(size_t)];
+    unsigned char fill[BVXI_ALIGN - 2 * sizeof(uint64_t) - 3 * sizeof(size_t)];
 } block_header;
 
 static block_header *header_at(const bvxi_arena *a, size_t offset)
@@ -17,7 +18,7 @@ static block_header *header_at(const bvxi_arena *a, size_t offset)
     return (block_header *)(void *)(a->memory + offset);
 }
 
-void *bvxi_arena_alloc(bvxi_arena *a, int kind, size_t size)
+void *bvxi_arena_alloc(bvxi_arena *a, int kind, size_t size, uint64_t serial)
 {
     size_t const gap = a->high - a->low;
 
@@ -39,6 +40,8 @@ void *bvxi_arena_alloc(bvxi_arena *a, int kind, size_t size)
         header_at(a, offset)->payload = payload;
         header_at(a, offset)->is_free = 0;
         header_at(a, offset)->previous = 0;
+        header_at(a, offset)->used = size;
+        header_at(a, offset)->serial = serial;
     }
     return a->memory + offset + BVXI_ALIGN;
 }
@@ -58,11 +61,42 @@ static void pop_scratch(bvxi_arena *a)
         a->high += header_at(a, a->high)->payload + BVXI_ALIGN;
 }
 
+static size_t offset_of(const bvxi_arena *a, const void *block)
+{
+    return (size_t)((const unsigned char *)block - a->memory) - BVXI_ALIGN;
+}
+
 void bvxi_arena_free(bvxi_arena *a, void *block)
 {
-    header_at(a, (size_t)((unsigned char *)block - a->memory) - BVXI_ALIGN)->is_free = 1;
+    header_at(a, offset_of(a, block))->is_free = 1;
     pop_results(a);
     pop_scratch(a);
+}
+
+uint64_t bvxi_arena_size(const bvxi_arena *a, const void *block)
+{
+    return header_at(a, offset_of(a, block))->used;
+}
+
+void bvxi_arena_adopt(bvxi_arena *a, uint64_t mark)
+{
+    size_t at = a->high;
+
+    for (; at < a->size; at += header_at(a, at)->payload + BVXI_ALIGN)
+        if (header_at(a, at)->serial > mark) header_at(a, at)->serial = 0;
+}
+
+void bvxi_arena_release(bvx_context *ctx, uint64_t mark)
+{
+    bvxi_arena *const a = &ctx->arena;
+    size_t at = a->high, next;
+
+    /* What lives on has the number 0 and is stepped over. */
+    for (; at < a->size && (header_at(a, at)->serial == 0 || header_at(a, at)->serial > mark); at = next) {
+        block_header *const h = header_at(a, at);
+        next = at + h->payload + BVXI_ALIGN;
+        if (h->serial != 0 && !h->is_free) bvxi_free(ctx, a->memory + at + BVXI_ALIGN, h->used);
+    }
 }
 
 /* ---- through the context ---- */
@@ -77,8 +111,13 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u",
                          what, want, ctx->memory_used,
                          ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
-    p = ctx->arena.memory != NULL ? bvxi_arena_alloc(&ctx->arena, kind, (size_t)want)
+    p = ctx->arena.memory != NULL ? bvxi_arena_alloc(&ctx->arena, kind, (size_t)want, ++ctx->serial)
                                   : ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
+    if (p != NULL && ctx->arena.memory == NULL && kind == BVXI_SCRATCH &&
+        bvxi_scratch_remember(ctx, p, want) != BVX_OK) {
+        ctx->free(ctx->alloc_user, p, (size_t)want, BVXI_ALIGN);
+        p = NULL;
+    }
     if (p == NULL)
         return bvxi_fail(ctx, BVX_ERR_MEMORY, "%s: no memory for %u bytes, %u are in use", what, want,
                          ctx->memory_used);
@@ -103,8 +142,12 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size)
     if (block == NULL) return;
     /* another context's block may come back here */
     ctx->memory_used -= had < ctx->memory_used ? had : ctx->memory_used;
-    if (ctx->arena.memory != NULL) bvxi_arena_free(&ctx->arena, block);
-    else ctx->free(ctx->alloc_user, block, (size_t)had, BVXI_ALIGN);
+    if (ctx->arena.memory != NULL) {
+        bvxi_arena_free(&ctx->arena, block);
+        return;
+    }
+    bvxi_scratch_forget(ctx, block);
+    ctx->free(ctx->alloc_user, block, (size_t)had, BVXI_ALIGN);
 }
 
 bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,

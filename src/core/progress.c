@@ -20,6 +20,7 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
     if (ctx == NULL || ctx->calls++ != 0) return;
 
+    ctx->mark = bvxi_scratch_begin(ctx);
     ctx->shares = 0;
     ctx->share[0].low = 0.0;
     ctx->share[0].high = BEFORE_END;
@@ -30,6 +31,9 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
     if (ctx == NULL || --ctx->calls != 0) return status;
+
+    /* What fails leaves its scratch where it is. */
+    (void)bvxi_scratch_end(ctx, ctx->mark, status);
 
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);

@@ -90,7 +90,7 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
     if (status == BVX_OK) {
         bvxi_spaces_each(&spaces, look_around_space_run, &s);
         bvxi_spaces_each(&spaces, settle_space_run, &s);
-        bvxi_free(ctx, s.sides, spaces.count);
+        bvxi_drop(ctx, s.sides);
     }
     bvxi_spaces_free(&spaces);
     *mixed = s.mixed;
@@ -237,8 +237,8 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
         f.change = changed + rows;
         status = run_fronts(ctx, stage, at, &f);
     }
-    bvxi_free(ctx, changed, 2 * rows);
-    bvxi_free(ctx, come, 2 * bytes);
+    bvxi_drop(ctx, changed);
+    bvxi_drop(ctx, come);
     return status;
 }
 
@@ -252,6 +252,6 @@ bvx_status bvxi_carry_signs(bvx_context *ctx, const char *function, const char *
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
     status = settle_spaces(ctx, function, band, inside->words, open, &mixed);
     if (status == BVX_OK && mixed != 0) status = meet_in_spaces(ctx, stage, at, band, open, inside->words);
-    bvxi_free(ctx, open, bytes);
+    bvxi_drop(ctx, open);
     return status;
 }

@@ -238,7 +238,7 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     job.each = vectors ? 3 : 1;
     place_centres(low, high, &job);
     status = propagate_steps(ctx, voxels, &job);
-    bvxi_free(ctx, job.points, field->value_count * 12);
-    bvxi_free(ctx, job.source, voxels * 4);
+    bvxi_drop(ctx, job.points);
+    bvxi_drop(ctx, job.source);
     return status;
 }

@@ -75,10 +75,10 @@ typedef struct whole_band {
 
 static void whole_band_free(bvx_context *ctx, whole_band *w)
 {
-    bvxi_free(ctx, w->features, w->values);
-    bvxi_free(ctx, w->triangles, w->values * 4);
-    bvxi_free(ctx, w->first, (bvxi_grid_rows(&w->band) + 1) * 8);
-    bvxi_free(ctx, w->band.words, bvxi_grid_words(&w->band) * 16);
+    bvxi_drop(ctx, w->features);
+    bvxi_drop(ctx, w->triangles);
+    bvxi_drop(ctx, w->first);
+    bvxi_drop(ctx, w->band.words);
 }
 
 static bvx_status whole_band_measure(bvx_context *ctx, const char *stage, double from, double to,

@@ -162,11 +162,10 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
 
 static void pseudo_close(bvx_context *ctx, pseudo_rule *rule)
 {
-    const bvx_mesh_view *const m = rule->mesh;
-    bvxi_free(ctx, rule->outwards, m->vertex_count * 24);
-    bvxi_free(ctx, rule->list, m->triangle_count * 12);
-    bvxi_free(ctx, rule->start, (m->vertex_count + 1) * 4);
-    bvxi_free(ctx, rule->same, m->vertex_count * 4);
+    bvxi_drop(ctx, rule->outwards);
+    bvxi_drop(ctx, rule->list);
+    bvxi_drop(ctx, rule->start);
+    bvxi_drop(ctx, rule->same);
 }
 
 bvx_status bvxi_sign_pseudonormal(bvx_context *ctx, const char *function, const char *stage, double from,

@@ -100,7 +100,7 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
     job->grid = turned;
     status = fill_columns(ctx, job, report);
     if (status == BVX_OK) status = bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL);
-    bvxi_free(ctx, turned->words, words * 8);
+    bvxi_drop(ctx, turned->words);
     return status;
 }
 
@@ -109,12 +109,10 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
 {
     below_job below = {0};
     int32_t *first = NULL, *second = NULL;
-    uint64_t rows;
     bvx_grid turned;
     bvx_status status;
 
     bvxi_turn_shape(solid, o->axis, &turned);
-    rows = bvxi_grid_rows(&turned);
     status = find_highest(ctx, job, &turned, o->axis, 0.1, 0.5, report, &first);
     if (status == BVX_OK && second_job != NULL)
         status = find_highest(ctx, second_job, &turned, o->axis, 0.5, 0.8, report, &second);
@@ -124,7 +122,7 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
         below.base = base_index(&solid->lattice, o->axis, o->base);
         status = fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report);
     }
-    bvxi_free(ctx, second, rows * 4);
-    bvxi_free(ctx, first, rows * 4);
+    bvxi_drop(ctx, second);
+    bvxi_drop(ctx, first);
     return status;
 }

@@ -171,7 +171,7 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
     if (status == BVX_OK && pockets != NULL) status = lock_gap_cubes(ctx, function, &job, pockets);
     if (status == BVX_OK) status = run_gap_passes(ctx, &job, 3, 6);
     if (status == BVX_OK) copy_gap_rows(grid, &job, grid->words);
-    bvxi_free(ctx, job.words, bytes);
+    bvxi_drop(ctx, job.words);
     return status;
 }
 

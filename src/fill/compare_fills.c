@@ -52,7 +52,7 @@ static bvx_status open_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const 
 static void close_fills(bvx_context *ctx, fills_work *w)
 {
     bvxi_solid_close(ctx, &w->job);
-    bvxi_free(ctx, w->memory, w->words * FILL_GRIDS * 8);
+    bvxi_drop(ctx, w->memory);
 }
 
 /* ---- The rules ---- */

@@ -37,7 +37,7 @@ static bvx_status cover_each_other(bvx_context *ctx, const auto_work *w, int *cl
     uint64_t *edges = NULL, count = 0;
     bvx_status const status = bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count);
 
-    bvxi_free(ctx, edges, count * 8);
+    bvxi_drop(ctx, edges);
     *closed = status == BVX_OK && count == 0;
     return status;
 }
@@ -182,8 +182,8 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
         w->patches.turn[t] = crosses[part] && volume[part] < 0;
         w->choice.turned += w->patches.turn[t];
     }
-    bvxi_free(ctx, crosses, w->patches.triangles);
-    bvxi_free(ctx, pairs, pair_count * 8);
+    bvxi_drop(ctx, crosses);
+    bvxi_drop(ctx, pairs);
     return status == BVX_OK ? turn_triangles(ctx, w) : status;
 }
 
@@ -205,7 +205,7 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
     status = sum_volumes(w, volume) != 0 ? turn_inverted(ctx, w, volume, pairs) : BVX_OK;
-    bvxi_free(ctx, volume, bytes);
+    bvxi_drop(ctx, volume);
     return status;
 }
 
@@ -360,13 +360,13 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
     status = choose_or_fill(ctx, &w, solid, report, &filled);
     bvxi_patches_close(ctx, &w.patches);
-    bvxi_free(ctx, w.representative, mesh->vertex_count * 4);
+    bvxi_drop(ctx, w.representative);
     bvxi_solid_close(ctx, &w.job);
 
     chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
     if (status == BVX_OK && !filled)
         status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
-    bvxi_free(ctx, w.choice.index, mesh->triangle_count * 12);
+    bvxi_drop(ctx, w.choice.index);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;
     report->turned = w.choice.turned;

@@ -60,7 +60,7 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
         bvxi_spaces_each(&spaces, reach_run, work);
         bvxi_spaces_each(&spaces, flood_run, work);
     }
-    bvxi_free(ctx, work->reached, spaces.count);
+    bvxi_drop(ctx, work->reached);
     work->reached = NULL;
     bvxi_spaces_free(&spaces);
     return status;
@@ -94,7 +94,7 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface,
     status = flood_twice(ctx, function, surface, close_gaps, &work, &report->closed_voxels);
     if (status == BVX_OK && work.filled_voxels != 0)
         status = bvxi_flood_rim(ctx, surface, work.filled, solid);
-    bvxi_free(ctx, work.filled, bytes);
+    bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;
     return status;

@@ -114,6 +114,6 @@ bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *fil
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
     spread_rim(&work);
-    bvxi_free(ctx, work.queue, voxels * 8);
+    bvxi_drop(ctx, work.queue);
     return BVX_OK;
 }

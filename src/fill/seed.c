@@ -41,14 +41,14 @@ static bvx_status make_seed_vote(seed_judge *j)
     status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words);
     if (status == BVX_OK) status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure);
     if (status == BVX_OK) status = bvxi_vote(j->ctx, &job, 0, &j->vote, sure, 0.1, 1.0, &unused);
-    bvxi_free(j->ctx, sure, bytes);
+    bvxi_drop(j->ctx, sure);
     bvxi_solid_close(j->ctx, &job);
     return status;
 }
 
 static void close_seed_judge(seed_judge *j)
 {
-    bvxi_free(j->ctx, j->vote.words, bvxi_grid_words(j->surface) * 8);
+    bvxi_drop(j->ctx, j->vote.words);
 }
 
 static bvx_status check_seed_mesh(seed_judge *j)
@@ -313,7 +313,7 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
             status = bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
                                pockets_name, work.count, capacity);
     }
-    bvxi_free(ctx, work.outside, spaces.count);
+    bvxi_drop(ctx, work.outside);
     bvxi_spaces_free(&spaces);
     return status;
 }

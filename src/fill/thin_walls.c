@@ -35,8 +35,8 @@ enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 
 
 void bvxi_walls_drop(bvxi_walls *t)
 {
-    bvxi_free(t->ctx, t->point, t->count * sizeof *t->point);
-    bvxi_free(t->ctx, t->at, t->count * 8);
+    bvxi_drop(t->ctx, t->point);
+    bvxi_drop(t->ctx, t->at);
     t->point = NULL;
     t->at = NULL;
     t->count = 0;
@@ -279,11 +279,11 @@ static bvx_status order_triangles_nearby(bvxi_walls *t)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
                             &numbers);
     if (status == BVX_OK) status = sort_triangles_nearby(t, keys, numbers, sorted);
-    bvxi_free(ctx, numbers, count * 4);
-    bvxi_free(ctx, keys, count * 8);
+    bvxi_drop(ctx, numbers);
+    bvxi_drop(ctx, keys);
 
     /* Room for all triangles is needed no more. */
-    bvxi_free(ctx, t->corner, t->corner_bytes);
+    bvxi_drop(ctx, t->corner);
     t->corner = sorted;
     t->corner_bytes = count * 12;
     view_triangles(t->mesh, sorted, count, &t->near);
@@ -333,9 +333,9 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
         place_vertices_in_blocks(t);
         take_triangles_nearby(t);
     }
-    bvxi_free(ctx, t->block_of, t->mesh->vertex_count * 12);
+    bvxi_drop(ctx, t->block_of);
     t->block_of = NULL;
-    bvxi_free(ctx, t->blocks, bytes);
+    bvxi_drop(ctx, t->blocks);
     t->blocks = NULL;
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
     BVXI_TRY(order_triangles_nearby(t));
@@ -540,10 +540,10 @@ bvx_status bvxi_walls_open(bvxi_walls *t)
 void bvxi_walls_close(bvxi_walls *t)
 {
     bvxi_closest_shut(t->ctx, &t->closest);
-    bvxi_free(t->ctx, t->against, t->mesh->triangle_count);
-    bvxi_free(t->ctx, t->corner, t->corner_bytes);
+    bvxi_drop(t->ctx, t->against);
+    bvxi_drop(t->ctx, t->corner);
     bvxi_walls_drop(t);
-    bvxi_free(t->ctx, t->places.words, t->bytes);
+    bvxi_drop(t->ctx, t->places.words);
 }
 
 bvx_status bvxi_walls_find(bvxi_walls *t)

@@ -53,8 +53,8 @@ static bvx_status open_vote(bvx_context *ctx, const char *function, vote_work *w
 
 static void close_vote(bvx_context *ctx, vote_work *w)
 {
-    bvxi_free(ctx, w->turned, w->turned_words * 8);
-    for (int32_t axis = 3; axis-- > 0;) bvxi_free(ctx, w->odd_rows[axis], w->odd_bytes[axis]);
+    bvxi_drop(ctx, w->turned);
+    for (int32_t axis = 3; axis-- > 0;) bvxi_drop(ctx, w->odd_rows[axis]);
 }
 
 /* Parity along an axis, brought back by one of the ways of turned_rows.h. */
@@ -165,7 +165,7 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     status = bvxi_solid_fill(ctx, job, w->solid, 0, BVX_FILL_PARITY, from, to, &unused);
     job->take_lists = NULL;
     job->view = mesh;
-    bvxi_sheet_mesh_close(ctx, holes, &view);
+    bvxi_sheet_mesh_close(ctx, &view);
     return status;
 }
 
@@ -212,8 +212,8 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
         mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
         if (!drop_odd_rows(w)) status = find_holes_and_ask(ctx, job, w, from, to);
     }
-    bvxi_free(ctx, w->even_z, z_bytes);
-    bvxi_free(ctx, w->even_y, y_bytes);
+    bvxi_drop(ctx, w->even_z);
+    bvxi_drop(ctx, w->even_y);
     return status;
 }
 

@@ -144,7 +144,7 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
                                 flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
         bvxi_shell_close(ctx, &shell);
     }
-    bvxi_free(ctx, sure, bytes);
+    bvxi_drop(ctx, sure);
     return status;
 }
 

@@ -74,6 +74,6 @@ bvx_status bvxi_bricks_make(bvx_context *ctx, const char *stage, double from, do
 
 void bvxi_bricks_free(bvx_context *ctx, bvxi_bricks *bricks)
 {
-    bvxi_free(ctx, bricks->words, brick_bytes(bricks));
+    bvxi_drop(ctx, bricks->words);
     memset(bricks, 0, sizeof *bricks);
 }

@@ -87,7 +87,7 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the parts' boxes", &job.box));
     status = bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job);
     if (status == BVX_OK) join_content(&job, window);
-    bvxi_free(context, job.box, bytes);
+    bvxi_drop(context, job.box);
     return status;
 }
 

@@ -98,10 +98,8 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
 
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
 {
-    uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count *
-                             (uint64_t)d->axis[2].count;
-    bvxi_free(ctx, d->value, samples * sizeof *d->value);
+    bvxi_drop(ctx, d->value);
     bvxi_free(ctx, d->coarse.words, d->coarse.word_capacity * 8);
-    bvxi_free(ctx, d->tables, d->table_bytes);
+    bvxi_drop(ctx, d->tables);
     memset(d, 0, sizeof *d);
 }

@@ -93,8 +93,8 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
 
 void bvxi_blocks_close(bvx_context *ctx, bvxi_blocks *b)
 {
-    bvxi_free(ctx, b->starts, (uint64_t)b->words * sizeof *b->starts);
-    bvxi_free(ctx, b->planes, b->worker_words * (uint64_t)b->workers * 8);
+    bvxi_drop(ctx, b->starts);
+    bvxi_drop(ctx, b->planes);
 }
 
 static uint64_t block_rows(const bvxi_blocks *b)

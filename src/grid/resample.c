@@ -110,7 +110,7 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
     status = bvxi_grid_fill_by(context, "resample", job.pieces, resample_piece, &job, mine, result);
-    bvxi_free(context, job.source[0], job.bytes);
+    bvxi_drop(context, job.source[0]);
     return status;
 }
 

@@ -252,7 +252,7 @@ static bvx_status refuse_parted_loops(table_reader *r)
                 "loop stand together",
                 r->f->format, (uint64_t)order[i - 1], (uint64_t)order[i],
                 s->positions[s->loops[order[i]].section]);
-    bvxi_free(r->f->ctx, order, n * 4);
+    bvxi_drop(r->f->ctx, order);
     return status;
 }
 
@@ -290,8 +290,8 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
     status = read_table_lines(&r);
-    bvxi_free(f->ctx, r.loop_hash, r.loop_room * 8);
-    bvxi_free(f->ctx, r.section_hash, r.section_room * 8);
+    bvxi_drop(f->ctx, r.loop_hash);
+    bvxi_drop(f->ctx, r.section_hash);
     bvxi_key_tree_close(f->ctx, &r.sections);
     return status;
 }

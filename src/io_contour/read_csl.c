@@ -201,7 +201,7 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
     for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
         status = csl_loop(f, points, count, section, loops, &around[i]);
     if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);
-    bvxi_free(f->ctx, around, loops * 4);
+    bvxi_drop(f->ctx, around);
     return status;
 }
 
@@ -226,7 +226,7 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     if (status == BVX_OK) status = bvxi_contour_add_section(f, position);
     if (status == BVX_OK) status = csl_loops(f, at, points, section, loops);
     if (status == BVX_OK) csl_settle_position(f, first, &f->sections.positions[section]);
-    bvxi_free(f->ctx, at, points * 24);
+    bvxi_drop(f->ctx, at);
     return status;
 }
 

@@ -329,7 +329,7 @@ static bvx_status binvox_fill(binvox_reading *r)
     binvox_find_marks(r);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "layers along y", &r->layers));
     status = bvxi_parallel(ctx, "read", 0.0, 1.0, r->tasks, binvox_layers_task, r);
-    bvxi_free(ctx, r->layers, size);
+    bvxi_drop(ctx, r->layers);
     return status;
 }
 

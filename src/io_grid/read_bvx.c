@@ -355,6 +355,6 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
                         "the places of slices", &job.place));
     status = bvx_unpack(&job, grid);
-    bvxi_free(source->ctx, job.place, (uint64_t)job.count * sizeof *job.place);
+    bvxi_drop(source->ctx, job.place);
     return status;
 }

@@ -71,6 +71,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     status = bvxi_unpack_dense(source, dense, bytes);
     if (status == BVX_OK) status = bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid);
     if (status == BVX_OK) status = bvxi_pack_samples(source->ctx, &samples, &part, grid);
-    bvxi_free(source->ctx, bytes, dense->size);
+    bvxi_drop(source->ctx, bytes);
     return status;
 }

@@ -229,7 +229,7 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     samples.first = bytes;
     status = bvxi_unpack_dense(source, d, bytes);
     if (status == BVX_OK) status = turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
-    bvxi_free(source->ctx, bytes, d->size);
+    bvxi_drop(source->ctx, bytes);
     return status;
 }
 

@@ -292,7 +292,7 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, columns, "the columns' runs", &job.layers));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, turned, "layers along y", &job.turned);
     if (status == BVX_OK) status = binvox_pack(ctx, &job, corner, scale, file);
-    bvxi_free(ctx, job.turned, turned);
-    bvxi_free(ctx, job.layers, columns);
+    bvxi_drop(ctx, job.turned);
+    bvxi_drop(ctx, job.layers);
     return status;
 }

@@ -166,7 +166,7 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
         status = bvxi_parallel(ctx, stage, 0.5, 1.0, job.pieces, bvx_put_piece, &job);
         if (status != BVX_OK) bvx_buffer_free(ctx, &made);
     }
-    bvxi_free(ctx, job.place, places);
+    bvxi_drop(ctx, job.place);
     if (status == BVX_OK) *file = made;
     return status;
 }

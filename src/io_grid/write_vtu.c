@@ -185,9 +185,9 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner);
     if (status == BVX_OK) status = write_vtu_file(&v, file);
-    bvxi_free(ctx, v.corner, v.count * 32);
-    bvxi_free(ctx, v.place, v.count * 64);
-    bvxi_free(ctx, v.leaf, v.count * sizeof *v.leaf);
+    bvxi_drop(ctx, v.corner);
+    bvxi_drop(ctx, v.place);
+    bvxi_drop(ctx, v.leaf);
     return status;
 }
 

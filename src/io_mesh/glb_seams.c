@@ -40,8 +40,8 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
         status = bvxi_radix_sort(ctx, keys, corner, corners);
     }
     if (status == BVX_OK) seams->count = find_first_corners(keys, corner, corners, seams->triangles);
-    bvxi_free(ctx, corner, corners * 4);
-    bvxi_free(ctx, keys, corners * 8);
+    bvxi_drop(ctx, corner);
+    bvxi_drop(ctx, keys);
     return status;
 }
 
@@ -74,14 +74,14 @@ bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *
         status = bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams",
                             &seams->uv);
     if (status == BVX_OK) number_vertices_by_use(mesh, seams);
-    else bvxi_free_seams(ctx, mesh, seams);
+    else bvxi_free_seams(ctx, seams);
     return status;
 }
 
-void bvxi_free_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams)
+void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams)
 {
-    bvxi_free(ctx, seams->uv, seams->count * 4);
-    bvxi_free(ctx, seams->vertex, seams->count * 4);
-    bvxi_free(ctx, seams->triangles, mesh->triangle_count * 12);
+    bvxi_drop(ctx, seams->uv);
+    bvxi_drop(ctx, seams->vertex);
+    bvxi_drop(ctx, seams->triangles);
     memset(seams, 0, sizeof *seams);
 }

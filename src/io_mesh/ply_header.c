@@ -369,8 +369,8 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
 
 void bvxi_ply_header_free(bvx_context *ctx, ply_header *header)
 {
-    bvxi_free(ctx, header->properties, header->name_count * sizeof *header->properties);
-    bvxi_free(ctx, header->elements, header->name_count * sizeof *header->elements);
+    bvxi_drop(ctx, header->properties);
+    bvxi_drop(ctx, header->elements);
     header->properties = NULL;
     header->elements = NULL;
 }

@@ -343,8 +343,8 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
                      ? '\r'
                      : '\n';
     status = obj_read(&f);
-    bvxi_free(ctx, f.fans, f.polygons * sizeof *f.fans);
-    bvxi_free(ctx, f.colours, f.vertices * 12);
-    bvxi_free(ctx, f.pieces, (uint64_t)f.piece_count * sizeof *f.pieces);
+    bvxi_drop(ctx, f.fans);
+    bvxi_drop(ctx, f.colours);
+    bvxi_drop(ctx, f.pieces);
     return status;
 }

@@ -430,6 +430,6 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
     if (status == BVX_OK) status = off_take_counts(&f);
     if (status == BVX_OK) status = off_take_vertices(&f);
     if (status == BVX_OK) status = off_take_faces(&f);
-    bvxi_free(source->ctx, f.fans, f.fan_room * sizeof *f.fans);
+    bvxi_drop(source->ctx, f.fans);
     return status;
 }

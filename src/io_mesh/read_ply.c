@@ -119,7 +119,7 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
         f.uvs_at_corners = header.uvs == 2;
         status = points ? ply_take_points(&f) : ply_take_data(&f);
     }
-    bvxi_free(source->ctx, f.fans, f.fan_room * sizeof *f.fans);
+    bvxi_drop(source->ctx, f.fans);
     bvxi_ply_header_free(source->ctx, &header);
     return status;
 }

@@ -33,9 +33,9 @@ static bvx_status fan_make_work(bvx_context *ctx, const bvxi_polygon_fan *fans, 
 static void fan_free_work(bvx_context *ctx, fan_work *w)
 {
     bvxi_polygon_free(&w->polygon);
-    bvxi_free(ctx, w->number, w->room * 4);
-    bvxi_free(ctx, w->cut, w->room * 12);
-    bvxi_free(ctx, w->corner, w->room * sizeof *w->corner);
+    bvxi_drop(ctx, w->number);
+    bvxi_drop(ctx, w->cut);
+    bvxi_drop(ctx, w->corner);
 }
 
 /* The numbers at a fan's corners. */

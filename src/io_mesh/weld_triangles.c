@@ -49,7 +49,7 @@ static bvx_status soup_make_table(bvxi_soup *s, uint64_t size)
         for (; table[slot] != 0; s->probes++) slot = (slot + 1) & (size_t)(size - 1);
         table[slot] = (uint32_t)(v + 1);
     }
-    bvxi_free(ctx, s->table, s->table_size * sizeof *table);
+    bvxi_drop(ctx, s->table);
     s->table = table;
     s->table_size = size;
     return BVX_OK;
@@ -159,7 +159,7 @@ static void soup_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
 static bvx_status soup_plant_tree(bvxi_soup *s)
 {
     bvx_context *const ctx = s->source->ctx;
-    bvxi_free(ctx, s->table, s->table_size * sizeof *s->table);
+    bvxi_drop(ctx, s->table);
     s->table = NULL;
     BVXI_TRY(bvxi_key_tree_open(ctx, &s->tree, soup_key, s, s->vertex_room));
     for (uint64_t v = 0; v < s->vertex_count; v++) bvxi_key_tree_find(&s->tree, v);
@@ -194,7 +194,7 @@ bvx_status bvxi_soup_finish(bvxi_soup *soup, bvx_mesh *mesh)
     bvxi_soup *const s = soup;
     bvx_context *const ctx = s->source->ctx;
 
-    bvxi_free(ctx, s->table, s->table_size * sizeof *s->table);
+    bvxi_drop(ctx, s->table);
     s->table = NULL;
     bvxi_key_tree_close(ctx, &s->tree);
     BVXI_TRY(bvxi_make_positions(ctx, mesh, BVX_F32, s->vertex_count));
@@ -213,8 +213,8 @@ bvx_status bvxi_soup_finish(bvxi_soup *soup, bvx_mesh *mesh)
 void bvxi_soup_free(bvxi_soup *soup)
 {
     bvx_context *const ctx = soup->source->ctx;
-    bvxi_free(ctx, soup->table, soup->table_size * sizeof *soup->table);
+    bvxi_drop(ctx, soup->table);
     bvxi_key_tree_close(ctx, &soup->tree);
-    bvxi_free(ctx, soup->positions, soup->vertex_room * 12);
+    bvxi_drop(ctx, soup->positions);
     bvxi_free(ctx, soup->triangles, soup->triangle_room * 12);
 }

@@ -156,7 +156,7 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
     glb_list_parts(glb, part);
     status = bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file);
-    bvxi_free(ctx, part, parts * sizeof *part);
+    bvxi_drop(ctx, part);
     if (status == BVX_OK) glb_put_head(glb, json.size, file);
     return status;
 }
@@ -231,9 +231,9 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
     if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
 
     for (uint64_t l = level_count; l-- > 0;) {
-        bvxi_free(ctx, glb.level[l].normal, levels[l].vertex_count * BVXI_NORMAL_SUM);
-        bvxi_free_seams(ctx, &levels[l], &glb.level[l].seams);
+        bvxi_drop(ctx, glb.level[l].normal);
+        bvxi_free_seams(ctx, &glb.level[l].seams);
     }
-    bvxi_free(ctx, glb.level, bytes);
+    bvxi_drop(ctx, glb.level);
     return status;
 }

@@ -95,7 +95,7 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
 
     what.normal = sum;
     status = write(ctx, &what, file);
-    bvxi_free(ctx, sum, mesh->vertex_count * BVXI_NORMAL_SUM);
+    bvxi_drop(ctx, sum);
     return status;
 }
 
@@ -227,7 +227,7 @@ static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, u
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
                         "the vertices' positions", &representative));
     status = bvxi_weld(ctx, view, representative, different);
-    bvxi_free(ctx, representative, view->vertex_count * sizeof *representative);
+    bvxi_drop(ctx, representative);
     return status;
 }
 
@@ -283,7 +283,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
         file.position_stride = 0;
     }
     status = check_file_view(ctx, &view, &file, format, rounded, report);
-    bvxi_free(ctx, positions, bytes);
+    bvxi_drop(ctx, positions);
     return status;
 }
 

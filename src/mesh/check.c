@@ -100,7 +100,7 @@ static bvx_status weld_vertices(bvx_context *ctx, checker *c, int weld)
 
 static void free_renumber(bvx_context *ctx, checker *c)
 {
-    bvxi_free(ctx, c->renumber, c->view->vertex_count * 4);
+    bvxi_drop(ctx, c->renumber);
     c->renumber = NULL;
 }
 
@@ -140,7 +140,7 @@ static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const dou
 {
     bvx_status const status = check_whole_mesh(ctx, c, weld, low, high);
     free_renumber(ctx, c);
-    bvxi_free(ctx, c->corners, c->view->triangle_count * 12);
+    bvxi_drop(ctx, c->corners);
     if (status == BVX_OK) *certificate = c->result;
     return status;
 }

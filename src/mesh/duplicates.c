@@ -108,6 +108,6 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
     int done;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
     done = drop_by_table(view, representative, table, size, corner, kept);
-    bvxi_free(ctx, table, size * sizeof *table);
+    bvxi_drop(ctx, table);
     return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

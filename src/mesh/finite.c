@@ -89,7 +89,7 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *number, "the numbers of vertices", &number));
     finite_pack_vertices(mesh, number);
     finite_pack_triangles(mesh, number);
-    bvxi_free(ctx, number, vertices * sizeof *number);
+    bvxi_drop(ctx, number);
     *dropped = triangles - mesh->triangle_count;
     return BVX_OK;
 }

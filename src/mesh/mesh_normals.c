@@ -51,7 +51,7 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
         bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
     for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++)
         give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
-    bvxi_free(context, sum, sum == NULL ? 0 : mesh->vertex_count * 24);
+    bvxi_drop(context, sum);
     return BVX_OK;
 }
 

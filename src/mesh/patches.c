@@ -219,14 +219,12 @@ static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
 
 static void close_patch_work(bvx_context *ctx, patch_work *w)
 {
-    uint64_t const n = w->out->triangles;
-
-    bvxi_free(ctx, w->sums, n * sizeof *w->sums);
-    bvxi_free(ctx, w->torn, n);
-    bvxi_free(ctx, w->link, n * 4);
-    bvxi_free(ctx, w->numbers, n * 12);
-    bvxi_free(ctx, w->keys, n * 24);
-    bvxi_free(ctx, w->corner, n * 12);
+    bvxi_drop(ctx, w->sums);
+    bvxi_drop(ctx, w->torn);
+    bvxi_drop(ctx, w->link);
+    bvxi_drop(ctx, w->numbers);
+    bvxi_drop(ctx, w->keys);
+    bvxi_drop(ctx, w->corner);
 }
 
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
@@ -274,8 +272,8 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
 
 void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)
 {
-    bvxi_free(ctx, patches->turn, patches->triangles);
-    bvxi_free(ctx, patches->part, patches->triangles * 4);
+    bvxi_drop(ctx, patches->turn);
+    bvxi_drop(ctx, patches->part);
     memset(patches, 0, sizeof *patches);
 }
 

@@ -288,7 +288,7 @@ bvx_status bvxi_polygon_cut(bvxi_polygon *work, const double (*corner)[3], uint6
 
 void bvxi_polygon_free(bvxi_polygon *work)
 {
-    bvxi_free(work->ctx, work->block, work->block_size);
+    bvxi_drop(work->ctx, work->block);
     work->block = NULL;
     work->block_size = 0;
 }

@@ -39,7 +39,7 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers);
     if (status != BVX_OK) {
-        bvxi_free(ctx, spare_keys, count * sizeof *keys);
+        bvxi_drop(ctx, spare_keys);
         return status;
     }
     key_to = spare_keys;
@@ -63,7 +63,7 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
         memcpy(keys, key_from, (size_t)count * sizeof *keys);
         memcpy(numbers, number_from, (size_t)count * sizeof *numbers);
     }
-    bvxi_free(ctx, spare_numbers, count * sizeof *numbers);
-    bvxi_free(ctx, spare_keys, count * sizeof *keys);
+    bvxi_drop(ctx, spare_numbers);
+    bvxi_drop(ctx, spare_keys);
     return BVX_OK;
 }

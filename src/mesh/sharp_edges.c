@@ -104,7 +104,7 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
     status = measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
                            (uint32_t *)(void *)(block + view->triangle_count * 24), &sum);
-    bvxi_free(ctx, block, bytes);
+    bvxi_drop(ctx, block);
 
     *share = sum.all > 0 ? sum.sharp / sum.all : 0;
     *sharp = *share > SHARP_SHARE_ANYHOW || (*share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
@@ -127,6 +127,6 @@ bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const u
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
     status = bvxi_weld(ctx, view, found, &different);
     if (status == BVX_OK) status = judge_edges(ctx, view, found, sharp, share);
-    bvxi_free(ctx, found, bytes);
+    bvxi_drop(ctx, found);
     return status;
 }

@@ -280,15 +280,13 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
 
 static void free_topology(bvx_context *ctx, topology *c)
 {
-    uint64_t const half_edges = 3 * c->triangle_count;
-
-    bvxi_free(ctx, c->entries, half_edges * 8);
-    bvxi_free(ctx, c->parent, c->triangle_count * 4);
-    bvxi_free(ctx, c->walked, topology_bit_words(half_edges) * 8);
-    bvxi_free(ctx, c->seen, topology_bit_words(c->vertex_count) * 8);
-    bvxi_free(ctx, c->broken, topology_bit_words(c->vertex_count) * 8);
-    bvxi_free(ctx, c->ring, half_edges * 4);
-    bvxi_free(ctx, c->bucket_end, c->vertex_count * 4);
+    bvxi_drop(ctx, c->entries);
+    bvxi_drop(ctx, c->parent);
+    bvxi_drop(ctx, c->walked);
+    bvxi_drop(ctx, c->seen);
+    bvxi_drop(ctx, c->broken);
+    bvxi_drop(ctx, c->ring);
+    bvxi_drop(ctx, c->bucket_end);
 }
 
 static void conclude_topology(topology *c)

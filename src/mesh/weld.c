@@ -105,7 +105,7 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
     status = weld_into(ctx, view, table, size, representative, different);
-    bvxi_free(ctx, table, size * sizeof *table);
+    bvxi_drop(ctx, table);
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
     return weld_by_tree(ctx, view, representative, different);
 }

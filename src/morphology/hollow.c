@@ -246,7 +246,7 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
     if (status == BVX_OK) {
         status = make_shell(context, function, grid, &o, &hollow, &made, &report);
-        bvxi_free(context, hollow.words, bvxi_grid_words(grid) * 8);
+        bvxi_drop(context, hollow.words);
     }
     if (status != BVX_OK) {
         if (result->words == NULL) bvx_grid_free(context, &made);

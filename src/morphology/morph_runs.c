@@ -222,8 +222,8 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
         measure_runs(morph, &job);
         status = bvxi_parallel(ctx, morph->stage, from, to, job.pieces, run_runs_piece, &job);
     }
-    bvxi_free(ctx, job.scratch, bytes);
-    bvxi_free(ctx, job.half, job.half_bytes);
+    bvxi_drop(ctx, job.scratch);
+    bvxi_drop(ctx, job.half);
     bvxi_row_ends_free(ctx, &job.ends);
     return status;
 }

@@ -293,8 +293,8 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     if (status == BVX_OK)
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch);
     if (status == BVX_OK) status = run_sweeps(ctx, morph, source, first, second, &job);
-    bvxi_free(ctx, job.scratch, bytes);
-    bvxi_free(ctx, job.outside, outside_bytes);
+    bvxi_drop(ctx, job.scratch);
+    bvxi_drop(ctx, job.outside);
     bvxi_row_ends_free(ctx, &job.ends);
     return status;
 }

@@ -17,6 +17,6 @@ bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_ro
 
 void bvxi_row_ends_free(bvx_context *ctx, bvxi_row_ends *ends)
 {
-    bvxi_free(ctx, ends->before, ends->bytes);
+    bvxi_drop(ctx, ends->before);
     ends->before = ends->behind = NULL;
 }

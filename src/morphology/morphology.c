@@ -34,7 +34,7 @@ static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *b
 
 static void free_box(bvx_context *ctx, bvxi_bit_box *box)
 {
-    bvxi_free(ctx, box->words, bvxi_box_words(box) * 8);
+    bvxi_drop(ctx, box->words);
     box->words = NULL;
 }
 

@@ -118,12 +118,12 @@ static bvx_status open_transform(transform_job *job)
 static void close_transform(transform_job *job)
 {
     bvx_context *const ctx = job->t->ctx;
-    bvxi_free(ctx, job->scratch, job->all_scratch);
-    bvxi_free(ctx, job->inverse, job->inverse_bytes);
-    bvxi_free(ctx, job->has, job->has_bytes);
-    bvxi_free(ctx, job->carry, job->carry_bytes);
-    bvxi_free(ctx, job->tile_nearest, job->tile_nearest_bytes);
-    bvxi_free(ctx, job->tile, job->tile_bytes);
+    bvxi_drop(ctx, job->scratch);
+    bvxi_drop(ctx, job->inverse);
+    bvxi_drop(ctx, job->has);
+    bvxi_drop(ctx, job->carry);
+    bvxi_drop(ctx, job->tile_nearest);
+    bvxi_drop(ctx, job->tile);
 }
 
 static bvxi_columns columns_of(const transform_job *job, const transform_scratch *s, int axis)

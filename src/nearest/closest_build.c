@@ -243,7 +243,7 @@ static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double f
     status = bvxi_parallel(ctx, stage, from, to, b->pieces, make_curve_keys, b);
     if (status == BVX_OK) status = bvxi_radix_sort(ctx, b->keys, b->tree->order, n);
     if (status == BVX_OK && b->unnumbered) status = order_by_positions(ctx, b);
-    bvxi_free(ctx, b->keys, n * sizeof *b->keys);
+    bvxi_drop(ctx, b->keys);
     return status;
 }
 

@@ -151,17 +151,15 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
 {
     static const char *const function = "bvx_closest_create";
     bvx_closest *made = NULL;
-    bvx_status status;
+    uint64_t mark;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
-    BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, sizeof *made, "the search tree's head", &made));
-    status = bvxi_closest_open(context, function, "search tree", 0.0, 1.0, mesh, made);
-    if (status != BVX_OK) {
-        bvxi_free(context, made, sizeof *made);
-        return status;
-    }
+    mark = bvxi_scratch_begin(context);
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the search tree's head", &made));
+    BVXI_TRY(bvxi_closest_open(context, function, "search tree", 0.0, 1.0, mesh, made));
+    bvxi_scratch_adopt(context, mark);
     *closest = made;
     return BVX_OK;
 }
@@ -274,8 +272,8 @@ static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
     status = bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order);
     if (status == BVX_OK) status = find_closest_batches(ctx, q);
-    bvxi_free(ctx, q->order, most * sizeof *q->order);
-    bvxi_free(ctx, q->keys, most * sizeof *q->keys);
+    bvxi_drop(ctx, q->order);
+    bvxi_drop(ctx, q->keys);
     return status;
 }
 

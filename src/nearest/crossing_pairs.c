@@ -287,8 +287,8 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
         pairs[2 * i + 1] = (uint32_t)(job->keys[i] & UINT32_MAX);
     }
 
-    bvxi_free(ctx, numbers, count * sizeof *numbers);
-    bvxi_free(ctx, job->keys, count * sizeof *job->keys);
+    bvxi_drop(ctx, numbers);
+    bvxi_drop(ctx, job->keys);
     return status;
 }
 
@@ -335,9 +335,9 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
 
 static void free_crossings(bvx_context *ctx, crossings_job *job)
 {
-    bvxi_free(ctx, job->counts, (uint64_t)job->pieces * sizeof *job->counts);
-    bvxi_free(ctx, job->marks, job->tree.level_nodes[0]);
-    bvxi_free(ctx, job->corner, job->tree.triangle_count * 12);
+    bvxi_drop(ctx, job->counts);
+    bvxi_drop(ctx, job->marks);
+    bvxi_drop(ctx, job->corner);
     bvxi_closest_free(ctx, &job->tree);
 }
 
@@ -382,7 +382,7 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     if (status == BVX_OK)
         status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs,
                                      capacity);
-    bvxi_free(context, representative, mesh->vertex_count * 4);
+    bvxi_drop(context, representative);
     return status;
 }
 

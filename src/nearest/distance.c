@@ -128,25 +128,23 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
                                            const bvxi_closest_tree *to, uint64_t samples, uint64_t key,
                                            double progress, distance_way *way)
 {
-    uint64_t const area_bytes = from->triangle_count * sizeof(double);
     int32_t const blocks = bvxi_piece_count(samples, 64);
     double *areas = NULL;
     distance_sums *sums = NULL;
     distance_work w = {from, to, NULL, samples, key, blocks, NULL};
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, area_bytes, "the distance's areas", &areas);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums);
-    if (status == BVX_OK) {
-        add_curve_areas(from, areas);
-        w.area_before = areas;
-        w.sums = sums;
-        status = bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w);
-    }
-    if (status == BVX_OK) add_distance_blocks(&w, way);
-    bvxi_free(ctx, sums, (uint64_t)blocks * sizeof *sums);
-    bvxi_free(ctx, areas, area_bytes);
-    return status;
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, from->triangle_count * sizeof *areas, "the distance's areas", &areas));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums));
+    add_curve_areas(from, areas);
+    w.area_before = areas;
+    w.sums = sums;
+    BVXI_TRY(bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w));
+    add_distance_blocks(&w, way);
+
+    bvxi_drop(ctx, sums);
+    bvxi_drop(ctx, areas);
+    return BVX_OK;
 }
 
 static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples,
@@ -222,16 +220,15 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_si
     const bvxi_closest_tree *const tree_a = &kept->tree;
     bvxi_closest_tree tree_b;
     distance_way ab, ba;
-    bvx_status status;
 
     BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
-    status = bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale,
-                                           &tree_b);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab);
-    if (status == BVX_OK) status = measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba);
-    if (status == BVX_OK) make_distance_report(&ab, &ba, samples, seed, report);
+    BVXI_TRY(
+        bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b));
+    BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
+    BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
+    make_distance_report(&ab, &ba, samples, seed, report);
     bvxi_closest_free(ctx, &tree_b);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi_distance_tree *kept,
@@ -261,12 +258,18 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     return measure_distance_both_ways(context, &side_a, kept, &side_b, scale, samples, seed, report);
 }
 
+static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
+                                    uint64_t samples, uint64_t seed, bvx_distance_report *report)
+{
+    bvxi_distance_tree tree = {.built = 0};
+
+    BVXI_TRY(bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
+    bvxi_distance_forget(context, &tree);
+    return BVX_OK;
+}
+
 bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                              uint64_t samples, uint64_t seed, bvx_distance_report *report)
 {
-    bvxi_distance_tree tree = {.built = 0};
-    bvx_status const status = BVXI_CALL(context,
-                                        bvxi_mesh_distance(context, a, &tree, b, samples, seed, report));
-    if (tree.built) bvxi_distance_forget(context, &tree);
-    return status;
+    return BVXI_CALL(context, run_mesh_distance(context, a, b, samples, seed, report));
 }

@@ -118,6 +118,6 @@ void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest)
     if (nearest == NULL) return;
     bvxi_near_free(ctx, nearest);
     if (nearest->memo != NULL) bvxi_near_forget(ctx, nearest->memo);
-    bvxi_free(ctx, nearest->memo, sizeof *nearest->memo);
-    bvxi_free(ctx, nearest, sizeof *nearest);
+    bvxi_drop(ctx, nearest->memo);
+    bvxi_drop(ctx, nearest);
 }

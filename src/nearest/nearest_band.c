@@ -72,8 +72,8 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
 
 void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo)
 {
-    bvxi_free(ctx, memo->triangle, memo->slots * BVXI_NEAR_CUBE_SLOTS * sizeof *memo->triangle);
-    bvxi_free(ctx, memo->cube_slot, memo->cubes * sizeof *memo->cube_slot);
+    bvxi_drop(ctx, memo->triangle);
+    bvxi_drop(ctx, memo->cube_slot);
     memset(memo, 0, sizeof *memo);
 }
 
@@ -185,15 +185,14 @@ bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, d
                              const bvxi_nearest *nearest, double width, bvx_grid *band, uint64_t *first)
 {
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
-    uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
     bvx_status status = bvxi_near_workers(ctx, 1, &w.workers);
 
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);
     if (status == BVX_OK) status = make_near_band(ctx, stage, from, to, &w);
-    bvxi_free(ctx, w.reached, w.plan.cubes);
-    bvxi_free(ctx, w.workers, worker_bytes);
+    bvxi_drop(ctx, w.reached);
+    bvxi_drop(ctx, w.workers);
     if (status != BVX_OK) bvxi_near_forget(ctx, nearest->memo);
     return status;
 }

@@ -323,14 +323,13 @@ bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, dou
     status = bvxi_near_order_make(ctx, stage, from, middle, n, &b.order);
     if (status == BVX_OK) status = make_near_leaves(ctx, stage, middle, to, &b);
     if (status == BVX_OK) status = make_near_nodes(ctx, &b);
-    bvxi_free(ctx, b.boxes, n->leaf_count * sizeof *b.boxes);
+    bvxi_drop(ctx, b.boxes);
     bvxi_near_order_free(ctx, &b.order);
     return status;
 }
 
 void bvxi_near_free(bvx_context *ctx, bvxi_nearest *n)
 {
-    for (int32_t l = n->level_count; l-- > 0;)
-        bvxi_free(ctx, n->level[l], n->level_nodes[l] * sizeof **n->level);
-    bvxi_free(ctx, n->leaves, n->leaf_count * sizeof *n->leaves);
+    for (int32_t l = n->level_count; l-- > 0;) bvxi_drop(ctx, n->level[l]);
+    bvxi_drop(ctx, n->leaves);
 }

@@ -196,7 +196,6 @@ bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, d
 {
     fill_work w = {nearest, where, first, values, guess, 1.0 / nearest->scale, bvxi_near_plan_of(where),
                    NULL,    0,     0};
-    uint64_t const worker_bytes = (uint64_t)bvxi_threads(ctx) * sizeof *w.workers;
     const bvxi_near_memo *const m = nearest->memo;
     bvx_status status = bvxi_near_workers(ctx, 0, &w.workers);
 
@@ -204,6 +203,6 @@ bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, d
     w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 &&
                    memcmp(m->size, where->size, sizeof m->size) == 0;
     if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, to, w.pieces, fill_near_runs, &w);
-    bvxi_free(ctx, w.workers, worker_bytes);
+    bvxi_drop(ctx, w.workers);
     return status;
 }

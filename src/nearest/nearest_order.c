@@ -144,15 +144,15 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
         status = bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare);
     if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, middle, k.pieces, place_near_vertices, &k);
     if (status == BVX_OK) status = sort_near_along_curve(ctx, stage, middle, to, &k, o);
-    bvxi_free(ctx, k.vertex, vertex_bytes);
+    bvxi_drop(ctx, k.vertex);
     return status;
 }
 
 void bvxi_near_order_free(bvx_context *ctx, bvxi_near_order *o)
 {
-    bvxi_free(ctx, o->numbers, o->count * sizeof *o->numbers);
-    bvxi_free(ctx, o->spare, o->count * sizeof *o->spare);
-    bvxi_free(ctx, o->keys, o->count * sizeof *o->keys);
+    bvxi_drop(ctx, o->numbers);
+    bvxi_drop(ctx, o->spare);
+    bvxi_drop(ctx, o->keys);
 }
 
 /* ---- Runs of triangles ---- */

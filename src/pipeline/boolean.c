@@ -278,7 +278,7 @@ static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
                             &representative));
         status = bvxi_weld(job->ctx, mesh, representative, &different);
         if (status == BVX_OK) bvxi_pieces(mesh, representative, piece[i]);
-        bvxi_free(job->ctx, representative, mesh->vertex_count * 4);
+        bvxi_drop(job->ctx, representative);
         BVXI_TRY(status);
     }
     return BVX_OK;
@@ -298,7 +298,7 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
             bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs));
         job->report.crumbs += crumbs;
     }
-    for (int32_t i = 2; i-- > 0;) bvxi_free(job->ctx, piece[i], job->body[i].mesh->vertex_count * 4);
+    for (int32_t i = 2; i-- > 0;) bvxi_drop(job->ctx, piece[i]);
     return status;
 }
 
@@ -366,13 +366,13 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
 static void close_body(boolean_job *job, boolean_body *b)
 {
-    bvxi_free(job->ctx, b->triangles, b->room * 4);
-    bvxi_free(job->ctx, b->distances, b->room * 8);
-    bvxi_free(job->ctx, b->vectors, b->room * 24);
-    bvxi_free(job->ctx, b->first, (job->rows + 1) * 8);
-    bvxi_free(job->ctx, b->where.words, job->grid_bytes);
+    bvxi_drop(job->ctx, b->triangles);
+    bvxi_drop(job->ctx, b->distances);
+    bvxi_drop(job->ctx, b->vectors);
+    bvxi_drop(job->ctx, b->first);
+    bvxi_drop(job->ctx, b->where.words);
     bvxi_thin_close(job->ctx, &b->thin);
-    bvxi_free(job->ctx, b->solid.words, job->grid_bytes);
+    bvxi_drop(job->ctx, b->solid.words);
 }
 
 /* ---- The surface ---- */
@@ -469,7 +469,7 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.body[1].mesh = b;
     status = boolean_steps(&job, result);
     if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
-    bvxi_free(context, job.inside.words, job.grid_bytes);
+    bvxi_drop(context, job.inside.words);
     for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;

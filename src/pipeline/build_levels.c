@@ -227,7 +227,7 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
         status = mark_crumbs(job, piece, vertices, pieces, CRUMB_SHARE * total, volume, keys,
                              piece + vertices);
     if (status == BVX_OK && job->report.crumbs != 0) drop_pieces(surface, piece, volume);
-    bvxi_free(job->ctx, block, bytes);
+    bvxi_drop(job->ctx, block);
     return status;
 }
 
@@ -324,7 +324,7 @@ static bvx_status simplify_surface(levels_job *job, bvx_mesh_view *view)
     if (coloured && status == BVX_OK) status = bvxi_nearest_colours(job->ctx, job->mesh, view, colours);
     view->colours = colours;
     if (status == BVX_OK) status = bvxi_levels_make(job->ctx, &job->chain, view);
-    bvxi_free(job->ctx, colours, bytes);
+    bvxi_drop(job->ctx, colours);
     return status;
 }
 
@@ -601,7 +601,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     status = bvxi_welded_view(context, mesh, &welded, &corner);
     if (status == BVX_OK) status = levels_steps(&job, &welded, corner);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
-    bvxi_free(context, corner, mesh->triangle_count * 12);
+    bvxi_drop(context, corner);
     if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;

@@ -229,7 +229,7 @@ static bvx_status ask_meshes(crumb_job *job)
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
     status = find_nearest_pieces(job, 0, distance);
     if (status == BVX_OK && job->sources > 1) status = find_nearest_pieces(job, 1, distance);
-    bvxi_free(job->ctx, distance, job->spaces.count * 8);
+    bvxi_drop(job->ctx, distance);
     return status;
 }
 
@@ -299,9 +299,8 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     }
     if (status == BVX_OK) *dropped = judge_crumbs(job);
     if (status == BVX_OK && *dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
-    for (int32_t s = job->sources; s-- > 0;)
-        bvxi_free(job->ctx, job->piece[s], job->source[s].mesh->vertex_count * sizeof *job->piece[s]);
-    bvxi_free(job->ctx, job->small.words, job->grid_bytes);
+    for (int32_t s = job->sources; s-- > 0;) bvxi_drop(job->ctx, job->piece[s]);
+    bvxi_drop(job->ctx, job->small.words);
     return status;
 }
 
@@ -321,7 +320,7 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part);
     if (status == BVX_OK && job.spaces.count > 1) find_small_parts(&job);
     if (status == BVX_OK && job.small_parts != 0) status = judge_small_parts(&job, dropped);
-    bvxi_free(ctx, job.part, job.spaces.count * sizeof *job.part);
+    bvxi_drop(ctx, job.part);
     bvxi_spaces_free(&job.spaces);
     return status;
 }

@@ -318,7 +318,7 @@ static bvx_status open_around(flatten_job *f)
         take_around(f, &all);
         number_around(f, all.vertex_count);
     }
-    bvxi_free(ctx, f->blocks, bytes);
+    bvxi_drop(ctx, f->blocks);
     f->blocks = NULL;
     return status;
 }
@@ -379,7 +379,7 @@ static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
     status = bvx_mesh_crossings(ctx, view, &count, pairs, room);
     for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, pairs[n]);
-    bvxi_free(ctx, pairs, room * 8);
+    bvxi_drop(ctx, pairs);
     return status;
 }
 
@@ -410,7 +410,7 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
         mark_vertex(f, v);
         mark_vertex(f, same[v]);
     }
-    bvxi_free(f->ctx, same, bytes);
+    bvxi_drop(f->ctx, same);
     return status;
 }
 
@@ -494,11 +494,11 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
     if (status == BVX_OK && f.count != 0) status = open_around(&f);
     if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
-    bvxi_free(ctx, f.position, f.near.vertex_count * 24);
-    bvxi_free(ctx, f.vertex, f.near.vertex_count * 4);
-    bvxi_free(ctx, f.corner, f.near.triangle_count * 12);
-    bvxi_free(ctx, f.local, bytes);
-    bvxi_free(ctx, f.moved, f.count * sizeof *f.moved);
-    bvxi_free(ctx, f.number, bytes);
+    bvxi_drop(ctx, f.position);
+    bvxi_drop(ctx, f.vertex);
+    bvxi_drop(ctx, f.corner);
+    bvxi_drop(ctx, f.local);
+    bvxi_drop(ctx, f.moved);
+    bvxi_drop(ctx, f.number);
     return status;
 }

@@ -215,8 +215,8 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
                             &fine.triangles);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, march, &fine);
     if (status == BVX_OK) status = collapse_level(ctx, job, &fine, mesh);
-    bvxi_free(ctx, fine.triangles, fine.triangle_capacity * 12);
-    bvxi_free(ctx, fine.positions, fine.vertex_capacity * vertex_bytes);
+    bvxi_drop(ctx, fine.triangles);
+    bvxi_drop(ctx, fine.positions);
     return status;
 }
 

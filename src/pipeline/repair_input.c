@@ -134,7 +134,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' pieces", &job->piece);
         if (status == BVX_OK) bvxi_pieces(&job->mesh, representative, job->piece);
     }
-    bvxi_free(ctx, representative, bytes);
+    bvxi_drop(ctx, representative);
     return status;
 }
 
@@ -142,9 +142,9 @@ void bvxi_repair_let_go(bvxi_repair_job *job)
 {
     bvxi_holes_close(job->ctx, &job->holes);
     bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
-    bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
-    bvxi_free(job->ctx, job->parted, job->mesh.triangle_count * 12);
-    bvxi_free(job->ctx, job->piece, job->given->vertex_count * 4);
-    bvxi_free(job->ctx, job->corner, job->given->triangle_count * 12);
+    bvxi_drop(job->ctx, job->inside.words);
+    bvxi_drop(job->ctx, job->solid.words);
+    bvxi_drop(job->ctx, job->parted);
+    bvxi_drop(job->ctx, job->piece);
+    bvxi_drop(job->ctx, job->corner);
 }

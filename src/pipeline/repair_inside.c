@@ -15,8 +15,8 @@ static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
 static bvx_status open_grids(bvxi_repair_job *job)
 {
     bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_free(job->ctx, job->inside.words, job->grid_bytes);
-    bvxi_free(job->ctx, job->solid.words, job->grid_bytes);
+    bvxi_drop(job->ctx, job->inside.words);
+    bvxi_drop(job->ctx, job->solid.words);
     memset(&job->inside, 0, sizeof job->inside);
     memset(&job->solid, 0, sizeof job->solid);
     job->grid_bytes = bvx_grid_bound(&job->lattice, NULL) * 8;

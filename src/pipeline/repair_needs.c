@@ -81,7 +81,7 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
         add_to_piece(&pieces[job->piece[v[0]]], (const double(*)[3])p);
     }
     *right = cavities_lie_within(pieces, count);
-    bvxi_free(job->ctx, pieces, bytes);
+    bvxi_drop(job->ctx, pieces);
     return BVX_OK;
 }
 
@@ -104,7 +104,7 @@ static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
         if (status == BVX_OK) status = bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]);
     }
     if (status == BVX_OK) *right = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
-    for (int i = 2; i-- > 0;) bvxi_free(job->ctx, grid[i].words, bytes);
+    for (int i = 2; i-- > 0;) bvxi_drop(job->ctx, grid[i].words);
     return status;
 }
 
@@ -179,8 +179,8 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     if (status == BVX_OK)
         status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number);
     if (status == BVX_OK) status = write_copy(job, representative, number, copy);
-    bvxi_free(job->ctx, number, bytes);
-    bvxi_free(job->ctx, representative, bytes);
+    bvxi_drop(job->ctx, number);
+    bvxi_drop(job->ctx, representative);
     if (status != BVX_OK) return status;
 
     job->report.copied = 1;

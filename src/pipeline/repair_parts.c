@@ -39,8 +39,8 @@ static bvx_status clean_spaces(bvxi_repair_job *job, int32_t empty, uint64_t lea
         judge_parts(voxels, marks, count, least, kept, gone);
         if (*gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
     }
-    bvxi_free(job->ctx, marks, count);
-    bvxi_free(job->ctx, voxels, count * 8);
+    bvxi_drop(job->ctx, marks);
+    bvxi_drop(job->ctx, voxels);
     bvxi_spaces_free(&spaces);
     return status;
 }

@@ -63,8 +63,8 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
     }
     for (uint64_t i = 0; i < job->grid_bytes / 8 && status == BVX_OK; i++)
         job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
-    bvxi_free(job->ctx, grid[1].words, job->grid_bytes);
-    bvxi_free(job->ctx, grid[0].words, job->grid_bytes);
+    bvxi_drop(job->ctx, grid[1].words);
+    bvxi_drop(job->ctx, grid[0].words);
     return status;
 }
 
@@ -121,8 +121,8 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
             }
         }
     }
-    bvxi_free(job->ctx, corner, result->triangle_count * 12);
-    bvxi_free(job->ctx, far, result->vertex_count);
+    bvxi_drop(job->ctx, corner);
+    bvxi_drop(job->ctx, far);
     return status;
 }
 
@@ -151,7 +151,7 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
     status = move_result(job, repaired, world, result);
     if (status == BVX_OK) status = measure_off_caps(job, result);
-    bvxi_free(job->ctx, world, result->vertex_count * 24);
+    bvxi_drop(job->ctx, world);
     return status;
 }
 

@@ -312,7 +312,7 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
         sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
         asked = ask_joined_pieces(job, sums, answer);
     }
-    bvxi_free(job->ctx, answer, bytes);
+    bvxi_drop(job->ctx, answer);
     return status;
 }
 
@@ -328,14 +328,14 @@ static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
         if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
     status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
                              &sums->piece);
-    if (status != BVX_OK) bvxi_free(job->ctx, sums->number, job->given->vertex_count * 4);
+    if (status != BVX_OK) bvxi_drop(job->ctx, sums->number);
     return status;
 }
 
 static void close_sums(bvxi_repair_job *job, all_sums *sums)
 {
-    bvxi_free(job->ctx, sums->piece, sums->count * sizeof *sums->piece);
-    bvxi_free(job->ctx, sums->number, job->given->vertex_count * 4);
+    bvxi_drop(job->ctx, sums->piece);
+    bvxi_drop(job->ctx, sums->number);
 }
 
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
@@ -376,8 +376,8 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
         status = bvxi_nearest_band(job->ctx, "shells", 0.3, 1.0, nearest, 0.5 * job->options->shell * most,
                                    &band, first);
     for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
-    bvxi_free(job->ctx, first, (rows + 1) * 8);
-    if (band.words != job->inside.words) bvxi_free(job->ctx, band.words, job->grid_bytes);
+    bvxi_drop(job->ctx, first);
+    if (band.words != job->inside.words) bvxi_drop(job->ctx, band.words);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }

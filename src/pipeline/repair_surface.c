@@ -81,18 +81,18 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, repair_values *v)
     if (status == BVX_OK)
         status = measure_mesh(job, v, &job->sheets, thick, vectors, distances, NULL, 0.5, 1.0);
     if (status == BVX_OK) join_values(job, v, thick, vectors, distances);
-    bvxi_free(job->ctx, distances, v->count * 8);
-    bvxi_free(job->ctx, vectors, v->count * 24);
+    bvxi_drop(job->ctx, distances);
+    bvxi_drop(job->ctx, vectors);
     return status;
 }
 
 static void close_values(bvxi_repair_job *job, repair_values *v)
 {
-    bvxi_free(job->ctx, v->triangles, v->count * 4);
-    bvxi_free(job->ctx, v->distances, v->count * 8);
-    bvxi_free(job->ctx, v->vectors, v->count * 24);
-    bvxi_free(job->ctx, v->first, (v->rows + 1) * 8);
-    bvxi_free(job->ctx, v->where.words, job->grid_bytes);
+    bvxi_drop(job->ctx, v->triangles);
+    bvxi_drop(job->ctx, v->distances);
+    bvxi_drop(job->ctx, v->vectors);
+    bvxi_drop(job->ctx, v->first);
+    bvxi_drop(job->ctx, v->where.words);
 }
 
 static bvx_status open_values(bvxi_repair_job *job, repair_values *v)

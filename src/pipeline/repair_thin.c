@@ -31,7 +31,7 @@ static bvx_status count_thin_components(repair_walls *t)
         if (t->walls.point[n].wall != BVXI_NO_WALL)
             own[job->piece[t->walls.corner[3 * (size_t)t->walls.point[n].triangle]]] = 1;
     for (uint64_t v = 0; v < vertices; v++) job->report.thin_components += own[v];
-    bvxi_free(job->ctx, own, vertices);
+    bvxi_drop(job->ctx, own);
     return BVX_OK;
 }
 

@@ -187,7 +187,7 @@ static bvx_status widen(thin_job *t)
     t->walls->point = NULL;
     t->walls->count = 0;
     status = mend_all(t, near, &mended);
-    bvxi_free(t->walls->ctx, near, t->walls->bytes);
+    bvxi_drop(t->walls->ctx, near);
 
     /* Without that, the first answers are still those of all centres. */
     bvxi_walls_drop(mended ? &asked : t->walls);
@@ -231,10 +231,10 @@ bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
 
 void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin)
 {
-    bvxi_free(ctx, thin->corner, thin->corner_bytes);
-    bvxi_free(ctx, thin->reach, thin->values * 4);
-    bvxi_free(ctx, thin->first, (thin->rows + 1) * 8);
-    bvxi_free(ctx, thin->near.words, thin->near_bytes);
+    bvxi_drop(ctx, thin->corner);
+    bvxi_drop(ctx, thin->reach);
+    bvxi_drop(ctx, thin->first);
+    bvxi_drop(ctx, thin->near.words);
     memset(thin, 0, sizeof *thin);
 }
 

@@ -136,7 +136,7 @@ static void drop_refinement(bvxi_refine_job *job)
 {
     bvxi_refine_free_front(job, &job->front);
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) {
-        bvxi_free(job->ctx, job->up[l], job->up_count[l] * 4);
+        bvxi_drop(job->ctx, job->up[l]);
         job->up[l] = NULL;
     }
     bvxi_refine_free_grids(job);
@@ -146,7 +146,7 @@ static void drop_octets(bvxi_refine_job *job, int32_t from)
 {
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= from; l--) {
         bvxi_octets_close(job->ctx, &job->tree->octets[l]);
-        bvxi_free(job->ctx, job->up[l], job->up_count[l] * 4);
+        bvxi_drop(job->ctx, job->up[l]);
         job->up[l] = NULL;
     }
 }
@@ -169,7 +169,7 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
 
         /* Trying is the only way to know: the allocator's limit may be the machine's. */
         if (bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block) != BVX_OK) continue;
-        bvxi_free(ctx, block, bytes);
+        bvxi_drop(ctx, block);
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %d levels are beyond the memory limit; levels = %d fits",
                          bvx_refine_name, (int64_t)levels, (int64_t)made);
     }

@@ -228,10 +228,10 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 
 void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
 {
-    bvxi_free(job->ctx, front->slot, front->count * 4);
-    bvxi_free(job->ctx, front->list, front->pairs * 4);
-    bvxi_free(job->ctx, front->offset, (front->slots + 1) * 8);
-    bvxi_free(job->ctx, front->ijk, front->count * 12);
+    bvxi_drop(job->ctx, front->slot);
+    bvxi_drop(job->ctx, front->list);
+    bvxi_drop(job->ctx, front->offset);
+    bvxi_drop(job->ctx, front->ijk);
     memset(front, 0, sizeof *front);
 }
 
@@ -282,11 +282,11 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
         status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children",
                             &split->hits);
     if (status == BVX_OK) status = split_front(split, from, to);
-    bvxi_free(job->ctx, split->hits, job->front.pairs);
+    bvxi_drop(job->ctx, split->hits);
     if (status == BVX_OK && !lists) hand_lists_on(&job->front, &split->next);
     bvxi_refine_free_front(job, &job->front);
     job->front = split->next;
     if (status != BVX_OK) bvxi_refine_free_front(job, &job->front);
-    bvxi_free(job->ctx, split, sizeof *split);
+    bvxi_drop(job->ctx, split);
     return status;
 }

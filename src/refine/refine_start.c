@@ -195,8 +195,8 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     job->front.slots = bvxi_rank_build(&surface->rank, job->grids.words[job->start], words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last);
     if (status == BVX_OK) status = list_triangles(ctx, start, &job->front);
-    bvxi_free(ctx, surface->last, voxels * 4);
-    bvxi_free(ctx, prefix, bytes);
+    bvxi_drop(ctx, surface->last);
+    bvxi_drop(ctx, prefix);
     return status;
 }
 
@@ -233,7 +233,7 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
         status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
     if (status == BVX_OK && job->start < tree->levels) status = make_start_lists(job, start);
     bvxi_bins_close(job->ctx, &start->surface);
-    bvxi_free(job->ctx, start, sizeof *start);
+    bvxi_drop(job->ctx, start);
     return status;
 }
 
@@ -386,14 +386,14 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
                                                                (uint64_t)v[0]);
         }
     }
-    bvxi_free(job->ctx, ranked.before, words * 4);
+    bvxi_drop(job->ctx, ranked.before);
     return status;
 }
 
 void bvxi_refine_free_grids(bvxi_refine_job *job)
 {
     for (int32_t l = 0; l <= job->start; l++) {
-        bvxi_free(job->ctx, job->grids.words[l], bvxi_refine_grid_words(job->tree, l) * 8);
+        bvxi_drop(job->ctx, job->grids.words[l]);
         job->grids.words[l] = NULL;
     }
 }

@@ -175,7 +175,7 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
     status = make_solids(job, nearby, rows);
     if (status == BVX_OK) decide_base(rows);
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
-    bvxi_free(job->ctx, rows, sizeof *rows);
+    bvxi_drop(job->ctx, rows);
     return status;
 }
 
@@ -194,6 +194,6 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     nearby.triangle_count = count;
     nearby.vertex_count = 3 * count;
     status = decide_by_solids(job, &nearby);
-    bvxi_free(job->ctx, positions, count * 72);
+    bvxi_drop(job->ctx, positions);
     return status;
 }

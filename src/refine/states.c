@@ -392,6 +392,6 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     memset(job.passed, 0, (size_t)tree->root.words * 8);
     memset(job.row_in_list, 0, (size_t)tree->root.count);
     status = find_states(ctx, &job);
-    bvxi_free(ctx, block, bytes);
+    bvxi_drop(ctx, block);
     return status;
 }

@@ -96,7 +96,7 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     status = bvxi_parallel(ctx, "render", 0.0, 0.1, s->pieces, extent_of_rows, s);
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
-    bvxi_free(ctx, s->extent, size);
+    bvxi_drop(ctx, s->extent);
     BVXI_TRY(status);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", s->picture.function,

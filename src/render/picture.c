@@ -174,8 +174,8 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
     status = draw_and_shade(ctx, p, samples);
-    bvxi_free(ctx, p->raster.id, samples * 4);
-    bvxi_free(ctx, p->raster.depth, samples * 4);
+    bvxi_drop(ctx, p->raster.id);
+    bvxi_drop(ctx, p->raster.depth);
     if (status == BVX_OK) return BVX_OK;
     bvx_image_free(ctx, &image);
     memset(&p->image, 0, sizeof p->image);

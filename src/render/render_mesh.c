@@ -93,7 +93,7 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     status = bvxi_parallel(ctx, "render", 0.0, 0.05, s->pieces, extent_of_piece, s);
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
-    bvxi_free(ctx, s->extent, size);
+    bvxi_drop(ctx, s->extent);
     BVXI_TRY(status);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
@@ -274,9 +274,9 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
     take_scene_cut(&s, low, high);
     status = make_scene(context, &s);
-    bvxi_free(context, s.normal, mesh->vertex_count * 12);
+    bvxi_drop(context, s.normal);
     bvxi_triangle_bins_close(context, &s.bins);
-    bvxi_free(context, s.vertex, mesh->vertex_count * sizeof *s.vertex);
+    bvxi_drop(context, s.vertex);
     if (status != BVX_OK) return status;
 
     bvx_image_free(context, image);

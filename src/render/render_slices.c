@@ -83,7 +83,7 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
             low[a] = s->box[i][0][a] < low[a] ? s->box[i][0][a] : low[a];
             high[a] = s->box[i][1][a] > high[a] ? s->box[i][1][a] : high[a];
         }
-    bvxi_free(ctx, s->box, size);
+    bvxi_drop(ctx, s->box);
     BVXI_TRY(status);
     if (high[0] < 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set in what is shown", s->function);

@@ -111,7 +111,7 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
 
 void bvxi_shade_close(bvx_context *ctx, bvxi_shade *shade)
 {
-    bvxi_free(ctx, shade, sizeof *shade);
+    bvxi_drop(ctx, shade);
 }
 
 /* ---- one sample ---- */

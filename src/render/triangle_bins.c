@@ -78,12 +78,12 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
         status = bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle);
     }
     if (status == BVX_OK) status = bvxi_parallel(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w);
-    bvxi_free(ctx, w.place, places * 8);
+    bvxi_drop(ctx, w.place);
     return status;
 }
 
 void bvxi_triangle_bins_close(bvx_context *ctx, bvxi_triangle_bins *bins)
 {
-    bvxi_free(ctx, bins->triangle, bins->total * 4);
-    bvxi_free(ctx, bins->begin, ((uint64_t)bins->bands + 1) * 8);
+    bvxi_drop(ctx, bins->triangle);
+    bvxi_drop(ctx, bins->begin);
 }

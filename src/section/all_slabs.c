@@ -194,9 +194,9 @@ static bvx_status fill_in_job(slabs_job *job)
 
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room);
     if (status == BVX_OK) status = fill_side_by_side(job);
-    bvxi_free(s->ctx, job->worker, (uint64_t)job->workers * sizeof *job->worker);
-    bvxi_free(s->ctx, job->room, rooms);
-    bvxi_free(s->ctx, job->again, job->count);
+    bvxi_drop(s->ctx, job->worker);
+    bvxi_drop(s->ctx, job->room);
+    bvxi_drop(s->ctx, job->again);
     return status;
 }
 
@@ -313,7 +313,7 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     if (status == BVX_OK)
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle);
     if (status == BVX_OK) status = join_in_job(&job);
-    bvxi_free(s->ctx, job.triangle, firsts);
-    bvxi_free(s->ctx, job.vertex, firsts);
+    bvxi_drop(s->ctx, job.triangle);
+    bvxi_drop(s->ctx, job.vertex);
     return status;
 }

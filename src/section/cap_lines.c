@@ -67,10 +67,10 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
         status = follow_lines(s, &p, edge, count, behind);
     }
     if (status == BVX_OK) status = bvxi_cap_fill(s, &p, side);
-    bvxi_free(s->ctx, p.contour, (uint64_t)count * sizeof *p.contour);
-    bvxi_free(s->ctx, p.ring, (uint64_t)count * 4);
-    bvxi_free(s->ctx, p.next, (uint64_t)count * 4);
-    bvxi_free(s->ctx, p.q, (uint64_t)count * 8);
-    bvxi_free(s->ctx, behind, vertices * 4);
+    bvxi_drop(s->ctx, p.contour);
+    bvxi_drop(s->ctx, p.ring);
+    bvxi_drop(s->ctx, p.next);
+    bvxi_drop(s->ctx, p.q);
+    bvxi_drop(s->ctx, behind);
     return status;
 }

@@ -398,12 +398,12 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut);
     if (status == BVX_OK) status = fill_regions(&w, owner);
     bvxi_polygon_free(&w.polygon);
-    bvxi_free(s->ctx, w.cut, corners * 12);
-    bvxi_free(s->ctx, w.at, corners * sizeof *w.at);
-    bvxi_free(s->ctx, w.bridge, (uint64_t)plane->contour_count * sizeof *w.bridge);
-    bvxi_free(s->ctx, w.corner, corners * 4);
-    bvxi_free(s->ctx, w.after, corners * 4);
-    bvxi_free(s->ctx, owner, (uint64_t)plane->contour_count * 4);
+    bvxi_drop(s->ctx, w.cut);
+    bvxi_drop(s->ctx, w.at);
+    bvxi_drop(s->ctx, w.bridge);
+    bvxi_drop(s->ctx, w.corner);
+    bvxi_drop(s->ctx, w.after);
+    bvxi_drop(s->ctx, owner);
     return status;
 }
 

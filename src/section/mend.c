@@ -95,14 +95,14 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed);
     if (status == BVX_OK) status = mend_planes(&w, m);
-    bvxi_free(s->ctx, w.active, (uint64_t)w.active_room * 4);
-    bvxi_free(s->ctx, w.order, (uint64_t)w.order_room * 4);
-    bvxi_free(s->ctx, w.key, (uint64_t)w.key_room * 8);
-    bvxi_free(s->ctx, w.split, (uint64_t)w.split_room * sizeof *w.split);
-    bvxi_free(s->ctx, w.split_edge, (uint64_t)w.split_edge_room * sizeof *w.split_edge);
-    bvxi_free(s->ctx, w.edge, (uint64_t)w.edge_room * sizeof *w.edge);
-    bvxi_free(s->ctx, w.node, (uint64_t)w.node_room * sizeof *w.node);
-    bvxi_free(s->ctx, w.changed, most);
+    bvxi_drop(s->ctx, w.active);
+    bvxi_drop(s->ctx, w.order);
+    bvxi_drop(s->ctx, w.key);
+    bvxi_drop(s->ctx, w.split);
+    bvxi_drop(s->ctx, w.split_edge);
+    bvxi_drop(s->ctx, w.edge);
+    bvxi_drop(s->ctx, w.node);
+    bvxi_drop(s->ctx, w.changed);
     bvxi_map_free(s, &map);
     return status;
 }
@@ -129,6 +129,6 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
         status = mend_stack(&s, m);
     }
     if (s.ctx != NULL) bvxi_stack_close(&s);
-    bvxi_free(ctx, kept.loops, given->loop_count * sizeof *kept.loops);
+    bvxi_drop(ctx, kept.loops);
     return status;
 }

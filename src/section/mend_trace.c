@@ -282,6 +282,6 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.used = (uint8_t *)at;
 
     status = mend_trace_in(&t, key, order, narrowest, stays);
-    bvxi_free(w->s->ctx, block, size);
+    bvxi_drop(w->s->ctx, block);
     return status;
 }

@@ -298,10 +298,10 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
         if (status == BVX_OK)
             status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]);
     if (status == BVX_OK) status = nest_find_all(&w);
-    for (int k = 2; k-- > 0;) bvxi_free(s->ctx, w.active[k], n * 4);
-    bvxi_free(s->ctx, w.order, n * 4);
-    bvxi_free(s->ctx, w.key, n * 8);
-    bvxi_free(s->ctx, w.loop, loops);
+    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, w.active[k]);
+    bvxi_drop(s->ctx, w.order);
+    bvxi_drop(s->ctx, w.key);
+    bvxi_drop(s->ctx, w.loop);
     return status;
 }
 
@@ -326,8 +326,8 @@ void bvxi_nesting_close(bvxi_stack *s)
     bvxi_nesting *const n = &s->nesting;
 
     bvxi_nesting_drop(s);
-    for (int k = 2; k-- > 0;) bvxi_free(s->ctx, n->level[k], s->all.contour_room);
-    bvxi_free(s->ctx, n->joined, s->plane_count);
-    bvxi_free(s->ctx, n->count, s->plane_count);
+    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, n->level[k]);
+    bvxi_drop(s->ctx, n->joined);
+    bvxi_drop(s->ctx, n->count);
     memset(n, 0, sizeof *n);
 }

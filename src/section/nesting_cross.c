@@ -181,7 +181,7 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
     status = BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room));
     if (status == BVX_OK) nest_mark_pairs(m, pairs, count, found);
-    bvxi_free(ctx, pairs, room * 8);
+    bvxi_drop(ctx, pairs);
     return status;
 }
 
@@ -202,11 +202,11 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own);
     if (status == BVX_OK) status = nest_gather_shared(&m, own);
-    bvxi_free(s->ctx, own, cells);
-    bvxi_free(s->ctx, m.shared, cells);
-    bvxi_free(s->ctx, m.seen, cells);
+    bvxi_drop(s->ctx, own);
+    bvxi_drop(s->ctx, m.shared);
+    bvxi_drop(s->ctx, m.seen);
     if (status == BVX_OK) status = nest_find_crossed(&m, found);
-    bvxi_free(s->ctx, m.owner, m.owner_room * 4);
-    bvxi_free(s->ctx, m.position, m.position_room * 72);
+    bvxi_drop(s->ctx, m.owner);
+    bvxi_drop(s->ctx, m.position);
     return status;
 }

@@ -173,7 +173,7 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
                         &n->plane);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part);
     if (status == BVX_OK) status = nest_make_levels(s, part);
-    bvxi_free(s->ctx, part, most * 4);
+    bvxi_drop(s->ctx, part);
     return status;
 }
 
@@ -192,9 +192,8 @@ void bvxi_nesting_drop(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
 
-    for (uint32_t i = n->plane_count; i-- > 0;)
-        bvxi_free(s->ctx, n->plane[i].contour, n->plane[i].level_bytes);
-    bvxi_free(s->ctx, n->plane, n->plane_room * sizeof *n->plane);
+    for (uint32_t i = n->plane_count; i-- > 0;) bvxi_drop(s->ctx, n->plane[i].contour);
+    bvxi_drop(s->ctx, n->plane);
     n->plane = NULL;
     n->plane_count = n->plane_room = 0;
 }

@@ -201,8 +201,8 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
         status = bvxi_progress(s->ctx, "ends", (double)i / s->plane_count);
         for (int side = 0; side < 2 && status == BVX_OK; side++) mark_parts_on(&w, i, side, depth);
     }
-    bvxi_free(s->ctx, depth, most * 8);
-    bvxi_free(s->ctx, w.met, most);
-    bvxi_free(s->ctx, w.owner, most * 4);
+    bvxi_drop(s->ctx, depth);
+    bvxi_drop(s->ctx, w.met);
+    bvxi_drop(s->ctx, w.owner);
     return status;
 }

@@ -186,8 +186,8 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     if (status == BVX_OK) status = make_in_job(&job);
     cuts = 0;
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
-    bvxi_free(s->ctx, job.first, firsts);
-    bvxi_free(s->ctx, job.sorted, cuts * 4);
-    bvxi_free(s->ctx, job.start, starts);
+    bvxi_drop(s->ctx, job.first);
+    bvxi_drop(s->ctx, job.sorted);
+    bvxi_drop(s->ctx, job.start);
     return status;
 }

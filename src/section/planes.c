@@ -83,8 +83,8 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure);
     if (status == BVX_OK) status = place_in_job(&job);
-    bvxi_free(s->ctx, job.unsure, n);
-    bvxi_free(s->ctx, job.bounds, n * sizeof *job.bounds);
+    bvxi_drop(s->ctx, job.unsure);
+    bvxi_drop(s->ctx, job.bounds);
     return status;
 }
 
@@ -253,7 +253,7 @@ static bvx_status snap_planes(planes_job *job)
     if (status == BVX_OK)
         status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job);
     if (status == BVX_OK) status = settle_planes(job);
-    bvxi_free(s->ctx, block.block, block.size);
+    bvxi_drop(s->ctx, block.block);
     return status;
 }
 
@@ -267,7 +267,7 @@ static bvx_status cut_planes(planes_job *job)
     status = open_cut_scratch(job, &block);
     if (status == BVX_OK)
         status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
-    bvxi_free(s->ctx, block.block, block.size);
+    bvxi_drop(s->ctx, block.block);
     return status;
 }
 
@@ -296,8 +296,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count);
     if (status == BVX_OK) status = snap_planes(&job);
     if (status == BVX_OK) status = cut_planes(&job);
-    bvxi_free(s->ctx, job.count, n * 16);
-    bvxi_free(s->ctx, job.unsure, n);
-    bvxi_free(s->ctx, job.scratch, (uint64_t)job.workers * sizeof *job.scratch);
+    bvxi_drop(s->ctx, job.count);
+    bvxi_drop(s->ctx, job.unsure);
+    bvxi_drop(s->ctx, job.scratch);
     return status;
 }

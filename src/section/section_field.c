@@ -418,19 +418,17 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 void bvxi_field_close(bvxi_field *f)
 {
     bvxi_stack *const s = f->s;
-    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
-    uint64_t const words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
 
-    bvxi_free(s->ctx, f->crossed, words * 8);
-    bvxi_free(s->ctx, f->before, words * 4);
-    bvxi_free(s->ctx, f->hanging_row, ((uint64_t)s->size[1] + 2) * 4);
-    bvxi_free(s->ctx, f->hanging_column, ((uint64_t)s->size[0] + 2) * 4);
-    bvxi_free(s->ctx, f->layer, f->line_room);
+    bvxi_drop(s->ctx, f->crossed);
+    bvxi_drop(s->ctx, f->before);
+    bvxi_drop(s->ctx, f->hanging_row);
+    bvxi_drop(s->ctx, f->hanging_column);
+    bvxi_drop(s->ctx, f->layer);
     for (int k = BVXI_BLEND_SECTIONS; k-- > 0;) {
-        bvxi_free(s->ctx, f->plane[k].known, known_bytes(s));
-        bvxi_free(s->ctx, f->plane[k].distance, points * 8);
-        bvxi_free(s->ctx, f->line[k], (uint64_t)f->line_room * 8);
-        bvxi_free(s->ctx, f->plane[k].column, column_bytes(s));
+        bvxi_drop(s->ctx, f->plane[k].known);
+        bvxi_drop(s->ctx, f->plane[k].distance);
+        bvxi_drop(s->ctx, f->line[k]);
+        bvxi_drop(s->ctx, f->plane[k].column);
     }
     memset(f, 0, sizeof *f);
 }

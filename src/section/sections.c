@@ -123,10 +123,10 @@ static void drop_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t count)
 
     bvxi_slabs_free(s, *slabs, count);
     *slabs = NULL;
-    bvxi_free(s->ctx, all->triangle, all->triangle_room * 12);
-    bvxi_free(s->ctx, all->position, all->vertex_room * 24);
-    bvxi_free(s->ctx, m->triangle, m->triangle_room * 12);
-    bvxi_free(s->ctx, m->position, m->vertex_room * 24);
+    bvxi_drop(s->ctx, all->triangle);
+    bvxi_drop(s->ctx, all->position);
+    bvxi_drop(s->ctx, m->triangle);
+    bvxi_drop(s->ctx, m->position);
     memset(all, 0, sizeof *all);
     memset(m, 0, sizeof *m);
     bvxi_nesting_drop(s);

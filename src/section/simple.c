@@ -149,9 +149,9 @@ bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place);
     if (status == BVX_OK) status = check_pairs(s, p, &w);
-    bvxi_free(s->ctx, w.place, n * 4);
-    bvxi_free(s->ctx, w.active, n * 4);
-    bvxi_free(s->ctx, w.order, n * 4);
-    bvxi_free(s->ctx, w.key, n * 8);
+    bvxi_drop(s->ctx, w.place);
+    bvxi_drop(s->ctx, w.active);
+    bvxi_drop(s->ctx, w.order);
+    bvxi_drop(s->ctx, w.key);
     return status;
 }

@@ -151,15 +151,15 @@ static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
         w.is_last = slabs[i].below == slabs[count - 1].below;
         if (status == BVX_OK) status = split_slab(&w, &slabs[i]);
     }
-    bvxi_free(s->ctx, w.sorted, (uint64_t)w.sorted_room * sizeof *w.sorted);
-    bvxi_free(s->ctx, w.order, (uint64_t)w.order_room * sizeof *w.order);
-    bvxi_free(s->ctx, w.key, (uint64_t)w.key_room * sizeof *w.key);
-    bvxi_free(s->ctx, w.grown.hanging, (uint64_t)w.grown.hanging_room * sizeof *w.grown.hanging);
-    bvxi_free(s->ctx, w.grown.arc, (uint64_t)w.grown.arc_room * sizeof *w.grown.arc);
-    bvxi_free(s->ctx, w.grown.leaf, (uint64_t)w.grown.leaf_room * sizeof *w.grown.leaf);
-    bvxi_free(s->ctx, w.grown.split, (uint64_t)w.grown.split_room * sizeof *w.grown.split);
-    bvxi_free(s->ctx, w.piece, (uint64_t)w.piece_room * sizeof *w.piece);
-    bvxi_free(s->ctx, w.pool, (uint64_t)w.pool_room * sizeof *w.pool);
+    bvxi_drop(s->ctx, w.sorted);
+    bvxi_drop(s->ctx, w.order);
+    bvxi_drop(s->ctx, w.key);
+    bvxi_drop(s->ctx, w.grown.hanging);
+    bvxi_drop(s->ctx, w.grown.arc);
+    bvxi_drop(s->ctx, w.grown.leaf);
+    bvxi_drop(s->ctx, w.grown.split);
+    bvxi_drop(s->ctx, w.piece);
+    bvxi_drop(s->ctx, w.pool);
     return status;
 }
 
@@ -284,13 +284,12 @@ void bvxi_slabs_free(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     for (uint32_t i = count; i-- > 0;) {
         bvxi_slab *const b = &slabs[i];
         if (b->owns_mesh) {
-            bvxi_free(s->ctx, b->mesh.triangle, b->mesh.triangle_room * 12);
-            bvxi_free(s->ctx, b->mesh.position, b->mesh.vertex_room * 24);
+            bvxi_drop(s->ctx, b->mesh.triangle);
+            bvxi_drop(s->ctx, b->mesh.position);
         }
-        bvxi_free(s->ctx, b->block, b->block_size);
+        bvxi_drop(s->ctx, b->block);
     }
-    bvxi_free(s->ctx, s->nothing.inside,
-              s->nothing.inside == NULL ? 0 : ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8);
+    bvxi_drop(s->ctx, s->nothing.inside);
     s->nothing.inside = NULL;
-    bvxi_free(s->ctx, slabs, (uint64_t)count * sizeof *slabs);
+    bvxi_drop(s->ctx, slabs);
 }

@@ -278,8 +278,8 @@ void bvxi_slab_work_close(bvxi_slab_work *w)
     if (s == NULL) return;
     for (int k = 2; k-- > 0;) bvxi_map_free(s, &w->map[k]);
     bvxi_trace_free(&w->trace);
-    bvxi_free(s->ctx, w->split_bit, split_bytes(s));
-    bvxi_free(s->ctx, w->row, (uint64_t)s->words * 8);
+    bvxi_drop(s->ctx, w->split_bit);
+    bvxi_drop(s->ctx, w->row);
     bvxi_field_close(&w->field);
     memset(w, 0, sizeof *w);
 }

@@ -429,15 +429,15 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     w.label = o.label;
     status = slice_all(&w, &o, sections);
     bvx_sections_free(context, &w.made);
-    bvxi_free(context, w.used, w.most);
-    bvxi_free(context, w.order, w.most * 4);
-    bvxi_free(context, w.to, w.most * 8);
-    bvxi_free(context, w.from, w.most * 8);
-    bvxi_free(context, w.list, w.list_count * 4);
-    bvxi_free(context, w.first, (w.plane_count + 1) * 8);
-    bvxi_free(context, w.position, w.plane_count * 8);
-    bvxi_free(context, w.height, mesh->vertex_count * 8);
-    bvxi_free(context, w.weld, mesh->vertex_count * 4);
+    bvxi_drop(context, w.used);
+    bvxi_drop(context, w.order);
+    bvxi_drop(context, w.to);
+    bvxi_drop(context, w.from);
+    bvxi_drop(context, w.list);
+    bvxi_drop(context, w.first);
+    bvxi_drop(context, w.position);
+    bvxi_drop(context, w.height);
+    bvxi_drop(context, w.weld);
     return status;
 }
 

@@ -202,10 +202,10 @@ static bvx_status gather_planes(bvxi_stack *s)
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key);
     if (status == BVX_OK) status = gather(s, loops, points, plane_of, key);
-    bvxi_free(s->ctx, key, n * 8);
-    bvxi_free(s->ctx, points, n * 8);
-    bvxi_free(s->ctx, plane_of, n * 4);
-    bvxi_free(s->ctx, loops, n * 4);
+    bvxi_drop(s->ctx, key);
+    bvxi_drop(s->ctx, points);
+    bvxi_drop(s->ctx, plane_of);
+    bvxi_drop(s->ctx, loops);
     return status;
 }
 
@@ -260,29 +260,27 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 
 void bvxi_stack_close(bvxi_stack *s)
 {
-    for (int k = 2; k-- > 0;)
-        bvxi_free(s->ctx, s->cap_edge[k], (uint64_t)s->cap_edge_room[k] * sizeof *s->cap_edge[k]);
-    bvxi_free(s->ctx, s->slab_mesh.triangle, s->slab_mesh.triangle_room * 12);
-    bvxi_free(s->ctx, s->slab_mesh.position, s->slab_mesh.vertex_room * 24);
-    bvxi_free(s->ctx, s->mesh.triangle, s->mesh.triangle_room * 12);
-    bvxi_free(s->ctx, s->mesh.position, s->mesh.vertex_room * 24);
+    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, s->cap_edge[k]);
+    bvxi_drop(s->ctx, s->slab_mesh.triangle);
+    bvxi_drop(s->ctx, s->slab_mesh.position);
+    bvxi_drop(s->ctx, s->mesh.triangle);
+    bvxi_drop(s->ctx, s->mesh.position);
     for (uint32_t i = s->plane_count; i-- > 0;)
-        if (s->plane[i].owns_cuts)
-            bvxi_free(s->ctx, s->plane[i].cut, (uint64_t)s->plane[i].cut_room * sizeof *s->plane[i].cut);
-    bvxi_free(s->ctx, s->all.box, s->box_room * sizeof *s->all.box);
-    bvxi_free(s->ctx, s->all.group, s->group_room * sizeof *s->all.group);
-    bvxi_free(s->ctx, s->all.asking, s->arc_room * sizeof *s->all.asking);
-    bvxi_free(s->ctx, s->all.arc_cell, s->arc_room * sizeof *s->all.arc_cell);
-    bvxi_free(s->ctx, s->all.ring_arc, s->arc_room * sizeof *s->all.ring_arc);
-    bvxi_free(s->ctx, s->all.arc, s->arc_room * sizeof *s->all.arc);
-    bvxi_free(s->ctx, s->all.cut, s->cut_room * sizeof *s->all.cut);
-    bvxi_free(s->ctx, s->all.inside, s->plane_count * inside_bytes(s));
-    bvxi_free(s->ctx, s->all.contour, s->all.contour_room * sizeof *s->all.contour);
-    bvxi_free(s->ctx, s->all.ring, s->all.point_room * 4);
-    bvxi_free(s->ctx, s->all.next, s->all.point_room * 4);
-    bvxi_free(s->ctx, s->all.uv, s->all.point_room * 16);
-    bvxi_free(s->ctx, s->all.q, s->all.point_room * 8);
-    bvxi_free(s->ctx, s->all.given, s->all.point_room * 4);
-    bvxi_free(s->ctx, s->plane, (uint64_t)s->plane_count * sizeof *s->plane);
+        if (s->plane[i].owns_cuts) bvxi_drop(s->ctx, s->plane[i].cut);
+    bvxi_drop(s->ctx, s->all.box);
+    bvxi_drop(s->ctx, s->all.group);
+    bvxi_drop(s->ctx, s->all.asking);
+    bvxi_drop(s->ctx, s->all.arc_cell);
+    bvxi_drop(s->ctx, s->all.ring_arc);
+    bvxi_drop(s->ctx, s->all.arc);
+    bvxi_drop(s->ctx, s->all.cut);
+    bvxi_drop(s->ctx, s->all.inside);
+    bvxi_drop(s->ctx, s->all.contour);
+    bvxi_drop(s->ctx, s->all.ring);
+    bvxi_drop(s->ctx, s->all.next);
+    bvxi_drop(s->ctx, s->all.uv);
+    bvxi_drop(s->ctx, s->all.q);
+    bvxi_drop(s->ctx, s->all.given);
+    bvxi_drop(s->ctx, s->plane);
     memset(s, 0, sizeof *s);
 }

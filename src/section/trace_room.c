@@ -45,21 +45,21 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
         if (status == BVX_OK)
             status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
         if (status != BVX_OK) {
-            bvxi_free(s->ctx, next, next == NULL ? 0 : room * 4);
-            bvxi_free(s->ctx, (void *)at, at == NULL ? 0 : room * sizeof *at);
-            bvxi_free(s->ctx, faces, faces == NULL ? 0 : room);
-            bvxi_free(s->ctx, vertex, vertex == NULL ? 0 : room * 4);
+            bvxi_drop(s->ctx, next);
+            bvxi_drop(s->ctx, (void *)at);
+            bvxi_drop(s->ctx, faces);
+            bvxi_drop(s->ctx, vertex);
             return status;
         }
         if (old != 0) {
             memcpy(vertex, t->vertex, (size_t)old * 4);
             memcpy(faces, t->faces, (size_t)old);
         }
-        bvxi_free(s->ctx, t->before, old * 4);
-        bvxi_free(s->ctx, t->next, old * 4);
-        bvxi_free(s->ctx, (void *)t->at, old * sizeof *at);
-        bvxi_free(s->ctx, t->faces, old);
-        bvxi_free(s->ctx, t->vertex, old * 4);
+        bvxi_drop(s->ctx, t->before);
+        bvxi_drop(s->ctx, t->next);
+        bvxi_drop(s->ctx, (void *)t->at);
+        bvxi_drop(s->ctx, t->faces);
+        bvxi_drop(s->ctx, t->vertex);
         t->vertex = vertex;
         t->faces = faces;
         t->at = at;
@@ -96,15 +96,15 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
             if (status != BVX_OK) { /* both rows keep one length */
                 if (k == 1) {
                     uint32_t **const done = which == 0 ? &t->row[0] : &t->cross[0];
-                    bvxi_free(s->ctx, *done, larger * 4);
+                    bvxi_drop(s->ctx, *done);
                     *done = NULL;
-                    bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
+                    bvxi_drop(s->ctx, *rows);
                     *rows = NULL;
                     *room = 0;
                 }
                 return status;
             }
-            bvxi_free(s->ctx, *rows, (uint64_t)*room * 4);
+            bvxi_drop(s->ctx, *rows);
             *rows = made;
         }
         *room = (uint32_t)larger;
@@ -129,20 +129,19 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
 void bvxi_trace_free(bvxi_trace *t)
 {
     bvxi_stack *const s = t->s;
-    uint64_t const loop = t->loop_room;
 
-    bvxi_free(s->ctx, t->before, loop * 4);
-    bvxi_free(s->ctx, t->next, loop * 4);
-    bvxi_free(s->ctx, (void *)t->at, loop * sizeof *t->at);
-    bvxi_free(s->ctx, t->faces, loop);
-    bvxi_free(s->ctx, t->vertex, loop * 4);
-    bvxi_free(s->ctx, t->insert, (uint64_t)t->insert_room * sizeof *t->insert);
+    bvxi_drop(s->ctx, t->before);
+    bvxi_drop(s->ctx, t->next);
+    bvxi_drop(s->ctx, (void *)t->at);
+    bvxi_drop(s->ctx, t->faces);
+    bvxi_drop(s->ctx, t->vertex);
+    bvxi_drop(s->ctx, t->insert);
     for (int k = 2; k-- > 0;) {
-        bvxi_free(s->ctx, t->cross[k], (uint64_t)t->cross_room * 4);
-        bvxi_free(s->ctx, t->row[k], (uint64_t)t->row_room * 4);
+        bvxi_drop(s->ctx, t->cross[k]);
+        bvxi_drop(s->ctx, t->row[k]);
     }
-    bvxi_free(s->ctx, t->end, (uint64_t)t->end_room * sizeof *t->end);
-    bvxi_free(s->ctx, t->point, (uint64_t)t->point_room * sizeof *t->point);
-    bvxi_free(s->ctx, t->node, (uint64_t)t->node_room * sizeof *t->node);
+    bvxi_drop(s->ctx, t->end);
+    bvxi_drop(s->ctx, t->point);
+    bvxi_drop(s->ctx, t->node);
     bvxi_map_free(s, &t->folds);
 }

@@ -23,7 +23,7 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges",
                             &larger.vertex);
     if (status != BVX_OK) {
-        bvxi_free(s->ctx, larger.key, larger.key == NULL ? 0 : (uint64_t)room * 8);
+        bvxi_drop(s->ctx, larger.key);
         return status;
     }
     memset(larger.key, 0xff, (size_t)room * 8);
@@ -71,7 +71,7 @@ void bvxi_map_clear(bvxi_vertex_map *m)
 
 void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *m)
 {
-    bvxi_free(s->ctx, m->vertex, (uint64_t)m->room * 4);
-    bvxi_free(s->ctx, m->key, (uint64_t)m->room * 8);
+    bvxi_drop(s->ctx, m->vertex);
+    bvxi_drop(s->ctx, m->key);
     memset(m, 0, sizeof *m);
 }

@@ -579,7 +579,7 @@ static bvx_status run_round(cell_round *r, double from, double to)
     memory_bytes = r->worker_bytes * (uint64_t)bvxi_threads(c->ctx);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, memory_bytes, "the cells that collapse", &r->memory));
     status = bvxi_parallel(c->ctx, "collapse", from, to, (int32_t)r->cells, collapse_one_cell, r);
-    bvxi_free(c->ctx, r->memory, memory_bytes);
+    bvxi_drop(c->ctx, r->memory);
     if (status != BVX_OK) return status;
 
     sum_cells(r);

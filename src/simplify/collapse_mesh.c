@@ -214,7 +214,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
         status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours",
                             &c->mesh.tint);
     if (status == BVX_OK) status = take_mesh(c, &o);
-    bvxi_free(c->ctx, block, bytes);
+    bvxi_drop(c->ctx, block);
     return status;
 }
 
@@ -309,7 +309,7 @@ static bvx_status start_quadrics(bvxi_collapse *c)
     add_planes(c, normal);
     if (c->options.even > 0) add_lines(c, normal);
     add_borders(c);
-    bvxi_free(c->ctx, normal, bytes);
+    bvxi_drop(c->ctx, normal);
     return BVX_OK;
 }
 
@@ -400,15 +400,15 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
 void bvxi_collapse_close(bvxi_collapse *c)
 {
     if (c == NULL) return;
-    bvxi_free(c->ctx, c->chunks, c->chunk_bytes);
-    bvxi_free(c->ctx, c->nodes, c->node_bytes);
-    bvxi_free(c->ctx, c->version, c->begun_vertices * sizeof *c->version);
-    bvxi_free(c->ctx, c->mesh.facing, c->begun_vertices * sizeof *c->mesh.facing);
-    bvxi_free(c->ctx, c->mesh.triangle, c->mesh.triangle_room * sizeof *c->mesh.triangle);
-    bvxi_free(c->ctx, c->colour, c->mesh.vertex_room * sizeof *c->colour);
-    bvxi_free(c->ctx, c->mesh.tint, c->mesh.vertex_room * 4);
-    bvxi_free(c->ctx, c->mesh.at, c->mesh.vertex_room * sizeof *c->mesh.at);
-    bvxi_free(c->ctx, c, sizeof *c);
+    bvxi_drop(c->ctx, c->chunks);
+    bvxi_drop(c->ctx, c->nodes);
+    bvxi_drop(c->ctx, c->version);
+    bvxi_drop(c->ctx, c->mesh.facing);
+    bvxi_drop(c->ctx, c->mesh.triangle);
+    bvxi_drop(c->ctx, c->colour);
+    bvxi_drop(c->ctx, c->mesh.tint);
+    bvxi_drop(c->ctx, c->mesh.at);
+    bvxi_drop(c->ctx, c);
 }
 
 bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)

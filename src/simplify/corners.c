@@ -183,13 +183,13 @@ static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room
     bvx_status const status = bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger,
                                          "the vertices of parts that touch", &larger);
     if (status != BVX_OK) {
-        bvxi_free(ctx, tint, room * 4);
+        bvxi_drop(ctx, tint);
         return status;
     }
 
     memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
-    bvxi_free(ctx, m->at, m->vertex_room * sizeof *larger);
-    bvxi_free(ctx, m->tint, m->vertex_room * 4);
+    bvxi_drop(ctx, m->at);
+    bvxi_drop(ctx, m->tint);
     m->at = larger;
     m->tint = tint;
     m->vertex_room = room;
@@ -208,7 +208,7 @@ static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_co
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the triangles and their borders", &larger));
     memcpy(larger, m->triangle, (size_t)m->triangles * sizeof *larger);
-    bvxi_free(ctx, m->triangle, m->triangle_room * sizeof *larger);
+    bvxi_drop(ctx, m->triangle);
     m->triangle = larger;
     m->triangle_room = room;
     return BVX_OK;
@@ -314,7 +314,7 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
         status = check_fans(ctx, function, m, lists.first);
     if (status == BVX_OK && borders != BVXI_BORDERS_REFUSED)
         status = close_borders(ctx, function, m, lists.first, lists.next);
-    bvxi_free(ctx, lists.next, bytes);
+    bvxi_drop(ctx, lists.next);
     return status;
 }
 

@@ -44,7 +44,7 @@ static bvx_status drop_doubles(bvx_context *ctx, bvx_mesh_view *welded, uint32_t
         memcpy(corner, kept, (size_t)count * 12);
         welded->triangle_count = count;
     }
-    bvxi_free(ctx, kept, bytes);
+    bvxi_drop(ctx, kept);
     return status;
 }
 
@@ -62,6 +62,6 @@ bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t
     status = drop_doubles(ctx, welded, corner, own);
     report->doubles = triangles - welded->triangle_count;
     if (status == BVX_OK) status = orient_sheets(ctx, welded, corner, own, report);
-    bvxi_free(ctx, own, bytes);
+    bvxi_drop(ctx, own);
     return status;
 }

@@ -37,7 +37,7 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
         if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
         memcpy(to + 3 * kept++, v, sizeof v);
     }
-    bvxi_free(ctx, representative, bytes);
+    bvxi_drop(ctx, representative);
 
     view->indices = *corner;
     view->index_type = BVX_U32;
@@ -118,7 +118,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
     if (status == BVX_OK) status = simplify_welded(context, &chain, &welded, corner, o.open);
-    bvxi_free(context, corner, mesh->triangle_count * 12);
+    bvxi_drop(context, corner);
     return status;
 }
 

@@ -112,7 +112,7 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' numbers", &w.mixed));
     status = bvxi_parallel(ctx, "solid", at, at, w.pieces, mix_vertices, &w);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w);
-    bvxi_free(ctx, w.mixed, bytes);
+    bvxi_drop(ctx, w.mixed);
     if (status != BVX_OK) return status;
 
     for (int32_t i = 0; i < w.pieces; i++) {

@@ -123,8 +123,8 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
 
 void bvxi_snap_free(bvx_context *ctx, bvxi_snapped *s)
 {
-    bvxi_free(ctx, s->cell, s->vertex_count * 4);
-    bvxi_free(ctx, s->xyz, s->vertex_count * 12 + 4);
+    bvxi_drop(ctx, s->cell);
+    bvxi_drop(ctx, s->xyz);
     memset(s, 0, sizeof *s);
 }
 

@@ -140,7 +140,7 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     } else {
         BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, rows, "the rows' balance", &job->beyond));
         status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job, 0.1);
-        bvxi_free(ctx, job->beyond, rows);
+        bvxi_drop(ctx, job->beyond);
     }
     for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
     for (int32_t t = 0; t < job->tiles.count; t++) {
@@ -217,8 +217,8 @@ bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mes
 void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job)
 {
     bvxi_snap_free(ctx, &job->snapped);
-    bvxi_free(ctx, job->chunk, (uint64_t)job->chunks * CHUNK_BYTES);
-    bvxi_free(ctx, job->batch, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch);
+    bvxi_drop(ctx, job->chunk);
+    bvxi_drop(ctx, job->batch);
     job->chunk = NULL;
     job->batch = NULL;
 }

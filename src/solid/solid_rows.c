@@ -133,8 +133,8 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
 
 void bvxi_row_lists_free(bvx_context *ctx, bvxi_row_lists *lists)
 {
-    bvxi_free(ctx, lists->crossing, lists->total * 4);
-    bvxi_free(ctx, lists->row_end, lists->rows * 8);
+    bvxi_drop(ctx, lists->crossing);
+    bvxi_drop(ctx, lists->row_end);
     memset(lists, 0, sizeof *lists);
 }
 

@@ -53,7 +53,7 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, empty_bytes, "an empty row", &empty));
     f->empty_row = empty;
     status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);
-    bvxi_free(ctx, empty, empty_bytes);
+    bvxi_drop(ctx, empty);
     return status;
 }
 

@@ -316,10 +316,10 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     if (status == BVX_OK) status = count_rectangles(ctx, &m);
     if (status == BVX_OK) status = list_rectangles(ctx, &m);
     if (status == BVX_OK && mesh != NULL) status = emit_merged(ctx, &m, mesh);
-    bvxi_free(ctx, m.prefix, bvxi_rank_bytes(f->row_count * (uint64_t)f->words));
-    bvxi_free(ctx, m.corners, f->row_count * (uint64_t)f->words * 8);
-    bvxi_free(ctx, m.list, f->face_count * sizeof *m.list);
-    bvxi_free(ctx, m.scratch, threads * m.scratch_words * 8);
-    bvxi_free(ctx, m.before, ((uint64_t)m.tasks + 1) * 8);
+    bvxi_drop(ctx, m.prefix);
+    bvxi_drop(ctx, m.corners);
+    bvxi_drop(ctx, m.list);
+    bvxi_drop(ctx, m.scratch);
+    bvxi_drop(ctx, m.before);
     return status;
 }

@@ -229,6 +229,6 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
             else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
         }
     }
-    bvxi_free(ctx, f->rows, bytes);
+    bvxi_drop(ctx, f->rows);
     return status;
 }

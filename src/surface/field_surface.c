@@ -176,7 +176,7 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
     status = bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c);
     if (status == BVX_OK) report_cuts(c, report);
-    bvxi_free(ctx, c->piece_counts, bytes);
+    bvxi_drop(ctx, c->piece_counts);
     return status;
 }
 
@@ -217,9 +217,9 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 0.4, place_cuts(ctx, c, report));
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.4, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
-    bvxi_free(ctx, plain.triangles, triangle_bytes);
-    bvxi_free(ctx, plain.positions, position_bytes);
-    bvxi_free(ctx, c->planes, plane_bytes);
+    bvxi_drop(ctx, plain.triangles);
+    bvxi_drop(ctx, plain.positions);
+    bvxi_drop(ctx, c->planes);
     return status;
 }
 

@@ -221,11 +221,10 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
 {
-    if (m->grid != NULL) bvxi_free(ctx, m->across[0], across_bytes(m));
-    if (m->grid != NULL)
-        bvxi_free(ctx, (void *)(uintptr_t)m->empty_row, (uint64_t)m->grid->words_per_row * 8);
-    bvxi_free(ctx, m->piece_counts, (uint64_t)m->pieces * 24);
-    bvxi_free(ctx, m->slots, (m->slot_count + 1) * sizeof *m->slots);
+    if (m->grid != NULL) bvxi_drop(ctx, m->across[0]);
+    if (m->grid != NULL) bvxi_drop(ctx, (void *)(uintptr_t)m->empty_row);
+    bvxi_drop(ctx, m->piece_counts);
+    bvxi_drop(ctx, m->slots);
 }
 
 /* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */

@@ -180,10 +180,10 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     if (status == BVX_OK)
         status = bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start);
     if (status == BVX_OK) status = merge_parts(context, &w, start, start + part_count, &made);
-    bvxi_free(context, start, part_count * 16);
-    bvxi_free(context, w.renumber, w.vertices * 4);
-    bvxi_free(context, w.order, w.entries * 4);
-    bvxi_free(context, w.keys, w.entries * 8);
+    bvxi_drop(context, start);
+    bvxi_drop(context, w.renumber);
+    bvxi_drop(context, w.order);
+    bvxi_drop(context, w.keys);
     if (status != BVX_OK) return status;
 
     bvx_mesh_free(context, whole);

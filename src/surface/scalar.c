@@ -106,7 +106,7 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
         bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
     status = extract_level(context, name, volume, stride, &o, &inside, o.report != NULL ? &report : NULL,
                            mesh);
-    bvxi_free(context, inside.words, inside.word_capacity * 8);
+    bvxi_drop(context, inside.words);
     if (status == BVX_OK && o.report != NULL) *o.report = report;
     return status;
 }

@@ -200,8 +200,8 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     for (int32_t p = 0; status == BVX_OK && p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;
     report->sharp_taken_back = count - kept;
-    bvxi_free(ctx, w.loops, count * sizeof *w.loops);
-    bvxi_free(ctx, w.counts, piece_bytes);
-    bvxi_free(ctx, w.first, slot_bytes);
+    bvxi_drop(ctx, w.loops);
+    bvxi_drop(ctx, w.counts);
+    bvxi_drop(ctx, w.first);
     return status;
 }

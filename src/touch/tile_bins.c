@@ -145,7 +145,7 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     if (status == BVX_OK) status = run_bins(ctx, function, b); /* one tile: a check of the indices */
     if (status == BVX_OK && job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;
-        bvxi_free(ctx, b, sizeof *b);
+        bvxi_drop(ctx, b);
         return BVX_OK;
     }
     if (status == BVX_OK) {
@@ -154,12 +154,12 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
         status = bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id);
     }
     if (status == BVX_OK) status = run_bins(ctx, function, b);
-    bvxi_free(ctx, b, sizeof *b);
+    bvxi_drop(ctx, b);
     return status;
 }
 
 void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job)
 {
-    bvxi_free(ctx, job->bins.id, job->bins.total * 4);
+    bvxi_drop(ctx, job->bins.id);
     job->bins.id = NULL;
 }

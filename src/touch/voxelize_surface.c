@@ -137,8 +137,8 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
-    bvxi_free(ctx, job->last, voxels * 4);
-    bvxi_free(ctx, prefix, bytes);
+    bvxi_drop(ctx, job->last);
+    bvxi_drop(ctx, prefix);
     if (status != BVX_OK) {
         bvx_attached_free(ctx, &made);
         return status;
@@ -265,7 +265,7 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
 
 void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell)
 {
-    bvxi_free(ctx, shell->words, shell->word_capacity * 8);
+    bvxi_drop(ctx, shell->words);
     memset(shell, 0, sizeof *shell);
 }
 

@@ -47,7 +47,7 @@ static void label_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_W
 
 static void free_label_slots(label_table *t)
 {
-    bvxi_free(t->ctx, t->slots, t->slots == NULL ? 0 : 2 * t->room * sizeof *t->slots);
+    bvxi_drop(t->ctx, t->slots);
     t->slots = NULL;
 }
 
@@ -190,8 +190,8 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
             labels[i].size[a] = e->high[a] - e->low[a] + 1;
         }
     }
-    bvxi_free(t->ctx, order, t->count * 4);
-    bvxi_free(t->ctx, keys, t->count * 8);
+    bvxi_drop(t->ctx, order);
+    bvxi_drop(t->ctx, keys);
     return status;
 }
 
@@ -220,7 +220,7 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     }
     free_label_slots(&t);
     bvxi_key_tree_close(context, &t.tree);
-    bvxi_free(context, t.entries, t.room * sizeof *t.entries);
+    bvxi_drop(context, t.entries);
     return status;
 }
 

@@ -150,7 +150,7 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) status = open_point_planes(ctx, o->minimum, w);
     if (status == BVX_OK) status = take_points(ctx, w);
-    bvxi_free(ctx, w->planes, w->words * 8 * (uint64_t)w->plane_count);
+    bvxi_drop(ctx, w->planes);
     if (status == BVX_OK && o->body) status = make_points_body(ctx, o->close_gaps, w);
     return status;
 }

@@ -129,7 +129,7 @@ bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, doub
     walk.tally_size = sizeof *tally;
     if (status == BVX_OK) status = bvxi_samples_to_bits(ctx, stage, from, to, &walk);
     if (status == BVX_OK && report != NULL) report_range(tally, walk.pieces, report);
-    bvxi_free(ctx, tally, bytes);
+    bvxi_drop(ctx, tally);
     return status;
 }
 

@@ -32,8 +32,8 @@ static inline uint64_t slot_of_edge(const edge_table *t, uint64_t key)
 static void close_edge_table(bvx_context *ctx, edge_table *t)
 {
     bvxi_key_tree_close(ctx, &t->tree);
-    bvxi_free(ctx, t->net, t->size * 8);
-    bvxi_free(ctx, t->key, t->size * 8);
+    bvxi_drop(ctx, t->net);
+    bvxi_drop(ctx, t->key);
     memset(t, 0, sizeof *t);
 }
 
@@ -267,7 +267,7 @@ static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, 
     bvx_status status;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices' edges", &beside));
     status = put_triangles(ctx, view, same, limit, beside, t);
-    bvxi_free(ctx, beside, bytes);
+    bvxi_drop(ctx, beside);
     return status;
 }
 
@@ -301,7 +301,7 @@ static bvx_status open_place_table(bvx_context *ctx, const bvxi_snapped *s, uint
 static void close_place_table(bvx_context *ctx, place_table *p)
 {
     bvxi_key_tree_close(ctx, &p->tree);
-    bvxi_free(ctx, p->table, p->size * 4);
+    bvxi_drop(ctx, p->table);
     p->table = NULL;
 }
 
@@ -317,7 +317,7 @@ static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
     BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
     for (uint64_t i = 0; i < p->size; i++)
         if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
-    bvxi_free(ctx, p->table, p->size * 4);
+    bvxi_drop(ctx, p->table);
     p->table = NULL;
     return BVX_OK;
 }
@@ -375,7 +375,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
         status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
     close_place_table(ctx, &p);
     if (status == BVX_OK) status = cancel_triangles(ctx, view, same, UINT64_MAX, t);
-    bvxi_free(ctx, same, bytes);
+    bvxi_drop(ctx, same);
     return status;
 }
 
@@ -399,13 +399,13 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     if (status == BVX_OK) status = open_edge_table(ctx, HOLE_TABLE, &t);
     if (status == BVX_OK)
         status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
-    bvxi_free(ctx, list, left * 8);
+    bvxi_drop(ctx, list);
     if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
     close_edge_table(ctx, &t);
     if (status == BVX_OK) status = bvxi_cancel_lines(ctx, s, odd_once, edges, count);
     if (status == BVX_OK) return BVX_OK;
 
-    bvxi_free(ctx, *edges, *count * 8);
+    bvxi_drop(ctx, *edges);
     *edges = NULL;
     *count = 0;
     return status;

@@ -247,12 +247,12 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
         if (status == BVX_OK) *count = w.left_count;
     }
 
-    bvxi_free(ctx, w.left, n * 8);
-    bvxi_free(ctx, w.start, n * 4);
-    bvxi_free(ctx, w.end, n * 8);
-    bvxi_free(ctx, w.place, n * 16);
-    bvxi_free(ctx, w.order, n * 4);
-    bvxi_free(ctx, w.key, n * 8);
-    bvxi_free(ctx, w.line, n * sizeof *w.line);
+    bvxi_drop(ctx, w.left);
+    bvxi_drop(ctx, w.start);
+    bvxi_drop(ctx, w.end);
+    bvxi_drop(ctx, w.place);
+    bvxi_drop(ctx, w.order);
+    bvxi_drop(ctx, w.key);
+    bvxi_drop(ctx, w.line);
     return status;
 }

@@ -183,19 +183,19 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
         start_hole_walk(&w, corners);
         walk_loops(&w, place, holes);
     }
-    bvxi_free(ctx, w.met, corners * 4);
-    bvxi_free(ctx, w.trail, corners * 4);
-    bvxi_free(ctx, w.used, count);
-    bvxi_free(ctx, w.incoming, count * 4);
-    bvxi_free(ctx, w.in, bytes);
-    bvxi_free(ctx, w.out, bytes);
+    bvxi_drop(ctx, w.met);
+    bvxi_drop(ctx, w.trail);
+    bvxi_drop(ctx, w.used);
+    bvxi_drop(ctx, w.incoming);
+    bvxi_drop(ctx, w.in);
+    bvxi_drop(ctx, w.out);
     return status;
 }
 
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
 {
-    bvxi_free(ctx, holes->loop_end, holes->room * 8);
-    bvxi_free(ctx, holes->vertex, holes->room * 4);
+    bvxi_drop(ctx, holes->loop_end);
+    bvxi_drop(ctx, holes->vertex);
     memset(holes, 0, sizeof *holes);
 }
 
@@ -225,8 +225,8 @@ static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
         holes->repeated = has_repeated_edge(edges, count);
         status = join_loops(ctx, edges, count, place, corners, holes);
     }
-    bvxi_free(ctx, number, bytes);
-    bvxi_free(ctx, place, count * 8);
+    bvxi_drop(ctx, number);
+    bvxi_drop(ctx, place);
     return status;
 }
 
@@ -242,7 +242,7 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
         status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
     if (status == BVX_OK && count > 0) status = make_loops(ctx, snapped, edges, count, holes);
-    bvxi_free(ctx, edges, count * 8);
+    bvxi_drop(ctx, edges);
     if (status != BVX_OK) bvxi_holes_close(ctx, holes);
     return status;
 }

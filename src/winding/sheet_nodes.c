@@ -67,10 +67,10 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
 void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
 {
     bvxi_sheet_tree_close(ctx, sheet->tree);
-    bvxi_free(ctx, sheet->group, sheet->holes->loops * sizeof *sheet->group);
-    bvxi_free(ctx, sheet->order, sheet->holes->loops * 4);
-    bvxi_free(ctx, sheet->node, sheet->holes->points * sizeof *sheet->node);
-    bvxi_free(ctx, sheet->point, sheet->holes->points * 24);
+    bvxi_drop(ctx, sheet->group);
+    bvxi_drop(ctx, sheet->order);
+    bvxi_drop(ctx, sheet->node);
+    bvxi_drop(ctx, sheet->point);
     memset(sheet, 0, sizeof *sheet);
 }
 
@@ -134,8 +134,8 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
                        &s->group[m]);
         }
     }
-    bvxi_free(ctx, range, loops * 16);
-    bvxi_free(ctx, key, loops * 8);
+    bvxi_drop(ctx, range);
+    bvxi_drop(ctx, key);
     return status;
 }
 

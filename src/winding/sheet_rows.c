@@ -127,9 +127,9 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
         job->worker[w].block.pending = pending + (uint64_t)w * cells;
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job);
     for (int32_t c = 0; c < job->columns && status == BVX_OK; c++) *odd += job->odd_rows[c];
-    bvxi_free(ctx, pending, cell_bytes);
-    bvxi_free(ctx, job->odd_rows, (uint64_t)job->columns * 8);
-    bvxi_free(ctx, job->worker, bytes);
+    bvxi_drop(ctx, pending);
+    bvxi_drop(ctx, job->odd_rows);
+    bvxi_drop(ctx, job->worker);
     return status;
 }
 
@@ -172,8 +172,8 @@ bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, con
     return BVX_OK;
 }
 
-void bvxi_sheet_mesh_close(bvx_context *ctx, const bvxi_holes *holes, bvx_mesh_view *sheet)
+void bvxi_sheet_mesh_close(bvx_context *ctx, bvx_mesh_view *sheet)
 {
-    bvxi_free(ctx, (void *)(uintptr_t)sheet->indices, holes->points * 12);
+    bvxi_drop(ctx, (void *)(uintptr_t)sheet->indices);
     sheet->indices = NULL;
 }

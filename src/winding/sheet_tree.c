@@ -75,8 +75,8 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
     }
     for (uint64_t t = 0; t < count && status == BVX_OK; t++)
         memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
-    bvxi_free(ctx, listed, count * 12);
-    bvxi_free(ctx, number, count * 4);
+    bvxi_drop(ctx, listed);
+    bvxi_drop(ctx, number);
     return status;
 }
 
@@ -246,16 +246,16 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
         cut_sheet_cells(keys, tree);
         for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
     }
-    bvxi_free(ctx, keys, bytes);
+    bvxi_drop(ctx, keys);
     return status;
 }
 
 void bvxi_sheet_tree_close(bvx_context *ctx, bvxi_sheet_tree *tree)
 {
     if (tree == NULL) return;
-    bvxi_free(ctx, tree->cell, tree->cells * sizeof *tree->cell);
-    bvxi_free(ctx, tree->corner, tree->triangles * 12);
-    bvxi_free(ctx, tree, sizeof *tree);
+    bvxi_drop(ctx, tree->cell);
+    bvxi_drop(ctx, tree->corner);
+    bvxi_drop(ctx, tree);
 }
 
 bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_sheet_tree **tree)

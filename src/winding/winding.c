@@ -112,7 +112,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
         status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
         job->take_lists = NULL;
         job->user = NULL;
-        bvxi_sheet_mesh_close(ctx, holes, &view);
+        bvxi_sheet_mesh_close(ctx, &view);
     }
     bvxi_sheet_close(ctx, &sheet);
     return status;
@@ -160,7 +160,7 @@ void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding)
     if (winding == NULL) return;
     if (winding->sheet.holes != NULL) bvxi_sheet_close(ctx, &winding->sheet);
     bvxi_snap_free(ctx, &winding->snapped);
-    bvxi_free(ctx, winding, sizeof *winding);
+    bvxi_drop(ctx, winding);
 }
 
 bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
