@@ -78,4 +78,58 @@ def main():
     print(f"tests : sources, in lines: {tests / table['all']['lines']:.2f}")
 
 
+# What the rooms are held to (docs/architecture.md): counted in the library, without the program.
+DEFINITION = re.compile(r"^(?!#)[A-Za-z_][\w \*]*?\b(\w+)\(([^;{}]*)\)\s*\n\{", re.M)
+PLAIN_SIZE = re.compile(r"^\w+$")  # of a free: a name alone
+VALUES_ON_VOXELS = (  # structs with values of their own on the set voxels of a grid
+    "bvx_field", "bvxi_nearest_values", "bvxi_sides", "whole_band", "bvxi_edge_values", "repair_values", "boolean_body",
+)
+
+
+def plain(path):
+    """The code of a file, without comments and the lines of macros."""
+    text = re.sub(r"/\*.*?\*/", "", "\n".join(read(path)), flags=re.S)
+    return re.sub(r"^#.*(?:\\\n.*)*", "", text, flags=re.M)
+
+
+def arguments(text):
+    """Top-level commas of a list of parameters, plus one."""
+    return len(re.sub(r"\([^()]*\)", "", text).split(","))
+
+
+def vector_lines(text):
+    """Lines of functions that name intrinsics of one machine."""
+    count = 0
+    for body in re.finditer(r"^\w[^\n;{}]*\([^;{}]*\)\s*\n\{\n.*?^\}", text, re.M | re.S):
+        if re.search(r"\b_mm\d*_", body[0]):
+            count += body[0].count("\n") + 1
+    return count
+
+
+def rooms():
+    paths = [p for p in sorted(glob.glob("src/*/*.[ch]")) if not p.startswith("src/cli_")]
+    code = {path: plain(path) for path in paths}
+    every = "\n".join(code.values())
+    frees = [call.rsplit(",", 1)[1].strip() for call in re.findall(r"\bbvxi_free\(([^;]*)\);", every) if call.count(",") >= 2]
+    names = {m[1] for path in paths for m in re.finditer(r"^(?:typedef )?struct (\w+) \{", code[path] , re.M)}
+    public = {m[1] for m in re.finditer(r"typedef struct (\w+) \{", "\n".join(read("include/bitvox.h")))}
+    engines = sum(any(p.endswith("/" + name) for p in paths) for name in ("closest.h", "nearest_tree.h"))
+    lengths = [len(read(path)) for path in paths]
+
+    print("\n| the library | now | goal |\n|---|--:|--:|")
+    for what, count, goal in (
+        ("functions of eight and more arguments", sum(arguments(m[2]) >= 8 for t in code.values() for m in DEFINITION.finditer(t)), "< 5"),
+        ("frees that compute a size", sum(not PLAIN_SIZE.match(size) for size in frees), "< 50"),
+        ("structs of values on set voxels", sum(name in names | public for name in VALUES_ON_VOXELS), "1"),
+        ("trees for nearest points", engines, "1"),
+        ("lines that x86 alone has, core/simd_avx2.h aside", sum(vector_lines(t) for p, t in code.items() if "simd_avx2" not in p), "< 200"),
+        ("files", len(paths), "about 300"),
+        ("median length of a file", int(statistics.median(lengths)), "150 to 200"),
+        ("files of fewer than 50 lines", sum(n < 50 for n in lengths), "few"),
+        ("lines of \"if (status == BVX_OK\"", len(re.findall(r"if \(status == BVX_OK", every)), "few"),
+    ):
+        print(f"| {what} | {count} | {goal} |")
+
+
 main()
+rooms()

@@ -373,6 +373,98 @@ static void test_arena_counts_against_the_limit(void)
     TEST_ASSERT_EQUAL_INT64(256, bvx_memory_peak(ctx));
 }
 
+/* ---- Marks ---- */
+
+/* Contexts of both kinds: a heap that counts what it gives, and an arena. */
+static bvx_context *marked_context(int kind, fault_heap *heap)
+{
+    static unsigned char memory[1 << 16];
+    bvx_context_options o = fault_options(NULL, heap);
+
+    if (kind == 1) {
+        o = default_options();
+        o.arena = memory;
+        o.arena_size = sizeof memory;
+    }
+    return context_with(&o);
+}
+
+/* Enough blocks that the table behind the context does not hold them. */
+static void test_a_mark_frees_what_came_after_it(void)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        fault_heap heap = {0};
+        bvx_context *const ctx = marked_context(kind, &heap);
+        void *const before = get(ctx, BVXI_SCRATCH, 100), *const gone = get(ctx, BVXI_SCRATCH, 70);
+        uint64_t const mark = bvxi_scratch_begin(ctx);
+        void *const result = get(ctx, BVXI_RESULT, 50), *block[200];
+
+        for (int i = 0; i < 200; i++) block[i] = get(ctx, BVXI_SCRATCH, (uint64_t)i);
+        bvxi_drop(ctx, gone); /* older than the mark */
+        for (int i = 0; i < 200; i += 3) bvxi_drop(ctx, block[i]);
+        bvxi_drop(ctx, NULL);
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvxi_scratch_end(ctx, mark, BVX_ERR_EMPTY));
+        TEST_ASSERT_EQUAL_UINT64(150, bvx_memory_used(ctx));
+
+        /* What comes after lies where the freed blocks were, and the older mark still holds. */
+        (void)get(ctx, BVXI_SCRATCH, 10);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_scratch_end(ctx, mark, BVX_OK));
+        TEST_ASSERT_EQUAL_UINT64(150, bvx_memory_used(ctx));
+        bvxi_drop(ctx, before);
+        bvxi_free(ctx, result, 50);
+        TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+        bvx_context_destroy(ctx);
+        TEST_ASSERT_EQUAL_UINT64(0, heap.live_blocks);
+        TEST_ASSERT_EQUAL_STRING("", heap.error);
+    }
+}
+
+static void test_a_mark_keeps_what_succeeded_and_what_is_adopted(void)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        fault_heap heap = {0};
+        bvx_context *const ctx = marked_context(kind, &heap);
+        uint64_t const mark = bvxi_scratch_begin(ctx);
+        void *const own = get(ctx, BVXI_SCRATCH, 33), *later;
+
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_scratch_keep(ctx, mark, BVX_OK));
+        TEST_ASSERT_EQUAL_UINT64(33, bvx_memory_used(ctx));
+        bvxi_scratch_adopt(ctx, mark);
+        later = get(ctx, BVXI_SCRATCH, 5);
+        (void)later;
+        TEST_ASSERT_EQUAL_INT32(BVX_CANCELLED, bvxi_scratch_keep(ctx, mark, BVX_CANCELLED));
+        TEST_ASSERT_EQUAL_UINT64(33, bvx_memory_used(ctx));
+        bvxi_free(ctx, own, 33);
+        TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
+        bvx_context_destroy(ctx);
+        TEST_ASSERT_EQUAL_UINT64(0, heap.live_blocks);
+        TEST_ASSERT_EQUAL_STRING("", heap.error);
+    }
+}
+
+/* The end of a public call frees what its works have left, but nothing that was there before. */
+static void test_the_end_of_a_call_frees_its_scratch(void)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        fault_heap heap = {0};
+        bvx_context *const ctx = marked_context(kind, &heap);
+        void *const before = get(ctx, BVXI_SCRATCH, 40);
+
+        bvxi_call_begin(ctx, "outer");
+        (void)get(ctx, BVXI_SCRATCH, 7);
+        bvxi_call_begin(ctx, "inner");
+        (void)get(ctx, BVXI_SCRATCH, 8);
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvxi_call_end(ctx, BVX_ERR_EMPTY));
+        TEST_ASSERT_EQUAL_UINT64(55, bvx_memory_used(ctx)); /* the outer one may go on */
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_call_end(ctx, BVX_OK));
+        TEST_ASSERT_EQUAL_UINT64(40, bvx_memory_used(ctx));
+        bvxi_drop(ctx, before);
+        bvx_context_destroy(ctx);
+        TEST_ASSERT_EQUAL_UINT64(0, heap.live_blocks);
+        TEST_ASSERT_EQUAL_STRING("", heap.error);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -387,5 +479,8 @@ int main(void)
     RUN_TEST(test_arena_of_any_alignment);
     RUN_TEST(test_arena_of_any_size);
     RUN_TEST(test_arena_counts_against_the_limit);
+    RUN_TEST(test_a_mark_frees_what_came_after_it);
+    RUN_TEST(test_a_mark_keeps_what_succeeded_and_what_is_adopted);
+    RUN_TEST(test_the_end_of_a_call_frees_its_scratch);
     return UNITY_END();
 }
