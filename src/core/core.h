@@ -64,7 +64,7 @@ void bvxi_free(bvx_context *ctx, void *block, uint64_t size);
 bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,
                        const char *what);
 
-/* ---- scratch.c ---- */
+/* ---- memory.c: scratch ---- */
 
 /* Takes back a block of scratch; NULL is allowed. */
 void bvxi_drop(bvx_context *ctx, void *block);
@@ -77,8 +77,8 @@ bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status);
 /* The same after a failure only: for what opens something whose scratch stays until it is closed. */
 bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status);
 
-/* Scratch since a mark lives on when marks end, the public call's too: what callers hold by a handle. It goes by
- * bvxi_free then. */
+/* Scratch since a mark lives on when marks end, the public call's too: what callers hold by a handle. It goes
+ * by bvxi_free then. */
 void bvxi_scratch_adopt(bvx_context *ctx, uint64_t mark);
 
 /* ---- message.c ---- */
