@@ -202,7 +202,7 @@ static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
 static int has_moved_points(const cap_work *w)
 {
     for (uint32_t i = 0; i < w->plane->point_count && w->s->nudge != NULL && !w->plane->lines; i++) {
-        const int8_t *const nudge = w->s->nudge[w->plane->given[i]];
+        const int16_t *const nudge = w->s->nudge[w->plane->given[i]];
         if (nudge[0] != 0 || nudge[1] != 0) return 1;
     }
     return 0;

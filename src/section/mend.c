@@ -125,7 +125,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
         m->sections.loop_capacity = 0;
     if (status == BVX_OK) status = bvxi_stack_begin(ctx, function, &kept, options, &s);
     if (status == BVX_OK) {
-        m->spacing = options->grid[0] == 0 ? s.step[0] : 0.0;
+        bvxi_stack_give_grid(&s, &m->grid);
         status = mend_stack(&s, m);
     }
     if (s.ctx != NULL) bvxi_stack_close(&s);

@@ -8,10 +8,10 @@
  * apart in fixed point by their nudges. */
 typedef struct bvxi_mended {
     bvx_sections sections; /* arrays of its own, but for the positions */
-    int8_t (*nudge)[2];    /* of each point, in steps of its fixed point */
+    int16_t (*nudge)[2];   /* of each point, in steps of its fixed point */
     uint64_t nudge_room;
-    uint64_t loops; /* that were changed or left out */
-    double spacing; /* of the grid whose fixed point decided */
+    uint64_t loops;         /* that were changed or left out */
+    bvxi_section_grid grid; /* whose fixed point decided */
 } bvxi_mended;
 
 /* Close it also after a failure. */
@@ -45,6 +45,8 @@ typedef struct bvxi_mend_work {
     bvxi_mend_split *split;
     uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count,
         split_room;
+    uint32_t crossings; /* pairs that cross, in the last look */
+    int cross;          /* 1: they are split there, 0: only counted */
     uint64_t *key;
     uint32_t *order, *active;
     uint32_t key_room, order_room, active_room;

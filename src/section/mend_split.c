@@ -1,12 +1,13 @@
 /* mend_split.c - a section's segments, split until they meet at their ends alone.
  *
  * All pairs of segments that meet are found in fixed point, exactly, as simple.c finds the first of them.
- * Where an end lies on another segment that one is split there; where two cross, both are split at the point
- * of the fixed grid nearest to the crossing. That moves them by a step at most, so it is all done again until
- * nothing meets: a few times as a rule.
+ * Where an end lies on another segment that one is split there; where two cross, both are split at the nearest
+ * point of a grid that is coarser, so that there is room between crossings to move loops apart. That moves
+ * segments, which may come to others: they are split too at all points within half a step of that grid, after
+ * which nothing meets but beside points that lie on none of its. So it is all done again until nothing does:
+ * a few times as a rule.
  *
- * Source: Hobby. Practical segment intersection with finite precision output. 1999 (snap rounding, here step
- * by step). */
+ * Source: Hobby. Practical segment intersection with finite precision output. 1999 (snap rounding). */
 #include "section/mend.h"
 #include "section/section_field.h" /* maps, and arrays that grow */
 
@@ -14,7 +15,9 @@
 
 #include <math.h>
 
-enum { MEND_ROUNDS = 16, MEND_MOST = 64 }; /* segments that one becomes, in the mean, before it is given up */
+/* Rounds, and segments that one of the first round becomes in the mean, before it is given up. */
+enum { MEND_ROUNDS = 40, MEND_MOST = 16 };
+enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-22 of the extent */
 
 static int mend_turn(const int32_t *a, const int32_t *b, const int32_t *c)
 {
@@ -110,7 +113,7 @@ static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
     return BVX_OK;
 }
 
-/* The point of the fixed grid nearest to where two segments cross, about, and its place on the first one. */
+/* The point of the coarser grid nearest to where two segments cross, about, and the crossing on the first. */
 static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const bvxi_mend_edge *f,
                              uint32_t *number)
 {
@@ -127,7 +130,7 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
 
     for (int k = 0; k < 2; k++) {
         double const to = (double)b->q[k] - a->q[k];
-        q[k] = a->q[k] + 2 * (int32_t)floor(0.5 * t * to + 0.5);
+        q[k] = MEND_PIXEL * (int32_t)floor((a->q[k] + t * to) / MEND_PIXEL + 0.5) + 1;
     }
     for (int k = 0; k < 3; k++) at[k] = a->at[k] + t * (b->at[k] - a->at[k]);
     return mend_node_at(w, q, at, number);
@@ -148,11 +151,14 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
     if (w->split_count == before) {
         if (mend_turn(a, b, c) * mend_turn(a, b, d) >= 0 || mend_turn(c, d, a) * mend_turn(c, d, b) >= 0)
             return BVX_OK;
-        BVXI_TRY(mend_cross(w, &e, &f, &node));
-        BVXI_TRY(mend_split_at(w, i, node));
-        BVXI_TRY(mend_split_at(w, j, node));
-        /* both end at that point, and cross all the same */
-        if (w->split_count == before) w->split_count = BVXI_NONE;
+        w->crossings++;
+        if (w->cross) {
+            BVXI_TRY(mend_cross(w, &e, &f, &node));
+            BVXI_TRY(mend_split_at(w, i, node));
+            BVXI_TRY(mend_split_at(w, j, node));
+            /* both end at that point, and cross all the same */
+            if (w->split_count == before) w->split_count = BVXI_NONE;
+        }
     }
     w->changed[e.loop] = w->changed[f.loop] = 1;
     return BVX_OK;
@@ -188,7 +194,7 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
 
-    w->split_count = 0;
+    w->split_count = w->crossings = 0;
     for (uint32_t k = 0; k < n; k++) {
         uint32_t const i = w->order[k];
         int32_t own[2], other[2], least;
@@ -208,6 +214,65 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
         }
         w->active[kept++] = i;
         reach = kept;
+    }
+    return BVX_OK;
+}
+
+/* ---- points beside segments ---- */
+
+/* Does a segment pass through the square about a point, between its ends? Coordinates lie below 2^29. */
+static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    int64_t const x = (int64_t)b[0] - a[0], y = (int64_t)b[1] - a[1];
+    int64_t const turn = x * ((int64_t)c[1] - a[1]) - y * ((int64_t)c[0] - a[0]);
+    int64_t const along = x * ((int64_t)c[0] - a[0]) + y * ((int64_t)c[1] - a[1]);
+    int64_t const reach = ((x < 0 ? -x : x) + (y < 0 ? -y : y)) * (MEND_PIXEL / 2);
+
+    return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
+}
+
+/* Nodes of loops that change, and those where segments cross, by u. */
+static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
+{
+    uint32_t const n = w->node_count;
+
+    while (w->key_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
+    while (w->order_room < n)
+        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+
+    *count = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        if (w->node[i].loop != BVXI_NONE && !w->changed[w->node[i].loop]) continue;
+        w->key[*count] = (uint64_t)(uint32_t)w->node[i].q[0];
+        w->order[(*count)++] = i;
+    }
+    return bvxi_radix_sort(w->s->ctx, w->key, w->order, *count);
+}
+
+/* Segments of loops that change are split at all such nodes that they pass. */
+static bvx_status mend_find_passed(bvxi_mend_work *w)
+{
+    uint32_t count;
+
+    BVXI_TRY(mend_order_nodes(w, &count));
+    for (uint32_t i = 0; i < w->edge_count; i++) {
+        const int32_t *const a = w->node[w->edge[i].node[0]].q, *const b = w->node[w->edge[i].node[1]].q;
+        int32_t left, right;
+        uint32_t begin = 0, end = count;
+
+        if (!w->changed[w->edge[i].loop]) continue;
+        mend_range(w, i, 0, &left, &right);
+        left -= MEND_PIXEL;
+        right += MEND_PIXEL;
+        if (left < 0) left = 0;
+        while (begin < end) { /* the first node that lies as far */
+            uint32_t const middle = begin + (end - begin) / 2;
+            if (w->key[middle] < (uint64_t)(uint32_t)left) begin = middle + 1;
+            else end = middle;
+        }
+        for (; begin < count && w->key[begin] <= (uint64_t)(uint32_t)right; begin++)
+            if (mend_passes(a, b, w->node[w->order[begin]].q)) BVXI_TRY(mend_split_at(w, i, w->order[begin]));
     }
     return BVX_OK;
 }
@@ -287,11 +352,20 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
     memset(w->changed, 0, w->plane->contour_count);
     for (uint32_t i = 0; i < w->plane->contour_count; i++) BVXI_TRY(mend_take_loop(w, i));
 
-    most = MEND_MOST * (uint64_t)w->edge_count + MEND_MOST;
+    most = UINT32_MAX;
     *done = 0;
     for (int round = 0; round < MEND_ROUNDS && !*done && w->edge_count <= most; round++) {
+        /* Points that are there first: what crosses beside one of them comes to it. */
+        w->cross = 0;
         BVXI_TRY(mend_find_pairs(w));
-        if (w->split_count == BVXI_NONE) return BVX_OK;
+        if (w->split_count + w->crossings != 0) BVXI_TRY(mend_find_passed(w));
+        if (w->split_count == 0 && w->crossings != 0) {
+            w->cross = 1;
+            BVXI_TRY(mend_find_pairs(w));
+            if (w->split_count == BVXI_NONE) return BVX_OK;
+            BVXI_TRY(mend_find_passed(w));
+            if (most == UINT32_MAX) most = MEND_MOST * ((uint64_t)w->edge_count + w->split_count);
+        }
         *done = w->split_count == 0;
         if (!*done) BVXI_TRY(mend_apply_splits(w));
     }

@@ -4,35 +4,25 @@
  * slits, spikes, borders in common. Of the others an even number ends at each node. They are joined there in
  * pairs that lie beside each other, so that no path crosses another, and a path that comes back to a node is
  * cut off there as a loop: no loop comes to a node twice. Loops that share a node still touch; there each
- * one's point is moved in fixed point by some steps into the angle that no other loop uses. What is written
- * to the mesh is the point itself; only the decisions about what lies where see that it was moved. */
-#include "section/mend.h"
-#include "section/slab.h"
+ * one's point is moved in fixed point by some steps (mend_apart.c). What is written to the mesh is the point
+ * itself; only the decisions about what lies where see that it was moved. */
+#include "section/mend_apart.h"
 
 #include "mesh/radix.h"
-
-#include <math.h>
-
-enum { MEND_STEPS = 48 };
-
-/* A stop of a path: the node, and the ends of edges by which it came and went. */
-typedef struct mend_stop {
-    uint32_t node, in, out;
-} mend_stop;
 
 typedef struct mend_trace {
     bvxi_mend_work *w;
     bvxi_mended *mended;
     uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
     uint32_t edge_count;
-    uint32_t *start; /* of each node: its first end in turn; one more */
-    uint32_t *end;   /* ends of edges by node, counter-clockwise */
-    uint32_t *rank;  /* of each end: where it stands in its node's turn */
-    uint8_t *used;   /* edges */
-    uint32_t *place; /* of each node: its stop on the path, or none */
-    mend_stop *path; /* all stops of one path */
-    mend_stop *stop; /* those of all loops, loop by loop */
-    uint32_t *loop;  /* where each loop's stops begin */
+    uint32_t *start;      /* of each node: its first end in turn; one more */
+    uint32_t *end;        /* ends of edges by node, counter-clockwise */
+    uint32_t *rank;       /* of each end: where it stands in its node's turn */
+    uint8_t *used;        /* edges */
+    uint32_t *place;      /* of each node: its stop on the path, or none */
+    bvxi_mend_stop *path; /* all stops of one path */
+    bvxi_mend_stop *stop; /* those of all loops, loop by loop */
+    uint32_t *loop;       /* where each loop's stops begin */
     uint32_t stop_count, loop_count;
 } mend_trace;
 
@@ -65,22 +55,14 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 
 /* ---- ends in turn ---- */
 
-static void mend_direction(const mend_trace *t, uint32_t end, int64_t d[2])
-{
-    const int32_t *const a = t->w->node[mend_end_node(t, end)].q;
-    const int32_t *const b = t->w->node[mend_end_node(t, end ^ 1)].q;
-
-    for (int k = 0; k < 2; k++) d[k] = (int64_t)b[k] - a[k];
-}
-
 /* 1 when the first end comes before the second, counter-clockwise from the u axis; exact. */
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
     int low, other;
 
-    mend_direction(t, a, d);
-    mend_direction(t, b, e);
+    bvxi_mend_direction(t->w, t->edge, a, d);
+    bvxi_mend_direction(t->w, t->edge, b, e);
     low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
     other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
     if (low != other) return low < other;
@@ -121,7 +103,7 @@ static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_
 {
     t->loop[t->loop_count++] = t->stop_count;
     for (uint32_t i = from; i < *count; i++) {
-        mend_stop *const s = &t->stop[t->stop_count++];
+        bvxi_mend_stop *const s = &t->stop[t->stop_count++];
         *s = t->path[i];
         if (i == from) s->in = back;
         else t->place[s->node] = BVXI_NONE;
@@ -156,76 +138,76 @@ static void mend_follow(mend_trace *t, uint32_t edge)
 
 /* ---- apart ---- */
 
-/* The middle of the angle from one end counter-clockwise to another; returns the cosine of half of it. */
-static double mend_middle(const mend_trace *t, uint32_t from, uint32_t to, double middle[2])
-{
-    double u[2], v[2], length;
-    int64_t d[2], e[2];
-
-    mend_direction(t, from, d);
-    mend_direction(t, to, e);
-    length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
-    for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
-    length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
-    for (int k = 0; k < 2; k++) v[k] = (double)e[k] / length;
-
-    middle[0] = v[1] - u[1];
-    middle[1] = u[0] - v[0];
-    length = sqrt(middle[0] * middle[0] + middle[1] * middle[1]);
-    for (int k = 0; k < 2; k++) middle[k] = length > 0.0 ? middle[k] / length : 0.0;
-    return middle[0] * u[0] + middle[1] * u[1];
-}
-
-/* Where a stop may be moved: into the angle between its ends that no other
- * end lies in. Returns 0 where both have some. */
-static int mend_free_angle(const mend_trace *t, const mend_stop *s, double middle[2], double *narrow)
+/* How narrow the angle is between a stop's ends that no other end lies in: the cosine of half of it, or 2
+ * where both have some. */
+static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, const bvxi_mend_stop *s)
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
+    double middle[2];
 
-    if ((i + 1) % all == j) *narrow = mend_middle(t, s->out, s->in, middle);
-    else if ((j + 1) % all == i) *narrow = mend_middle(t, s->in, s->out, middle);
-    else return 0;
-    return 1;
+    if ((i + 1) % all == j) return bvxi_mend_middle(p, s->out, s->in, middle);
+    return (j + 1) % all == i ? bvxi_mend_middle(p, s->in, s->out, middle) : 2.0;
 }
 
-/* Of the stops at one node the one in the narrowest angle stays, unless one
- * is there that cannot be moved. narrowest, fixed: by node. */
-static void mend_choose_stay(const mend_trace *t, double *narrowest, uint32_t *stays)
+/* Of the stops at one node the one in the narrowest angle stays, or one that has others on either side.
+ * narrowest: scratch, by node. */
+static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, double *narrowest,
+                             uint32_t *stays)
 {
     for (uint32_t i = 0; i < t->w->node_count; i++) {
         narrowest[i] = -2.0;
         stays[i] = BVXI_NONE;
     }
     for (uint32_t i = 0; i < t->stop_count; i++) {
-        const mend_stop *const s = &t->stop[i];
-        double middle[2], narrow = 2.0;
-        (void)mend_free_angle(t, s, middle, &narrow);
+        const bvxi_mend_stop *const s = &t->stop[i];
+        double const narrow = mend_narrowness(t, p, s);
         if (narrow <= narrowest[s->node]) continue;
         narrowest[s->node] = narrow;
         stays[s->node] = i;
     }
 }
 
-static bvx_status mend_give_loops(mend_trace *t, double *narrowest, uint32_t *stays)
+/* A node's place in steps of the fixed point, beside where its point will be snapped to. */
+static void mend_give_stop(const mend_trace *t, uint32_t node, const int16_t nudge[2], int32_t steps[2])
+{
+    const bvxi_mend_node *const n = &t->w->node[node];
+
+    for (int k = 0; k < 2; k++)
+        steps[k] = nudge[k] + (n->q[k] - 1) / 2 -
+                   bvxi_snap_steps(t->w->s, k, bvxi_along_axis(t->w->s->axis[k], n->at));
+}
+
+static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 {
     const bvxi_mend_work *const w = t->w;
-    bvx_context *const ctx = w->s->ctx;
 
-    mend_choose_stay(t, narrowest, stays);
     for (uint32_t l = 0; l < t->loop_count; l++) {
         uint32_t const end = l + 1 < t->loop_count ? t->loop[l + 1] : t->stop_count;
-        BVXI_TRY(bvxi_mended_add_loop(ctx, t->mended, w->plane->section, w->s->options.label));
+        BVXI_TRY(bvxi_mended_add_loop(w->s->ctx, t->mended, w->plane->section, w->s->options.label));
         for (uint32_t i = t->loop[l]; i < end; i++) {
-            const mend_stop *const s = &t->stop[i];
-            double middle[2] = {0.0, 0.0}, narrow;
-            int const moves = t->start[s->node + 1] - t->start[s->node] > 2 && stays[s->node] != i &&
-                              mend_free_angle(t, s, middle, &narrow);
-            BVXI_TRY(bvxi_mended_add_point(ctx, t->mended, w->node[s->node].at,
-                                           moves ? (int32_t)floor(MEND_STEPS * middle[0] + 0.5) : 0,
-                                           moves ? (int32_t)floor(MEND_STEPS * middle[1] + 0.5) : 0));
+            uint32_t const node = t->stop[i].node;
+            int32_t steps[2];
+
+            mend_give_stop(t, node, nudge[i], steps);
+            BVXI_TRY(bvxi_mended_add_point(w->s->ctx, t->mended, w->node[node].at, steps[0], steps[1]));
         }
     }
     return BVX_OK;
+}
+
+static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *stays)
+{
+    bvxi_mend_paths const p = {t->w, t->edge, t->rank, t->stop, t->loop, t->stop_count, t->loop_count};
+    uint64_t const bytes = t->stop_count * sizeof(int16_t[2]);
+    int16_t(*nudge)[2];
+    bvx_status status;
+
+    mend_choose_stay(t, &p, narrowest, stays);
+    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, bytes, "the steps of points", &nudge));
+    status = bvxi_mend_apart(&p, stays, nudge);
+    if (status == BVX_OK) status = mend_give_loops(t, (const int16_t(*)[2])nudge);
+    bvxi_free(t->w->s->ctx, nudge, bytes);
+    return status;
 }
 
 /* ---- memory ---- */
@@ -238,7 +220,7 @@ static bvx_status mend_trace_in(mend_trace *t, uint64_t *key, uint32_t *order, d
     memset(t->used, 0, t->edge_count);
     for (uint32_t i = 0; i < t->edge_count; i++)
         if (!t->used[i]) mend_follow(t, i);
-    return mend_give_loops(t, narrowest, stays);
+    return mend_move_apart(t, narrowest, stays);
 }
 
 static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
@@ -252,7 +234,7 @@ static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
 /* One block for all arrays, wide items first. */
 bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
 {
-    uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(mend_stop);
+    uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(bvxi_mend_stop);
     uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) +
                           (nodes + 1) * (8 + 4 + 4 + 4 + stops);
     unsigned char *block, *at;
@@ -277,8 +259,8 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.start = mend_part(&at, (nodes + 1) * 4);
     t.place = mend_part(&at, (nodes + 1) * 4);
     stays = mend_part(&at, (nodes + 1) * 4);
-    t.path = (mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
-    t.stop = (mend_stop *)(void *)mend_part(&at, edges * stops);
+    t.path = (bvxi_mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
+    t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
 
     status = mend_trace_in(&t, key, order, narrowest, stays);

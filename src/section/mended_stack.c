@@ -35,8 +35,8 @@ bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double 
     BVXI_TRY(mended_room(ctx, &s->points, s->point_count, &s->point_capacity, 24));
     BVXI_TRY(mended_room(ctx, &m->nudge, s->point_count, &m->nudge_room, sizeof *m->nudge));
     memcpy(s->points + 3 * s->point_count, at, 24);
-    m->nudge[s->point_count][0] = (int8_t)u;
-    m->nudge[s->point_count++][1] = (int8_t)v;
+    m->nudge[s->point_count][0] = (int16_t)u;
+    m->nudge[s->point_count++][1] = (int16_t)v;
     s->loops[s->loop_count - 1].point_count++;
     return BVX_OK;
 }

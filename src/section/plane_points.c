@@ -25,16 +25,18 @@ bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double 
     return BVX_OK;
 }
 
+int32_t bvxi_snap_steps(const bvxi_stack *s, int k, double along)
+{
+    return (int32_t)floor((along - s->origin[k]) / s->step[k] * (double)(1 << (s->fine - 1)));
+}
+
 void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
 {
-    double const unit = (double)(1 << (s->fine - 1));
-
     for (uint32_t i = 0; i < p->point_count; i++)
         for (int k = 0; k < 2; k++) {
             int32_t const top = (s->size[k] << s->fine) - 1;
             int32_t const steps = s->nudge == NULL ? 0 : s->nudge[p->given[i]][k];
-            int32_t const q = 2 * ((int32_t)floor((p->uv[i][k] - s->origin[k]) / s->step[k] * unit) + steps) +
-                              1;
+            int32_t const q = 2 * (bvxi_snap_steps(s, k, p->uv[i][k]) + steps) + 1;
             p->q[i][k] = q < 1 ? 1 : q > top ? top : q;
         }
 }

@@ -132,7 +132,7 @@ typedef struct bvxi_stack {
     const char *function;
     const bvx_sections *given;
     /* of each point given: steps by which it is moved in fixed point; or NULL. See mend.c */
-    const int8_t (*nudge)[2];
+    const int16_t (*nudge)[2];
     double axis[3][3];      /* u, v, w in the world */
     double low[2], high[2]; /* bounds of the contours */
     double origin[2];       /* grid point (0, 0) */
@@ -179,8 +179,14 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
 bvx_status bvxi_stack_finish(bvxi_stack *stack);
 void bvxi_stack_close(bvxi_stack *stack);
 
-/* stack_grid.c: lay the grid over the bounds. */
+/* stack_grid.c: lay the grid over the bounds; or take that of another stack whose bounds hold this one's. */
+typedef struct bvxi_section_grid {
+    double origin[2], step[2];
+    int32_t size[2], fine;
+} bvxi_section_grid;
 bvx_status bvxi_stack_grid(bvxi_stack *stack);
+void bvxi_stack_give_grid(const bvxi_stack *stack, bvxi_section_grid *grid);
+void bvxi_stack_take_grid(bvxi_stack *stack, const bvxi_section_grid *grid);
 
 /* ---- stack_check.c: arrays that are none are refused, planes are put into order ---- */
 
@@ -208,6 +214,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *stack);
 /* One plane, with messages; these are what planes are gone over again with when something is wrong. */
 bvx_status bvxi_plane_place(bvxi_stack *stack, bvxi_plane *plane, double low[2], double high[2]);
 void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
+/* Steps of the fixed point from the grid's begin to a place along axis k; the coordinate is twice that and 1. */
+int32_t bvxi_snap_steps(const bvxi_stack *stack, int k, double along);
 /* 1 when a loop encloses a point of none of its segments. */
 int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);
 /* box: scratch, one a loop. */

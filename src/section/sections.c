@@ -176,15 +176,14 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
                               const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
 {
-    bvx_sections_options o = *options;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
     if (mended->sections.loop_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing is left of the loops once they are mended",
                          sections_name);
-    if (mended->spacing > 0.0) o.spacing = mended->spacing;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, &o, stack)));
-    stack->nudge = (const int8_t(*)[2])mended->nudge;
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));
+    bvxi_stack_take_grid(stack, &mended->grid);
+    stack->nudge = (const int16_t(*)[2])mended->nudge;
     stack->report.mended_loops = mended->loops;
     return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
 }
@@ -206,6 +205,23 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     return bvxi_stack_open(ctx, sections_name, sections, options, stack);
 }
 
+/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be: such a
+ * mesh is refused, not handed out. */
+static bvx_status check_mended(bvx_context *ctx, const bvx_mesh *mesh)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvx_mesh_check(ctx, &view, 0, &c));
+    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    return bvxi_fail_for(
+        ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+        "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, "
+        "or mend the contours before",
+        sections_name);
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
@@ -213,9 +229,11 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     bvxi_mended mended;
     bvxi_stack stack;
     bvx_status status;
+    int own;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
+    own = mesh->positions == NULL;
     bvx_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
     BVXI_TRY(check_section_options(context, &o));
@@ -225,7 +243,11 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, &o, &mended, &stack));
     if (status == BVX_OK) {
         measure_prismoids(&stack);
-        status = BVXI_SHARE(context, 0.15, 1.0, build_body(&stack, mesh));
+        status = BVXI_SHARE(context, 0.15, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
+    }
+    if (status == BVX_OK && mended.loops != 0) {
+        status = BVXI_SHARE(context, 0.95, 1.0, check_mended(context, mesh));
+        if (status != BVX_OK && own) bvx_mesh_free(context, mesh);
     }
     if (status == BVX_OK && o.report != NULL) {
         stack.report.skipped = stack.report.samples > stack.report.distances

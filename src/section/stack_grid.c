@@ -27,6 +27,16 @@ static double automatic_spacing(const bvxi_stack *s)
     return h;
 }
 
+static void report_grid(bvxi_stack *s)
+{
+    for (int k = 0; k < 2; k++) {
+        s->report.grid[k] = s->size[k];
+        s->report.cell[k] = s->step[k];
+    }
+    s->words = s->size[0] / 64 + 1;
+    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
+}
+
 /* Round coordinates should not lie on the grid's lines: bounds are padded by uneven shares of a cell, other
  * ones along u and v, so that the diagonal is no line through grid points either. */
 bvx_status bvxi_stack_grid(bvxi_stack *s)
@@ -61,12 +71,26 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
                                  "%s: the contours' extent %g is too small beside their coordinates",
                                  s->function, extent);
         if (s->size[k] > most) most = s->size[k];
-        s->report.grid[k] = s->size[k];
-        s->report.cell[k] = s->step[k];
     }
     s->fine = BVXI_SECTION_EXTENT_BITS;
     while (((int64_t)most << s->fine) > (INT64_C(1) << BVXI_SECTION_EXTENT_BITS)) s->fine--;
-    s->words = s->size[0] / 64 + 1;
-    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
+    report_grid(s);
     return BVX_OK;
+}
+
+void bvxi_stack_give_grid(const bvxi_stack *s, bvxi_section_grid *grid)
+{
+    memcpy(grid->origin, s->origin, sizeof grid->origin);
+    memcpy(grid->step, s->step, sizeof grid->step);
+    memcpy(grid->size, s->size, sizeof grid->size);
+    grid->fine = s->fine;
+}
+
+void bvxi_stack_take_grid(bvxi_stack *s, const bvxi_section_grid *grid)
+{
+    memcpy(s->origin, grid->origin, sizeof s->origin);
+    memcpy(s->step, grid->step, sizeof s->step);
+    memcpy(s->size, grid->size, sizeof s->size);
+    s->fine = grid->fine;
+    report_grid(s);
 }
