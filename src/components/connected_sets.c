@@ -1,6 +1,6 @@
 /* connected_sets.c - runs of empty or set voxels joined to spaces (components.c),
  * and handed out again with their numbers. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
 {

@@ -13,7 +13,7 @@
  * and z = -1 on. What is not told by the Euler number is counted: parts, and spaces that touch no side of the
  * window.
  * Guarantee: exact. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 static const char topology_name[] = "bvx_grid_topology";
 

@@ -4,7 +4,7 @@
  * (connected_sets.c), and a space that holds a seed is filled. No queue, and any number of seeds costs no
  * more than one.
  * Guarantee: exact; no order of seeds plays a part. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 static const char grid_fill_name[] = "bvx_grid_fill";
 

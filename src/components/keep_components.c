@@ -5,7 +5,7 @@
  * go are changed in the result. The n largest are found without sorting: the greatest size that n of them
  * reach, by halving; of those that have just this size the first are taken.
  * Guarantee: exact. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 static const char keep_name[] = "bvx_grid_keep";
 static const char cavities_name[] = "bvx_grid_fill_cavities";

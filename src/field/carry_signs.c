@@ -9,7 +9,7 @@
  * A step looks at the state before it alone, so neither order nor threads show. Rows are visited only where
  * something changed beside them in the step before. */
 #include "field/signs.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 enum {
     CARRY_INSIDE = 1,

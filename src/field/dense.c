@@ -2,7 +2,7 @@
  *
  * Rows are written by themselves, so threads do not show. Where the band has no value the field's own
  * half-width stands, which is a lower bound of the distance; propagate.c gives upper bounds instead. */
-#include "field/field.h"
+#include "field/room.h"
 
 enum { DENSE_GRAIN = 1 << 15 /* centres of the smallest task */ };
 

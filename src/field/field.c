@@ -2,7 +2,7 @@
  *
  * A value's number is its row's first number and the set bits before it in the row: no index of the values is
  * kept. */
-#include "field/field.h"
+#include "field/room.h"
 
 /* ---- freed ---- */
 

@@ -10,7 +10,7 @@
  * points at one distance (as floats) that of the lesser value wins. A centre misses its closest triangle when
  * no point of it won on a way there; how far that puts it off is measured in tests/unit/test_field_dense.c
  * and stated at bvx_field_dense. */
-#include "field/field.h"
+#include "field/room.h"
 #include "nearest/closest.h"
 #include "mesh/scale.h"
 #include "mesh/view.h"

@@ -5,7 +5,7 @@
  * without one, it is outside. A centre on the surface counts as moved by (e_x, e_y, e_z), e_x >> e_y >> e_z >
  * 0: on faces that is what the solid's rules do; on edges and corners the moved centre would have another
  * feature, and the direction alone decides. */
-#include "field/field.h"
+#include "field/room.h"
 #include "field/signs.h"
 #include "nearest/closest.h"
 #include "mesh/scale.h"

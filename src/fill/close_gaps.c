@@ -14,7 +14,7 @@
  * voxel.)
  * Guarantee: exact. A gap of up to `gap` voxels between set voxels along an axis, or a hole of that width in
  * a wall, closes. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 #include "fill/fills.h"
 
 enum { GAP_GRAIN = 4096 };

@@ -5,7 +5,7 @@
  * surface a voxel in one but not in the other is disputed. A voxel of the surface with no solid voxel beside
  * it, not even at a corner, belongs to a wall that no centre lies in. */
 #include "fill/fills.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 enum { FILL_RULES = 5, FILL_GRIDS = 7 };
 

@@ -36,7 +36,7 @@ bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *fil
  * through empty voxels, also beyond the window. Scratch: one more grid. */
 bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
 /* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how
- * many places do. Scratch: also that of connected_sets.h over the grid of gap more voxels a side. */
+ * many places do. Scratch: also that of components/room.h over the grid of gap more voxels a side. */
 bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
                            uint64_t *pockets);
 

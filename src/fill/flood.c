@@ -1,13 +1,13 @@
 /* flood.c - what a flood from outside cannot reach is inside.
  *
- * The spaces that the conservative surface leaves are joined by runs (components/connected_sets.h); those
+ * The spaces that the conservative surface leaves are joined by runs (components/room.h); those
  * that touch a side of the lattice are outside, all others inside, so that cavities fill. With gaps to close
  * the flood is run once more past the closed surface: what lies behind it is inside too, the voxels that
  * closing added vote like those of the surface. A space that the first flood does not reach stays inside as a
  * whole, so closing gaps never takes from it. Cavities are filled up to their walls (flood_rim.c).
  * Guarantee: exact, global. A conservative surface of a mesh without holes holds the flood. */
 #include "fill/fills.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 typedef struct flood_work {
     const bvx_grid *walls;

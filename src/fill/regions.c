@@ -9,7 +9,7 @@
  * its own vote.
  * Guarantee: exact, global. */
 #include "fill/fills.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 enum { REGION_SURE_IN = 1, REGION_SURE_OUT = 2 };
 

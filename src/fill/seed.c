@@ -9,7 +9,7 @@
  * Guarantee: what is found is hidden, and inside where a mesh was given; nothing found with no limit means
  * that no gap of any row begins with such a voxel. */
 #include "fill/fills.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 
 enum { SEED_TURNS = 64 };
 

@@ -1,4 +1,5 @@
-/* file_grid.c - the lattice that a file of voxels says it has, and the grid for the part of it that is wanted. */
+/* file_grid.c - the lattice that a file of voxels says it has, and the grid for the part of it that is
+ * wanted. */
 #include "io_grid/grid_formats.h"
 
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],

@@ -3,7 +3,7 @@
  * A number is 0 when no bit of it is set but the sign of a float; that asks for a mask of bytes in the file's
  * own order, so neither byte order needs turning. Eight bytes become eight bits by a multiplication, and
  * back. */
-#include "volume/sample_bits.h"
+#include "volume/room.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 

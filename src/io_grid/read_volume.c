@@ -3,7 +3,7 @@
  * The readers of grids tell where samples stand. Those that stand there as they are needed are left where
  * they are; others are unpacked, turned into this machine's byte order, or read from text, into an array
  * packed with x fastest. Guarantee: values are those of the file, exactly. */
-#include "volume/volume.h"
+#include "volume/room.h"
 #include "io_grid/grid_formats.h"
 
 enum { VOLUME_ASK_SAMPLES = 1 << 20, VOLUME_GRAIN = 1 << 16 };

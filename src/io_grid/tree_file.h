@@ -36,7 +36,7 @@
 #define BVXI_TREE_FILE_H
 
 #include "io/bytes.h"
-#include "refine/octree.h"
+#include "refine/room.h"
 
 enum { BVXI_TREE_VERSION = 1, BVXI_TREE_HEAD = 128, BVXI_TREE_LEVEL_HEAD = 24 };
 

@@ -5,7 +5,7 @@
  * samples are points: NRRD's origin and VTI's Origin are the centre of the window's first voxel; NRRD keeps
  * the low corner beside it, as for grids. Rows are written by themselves, little-endian, so neither threads
  * nor the machine show. */
-#include "field/field.h"
+#include "field/room.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 

@@ -1,4 +1,5 @@
-/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share. Not installed. */
+/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share. Not
+ * installed. */
 #ifndef BVXI_MESH_FORMATS_H
 #define BVXI_MESH_FORMATS_H
 

@@ -1,5 +1,5 @@
-/* ply_rows.c - what the values of a row of a PLY file mean: corners, strips, coordinates, colours; and what is wrong with
- * one that cannot be. */
+/* ply_rows.c - what the values of a row of a PLY file mean: corners, strips, coordinates, colours; and what
+ * is wrong with one that cannot be. */
 #include "io_mesh/ply_file.h"
 
 /* ---- failures ---- */

@@ -9,8 +9,7 @@
 #include "mesh/radix.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
-#include "simplify/colours.h"
-#include "simplify/levels.h"
+#include "simplify/room.h"
 
 #include <math.h>
 

@@ -9,7 +9,7 @@
  * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece
  * have equally many voxels. */
 #include "pipeline/crumbs.h"
-#include "components/connected_sets.h"
+#include "components/room.h"
 #include "nearest/closest_query.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"

@@ -8,7 +8,7 @@
  * */
 #include "grid/downsample.h"
 #include "mesh/mesh.h"
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 #include "surface/march.h"
 
 #include <math.h>

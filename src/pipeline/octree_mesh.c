@@ -7,7 +7,7 @@
  * Guarantee: the bytes of bvx_extract_surface on all of it. */
 #include "mesh/mesh.h"
 #include "surface/march.h"
-#include "refine/octree.h"
+#include "refine/room.h"
 
 static const char octree_mesh_name[] = "bvx_extract_octree";
 

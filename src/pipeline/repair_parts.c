@@ -3,7 +3,7 @@
  * Parts are connected through faces, cavities through faces too (with marching cubes' face rule SEPARATE a
  * cavity's empty corners may touch beyond; they stay cavities of their own). A space of empty voxels is a
  * cavity when it does not touch the window's sides. */
-#include "components/connected_sets.h"
+#include "components/room.h"
 #include "pipeline/crumbs.h"
 #include "pipeline/repair.h"
 

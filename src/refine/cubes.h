@@ -15,7 +15,7 @@
 #define BVXI_CUBE_Z3    UINT64_C(0xffff000000000000)
 #define BVXI_CUBE_CHILD UINT64_C(0x0000000000330033) /* voxels of child 0 */
 
-/* Voxels on the side towards direction d (octree.h). */
+/* Voxels on the side towards direction d (room.h). */
 static inline uint64_t bvxi_cube_side(int d)
 {
     static const uint64_t side[6] = {BVXI_CUBE_X0, BVXI_CUBE_Y0, BVXI_CUBE_Z0,

@@ -3,7 +3,7 @@
  * Each task takes the base voxels of some columns along x, so that it alone writes their rows. Leaves above
  * the level are boxes; the octets whose children are the level's voxels write two bits to each of four rows.
  * What misses the window is not entered. Guarantee: a window holds the bits of the whole there. */
-#include "refine/octree.h"
+#include "refine/room.h"
 #include "grid/grid.h"
 
 typedef struct expand_job {

@@ -2,7 +2,7 @@
  *
  * Down from the base towards the voxel of the same size beyond the face: a leaf on the way is the one
  * neighbour; when that voxel is split itself, its leaves on the side of the face are. */
-#include "refine/octree.h"
+#include "refine/room.h"
 
 typedef struct neighbour_list {
     bvx_octree_leaf *leaves;

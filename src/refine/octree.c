@@ -1,5 +1,5 @@
 /* octree.c - octrees made, freed, counted and looked into. */
-#include "refine/octree.h"
+#include "refine/room.h"
 
 #include <math.h>
 

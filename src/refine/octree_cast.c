@@ -6,7 +6,7 @@
  * without motion is met where u lies between the planes. Octets are entered where the ray meets their boxes,
  * nearer children first, so what lies behind the best hit is passed over; the hit is the leaf with the least
  * (t, z, y, x) by these numbers, as if all had been asked. */
-#include "refine/octree.h"
+#include "refine/room.h"
 
 #include <math.h>
 

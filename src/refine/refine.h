@@ -2,7 +2,7 @@
 #ifndef BVXI_REFINE_H
 #define BVXI_REFINE_H
 
-#include "refine/octree.h"
+#include "refine/room.h"
 #include "solid/snap.h"
 
 /* Grids up to this many bytes are made at the last level; else the start is

@@ -17,7 +17,7 @@
  * Guarantee: every state is closed where the mesh given was, edge- and vertex-manifold, oriented and, where
  * the mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh
  * everywhere. */
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 #include "bits/curve.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"

@@ -1,5 +1,5 @@
 /* collapse_mesh.c - a mesh made ready to be collapsed, run to a target, and given back. */
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 #include "bits/curve.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"

@@ -5,7 +5,7 @@
 #include "simplify/colours.h"
 #include "simplify/corners.h"
 #include "simplify/queue.h"
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 #include "simplify/star.h"
 
 enum {

@@ -27,9 +27,4 @@ void bvxi_colours_add(const bvxi_colour_quadric *q, double a[6], double b[3], do
 /* Move the sums as bvxi_corners_pack moved vertices. */
 void bvxi_colours_pack(bvxi_colour_quadric *at, uint64_t vertices, const uint32_t *moved);
 
-/* nearest_colours.c: colours of the nearest points of a mesh that has some, four bytes for each vertex of a
- * surface. Scratch: that of bvx_closest_create. */
-bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
-                                uint8_t *colours);
-
 #endif

@@ -14,7 +14,7 @@
 #ifndef BVXI_CORNERS_H
 #define BVXI_CORNERS_H
 
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 
 #define BVXI_VERTEX_NONE  UINT32_MAX
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)

@@ -1,7 +1,7 @@
 /* nearest_colours.c - colours for a surface measured from a mesh: those of
  * the mesh's nearest points, blended by their weights. */
 #include "mesh/view.h"
-#include "simplify/colours.h"
+#include "simplify/room.h"
 
 enum { NEAREST_BLOCK = 256 };
 

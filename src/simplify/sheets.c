@@ -3,7 +3,7 @@
 #include "mesh/patches.h"
 #include "mesh/mesh_components.h"
 #include "mesh/view.h"
-#include "simplify/levels.h"
+#include "simplify/room.h"
 
 /* ---- Patches ---- */
 

@@ -2,7 +2,7 @@
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/weld.h"
-#include "simplify/levels.h"
+#include "simplify/room.h"
 
 static const char simplify_name[] = "bvx_mesh_simplify";
 

@@ -3,7 +3,7 @@
  * Cells without a crossing change no counter, so eight counters that step only at active cells number the
  * vertices as a walk along the row meets them: no popcount, no look-up of neighbours. The case gives for each
  * triangle corner its counter and whether it is the next crossing (tables.h). */
-#include "volume/volume.h"
+#include "volume/room.h"
 #include "surface/cells.h"
 
 /* ---- positions ---- */

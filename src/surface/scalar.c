@@ -8,7 +8,7 @@
  * whatever the samples hold. */
 #include "mesh/mesh.h"
 #include "surface/march.h"
-#include "volume/threshold.h"
+#include "volume/room.h"
 
 static const bvx_scalar_options scalar_defaults = {0, 0.0,  0,     BVX_FACE_SEPARATE, BVX_F32, 0, 0,
                                                    0, NULL, {0, 0}};

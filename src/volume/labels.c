@@ -5,7 +5,7 @@
  * that were made against the hash, a tree takes its place (core/key_tree.h). Guarantee: ascending values;
  * nothing of the table's order is seen. */
 #include "core/key_tree.h"
-#include "volume/volume.h"
+#include "volume/room.h"
 #include "mesh/radix.h"
 
 static const char labels_name[] = "bvx_list_labels";

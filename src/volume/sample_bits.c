@@ -5,7 +5,7 @@
  * 2003, section 7-3) and written as words of rows. TILE_THIRD planes of the third axis are taken together: where
  * z is fastest, their runs lie side by side in the array, and so do their words in the grid. Guarantee: a task
  * writes rows or tiles of its own; which thread runs it shows nowhere. */
-#include "volume/sample_bits.h"
+#include "volume/room.h"
 #include "bits/transpose.h"
 
 enum {

@@ -4,7 +4,7 @@
  * is compared as what it is, 64 at a time (threshold_runs.c), along the axis that runs fastest. Guarantee:
  * exactly low <= sample <= high, for all types; NaN and infinite samples are not set. Counts are sums and
  * extremes over pieces, so no thread shows in them. */
-#include "volume/threshold.h"
+#include "volume/room.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
  * of their own, as the range has finite ends. Counts are taken while the samples are at hand: a block without
  * NaN and infinity, the usual one, by the extremes of all of it, any other sample by sample. The portable
  * path is the specification. */
-#include "volume/threshold.h"
+#include "volume/room.h"
 #include "core/simd.h"
 
 #if BVXI_HAVE_AVX2

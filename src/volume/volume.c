@@ -1,5 +1,5 @@
 /* volume.c - views of scalar volumes: checked before anything is read through them. */
-#include "volume/volume.h"
+#include "volume/room.h"
 #include "lattice/lattice.h"
 
 /* The way from the first sample to the last along all axes must be one that addresses can tell. */

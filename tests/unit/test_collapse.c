@@ -3,7 +3,7 @@
 #include "../golden/shapes.h"
 
 #include <stdlib.h>
-#include "simplify/simplify.h"
+#include "simplify/room.h"
 #include "unity.h"
 
 static bvx_context *ctx;

@@ -1,4 +1,4 @@
-/* octree.h - voxels of several sizes: levels in flat arrays, child masks and rank, no pointers. Not
+/* room.h - voxels of several sizes: levels in flat arrays, child masks and rank, no pointers. Not
  * installed.
  *
  * Voxels of level 0 are those of the base lattice, those of level l + 1 are theirs in eight. Of the voxels
@@ -7,8 +7,8 @@
  * order of the base's bits (z, y, x), within a base voxel along a curve: child p = x + 2 y + 4 z of octet n
  * stands behind child p - 1. So children are bits 8 n + p of the masks of a level, and the number of the
  * octet that a child is split into is the number of split bits before its own. */
-#ifndef BVXI_OCTREE_H
-#define BVXI_OCTREE_H
+#ifndef BVXI_REFINE_ROOM_H
+#define BVXI_REFINE_ROOM_H
 
 #include "bits/bits.h"
 #include "lattice/lattice.h"

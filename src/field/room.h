@@ -1,6 +1,6 @@
-/* field.h - distance fields checked and walked. Not installed. */
-#ifndef BVXI_FIELD_H
-#define BVXI_FIELD_H
+/* room.h - distance fields checked and walked. Not installed. */
+#ifndef BVXI_FIELD_ROOM_H
+#define BVXI_FIELD_ROOM_H
 
 #include "grid/grid.h"
 

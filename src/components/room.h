@@ -1,12 +1,12 @@
-/* connected_sets.h - the connected sets of empty voxels that a grid leaves, or of its set ones. Not
+/* room.h - the connected sets of empty voxels that a grid leaves, or of its set ones. Not
  * installed.
  *
  *   bvxi_spaces_open(ctx, function, stage, grid, 1, BVXI_CONNECT_6, &s);
  *   bvxi_spaces_each(&s, take, user);   every run in order, with its space's number, from 0 by least voxel
  *   bvxi_spaces_free(&s);
  */
-#ifndef BVXI_CONNECTED_SETS_H
-#define BVXI_CONNECTED_SETS_H
+#ifndef BVXI_COMPONENTS_ROOM_H
+#define BVXI_COMPONENTS_ROOM_H
 
 #include "bits/row_runs.h"
 #include "components/components.h"

@@ -1,0 +1,94 @@
+/* room.h - fewer triangles, for other rooms: a mesh whose edges collapse, and levels that continue from each
+ * other. Not installed. */
+#ifndef BVXI_SIMPLIFY_ROOM_H
+#define BVXI_SIMPLIFY_ROOM_H
+
+#include "nearest/distance.h"
+
+typedef struct bvxi_collapse bvxi_collapse;
+
+/* What becomes of edges that have no two triangles running along them in opposite directions. */
+enum {
+    BVXI_BORDERS_REFUSED = 0,
+    BVXI_BORDERS_KEPT = 1, /* edges with one triangle are borders; others are refused */
+    BVXI_BORDERS_CUT = 2   /* all sides of such an edge are borders */
+};
+
+typedef struct bvxi_collapse_options {
+    int32_t position_type; /* of the levels: new positions are rounded to it */
+    double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
+    int32_t lenient; /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
+    int32_t simple;  /* 1: the mesh is known not to cross itself, which spares tests */
+    int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
+    /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */
+    double colour_weight;
+} bvxi_collapse_options;
+
+/* What became of the edges that were tried. */
+typedef struct bvxi_collapse_counts {
+    uint64_t collapsed, link, turned, needle, crossed, crumpled;
+} bvxi_collapse_counts;
+
+/* Take a checked view of a closed, manifold, oriented mesh, or of one with borders (BVX_ERR_ARGUMENT
+ * otherwise). The order of its vertices and triangles does not matter where no two vertices are at one
+ * position. Scratch: 160 bytes a triangle, 190 a vertex where colours have a weight, and 300 KB, until
+ * bvxi_collapse_close. */
+bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                              const bvxi_collapse_options *options, bvxi_collapse **collapse);
+/* Collapse the cheapest edges until at most target triangles are left or none can go. level: how many the
+ * level will have, about, that this leads to; of a large mesh that is far from it edges go in parallel, with
+ * about 1.3 MB of scratch a thread, which may leave fewer than target. from, to: share of progress. */
+bvx_status bvxi_collapse_to(bvxi_collapse *collapse, uint64_t target, uint64_t level, double from, double to);
+/* The mesh as it is now, opened as by bvxi_mesh_open. */
+bvx_status bvxi_collapse_give(bvxi_collapse *collapse, bvx_mesh *level);
+uint64_t bvxi_collapse_triangles(const bvxi_collapse *collapse);
+const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *collapse);
+void bvxi_collapse_close(bvxi_collapse *collapse);
+
+/* What the levels of a chain are to be: options of bvx_mesh_simplify and bvx_build_levels, checked. */
+typedef struct bvxi_level_chain {
+    const char *function;
+    const bvx_mesh_view *original; /* that errors are measured against */
+    const uint64_t *target_triangles;
+    const double *target_errors;
+    uint64_t halve_from; /* triangles that are halved where neither is given */
+    int32_t error_kind, strict;
+    uint64_t measure_samples;
+    bvxi_collapse_options collapse;
+    uint64_t count;
+    bvx_mesh *levels;
+    bvx_level_report *reports; /* or NULL */
+    bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */
+} bvxi_level_chain;
+
+/* Refuse options that say too much, or nothing that can be. */
+bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
+/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. */
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface);
+/* Free what the library made of levels, and empty those in arrays of the caller's. */
+void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
+
+/* simplify_mesh.c: view with one vertex a position and no triangle of two equal corners; *corner is its array
+ * or NULL [Size: view->triangle_count * 3]. */
+bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view,
+                            uint32_t **corner);
+
+/* What was done to make sheets of triangles, and the first edge by its vertices that is in no sheet's way but
+ * cut: of three triangles or more, or between two that cannot agree. */
+typedef struct bvxi_sheets_report {
+    uint64_t doubles, turned, refused; /* triangles, triangles, edges */
+    uint32_t edge[2];
+} bvxi_sheets_report;
+
+/* sheets.c: drop triangles of a welded view that are there twice, and turn triangles
+ * so that those that share an edge with each other alone agree, where they can.
+ * corner: the view's indices. Scratch: 89 bytes a triangle and 4 a vertex. */
+bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
+                               bvxi_sheets_report *report);
+
+/* nearest_colours.c: colours of the nearest points of a mesh that has some, four bytes for each vertex of a
+ * surface. Scratch: that of bvx_closest_create. */
+bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
+                                uint8_t *colours);
+
+#endif
