@@ -73,7 +73,8 @@
 
 #define TAKES_VOLUMES (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)
 #define MAKES_LEVELS  (CLI_LOD | CLI_SIMPLIFY)
-#define REDUCES       (CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_VOXELIZE)
+#define VOXELS_OUT    (CLI_VOXELIZE | CLI_MORPH | CLI_FILL | CLI_COMPONENTS)
+#define REDUCES       (CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | VOXELS_OUT)
 
 #define WRITES_MESHES (REDUCES | MAKES_LEVELS | CLI_FACES | CLI_CONVERT | CLI_REFINE)
 
@@ -341,8 +342,9 @@ static const cli_argument arguments[] = {
     CHOICE(
         "--interpolation", "HOW", CLI_REPAIR | CLI_BOOLEAN, interpolation, edge_names, BVX_EDGE_VECTOR,
         "tangent: from the planes at the closest points; vector: from the line\nthrough them; scalar: from the signed distance; middle; paper: vector\nwith the paper's clamps [tangent]"),
-    FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN, sharp, "put vertices on sharp edges and corners"),
-    FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN, no_sharp,
+    FLAG("--sharp", CLI_REPAIR | CLI_BOOLEAN | CLI_VOXELIZE | CLI_MORPH, sharp,
+         "of a mesh: put vertices on sharp edges and corners"),
+    FLAG("--no-sharp", CLI_REPAIR | CLI_BOOLEAN | CLI_VOXELIZE | CLI_MORPH, no_sharp,
          "do not put vertices there [where many of a mesh's edges are sharp]"),
     CHOICE(
         "--thin", "WHAT", CLI_REPAIR, thin, thin_names, BVX_THIN_SHELL,

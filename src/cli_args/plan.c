@@ -22,6 +22,7 @@ typedef struct plan_row {
 enum {
     PLAN_READERS = CLI_ALL & ~CLI_RENDER,
     PLAN_CHAINS = CLI_LOD | CLI_SIMPLIFY,
+    PLAN_VOXELS = CLI_VOXELIZE | CLI_MORPH | CLI_FILL | CLI_COMPONENTS,
     PLAN_GRIDS = CLI_FILL | CLI_MORPH | CLI_COMPONENTS | CLI_FACES | CLI_COMPARE | CLI_CONVERT
 };
 
@@ -66,8 +67,9 @@ static const plan_row plan_rows[] = {
     {CLI_SECTIONS, "blocks", 70, PLAN_ONCE},
     {CLI_LOD | CLI_CONVERT | CLI_SLICE, "surface", 10, PLAN_ONCE},
     {CLI_REFINE, "surface", 90, PLAN_ONCE},
+    {PLAN_VOXELS, "surface", 60, PLAN_ONCE},
     {CLI_FACES, "faces", 10, PLAN_ONCE},
-    {CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT, "simplify", 60, PLAN_ONCE},
+    {CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "simplify", 60, PLAN_ONCE},
     {CLI_SLICE, "slice", 40, PLAN_ONCE},
     {PLAN_CHAINS, "level", 90, PLAN_MADE},
     {PLAN_CHAINS, "carry", 10, PLAN_MADE},
@@ -82,7 +84,7 @@ static const plan_row plan_rows[] = {
     {CLI_INFO, "check", 15, PLAN_ONCE},
     {CLI_INFO, "check welded", 15, PLAN_ONCE},
     {CLI_INFO, "crossings", 60, PLAN_ONCE},
-    {CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT, "check", 15, PLAN_ONCE},
+    {CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "check", 15, PLAN_ONCE},
     {CLI_FACES, "check", 35, PLAN_ONCE},
     {CLI_COMPARE, "distance", 70, PLAN_ONCE},
     {CLI_ALL & ~CLI_INFO & ~CLI_COMPARE & ~CLI_RENDER, "check file", 2, PLAN_ONCE},
@@ -118,6 +120,8 @@ static int suits_files(const cli_run *run, const char *stage)
             return is_name_of(o->output, BVX_GRIDS_READ) && bvx_format_of_name(o->output) != BVX_FORMAT_BVX;
         if (strcmp(stage, "surface") == 0) return mesh_out;
     }
+    if ((bit & PLAN_VOXELS) != 0 && (strcmp(stage, "surface") == 0 || strcmp(stage, "check") == 0))
+        return mesh_out;
     if (bit == CLI_CONVERT && mesh_in && mesh_out)
         return strncmp(stage, "read", 4) == 0 || strcmp(stage, "parse") == 0 ||
                strcmp(stage, "simplify") == 0 || strcmp(stage, "check file") == 0 ||

@@ -7,7 +7,7 @@ const cli_rule cli_cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
      .given =
          "--mode --fill --add-shell --check-edges --check-thin --compare-fills --half-width --sign --vectors "
-         "--value-type",
+         "--value-type --sharp --no-sharp",
      .message = "%o is for meshes; %i is a cloud of points"},
     {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
     {.when = CLI_OF_VOLUME,

@@ -19,6 +19,7 @@ typedef struct components_job {
     uint64_t count;
     bvx_topology topology;
     uint32_t *labels;
+    cli_voxels voxels; /* the output */
 } components_job;
 
 static const char *labels_of(const cli_run *run)
@@ -40,14 +41,13 @@ static int check_components_options(cli_run *run)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
         return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
-    return o->output != NULL ? cli_check_grid_name(run, o->output) : CLI_DONE;
+    return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
 }
 
 /* Outputs in this order: the grid and its side-car, the labels and theirs. */
 static int open_components_outputs(cli_run *run)
 {
-    int const status = run->options->output != NULL ? cli_open_grid_output(run, run->options->output)
-                                                    : CLI_DONE;
+    int const status = run->options->output != NULL ? cli_open_voxels(run) : CLI_DONE;
     return status == CLI_DONE && labels_of(run) != NULL ? cli_open_grid_output(run, labels_of(run)) : status;
 }
 
@@ -248,7 +248,7 @@ static int write_components(cli_run *run, components_job *job)
     const char *const output = run->options->output;
     int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
     int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
-    if (status == CLI_DONE && output != NULL) return cli_write_grid(run, &job->in.grid);
+    if (status == CLI_DONE && output != NULL) return cli_write_voxels(run, &job->voxels);
     return status == CLI_DONE && labels_of(run) != NULL ? cli_keep_outputs(run) : status;
 }
 
@@ -263,15 +263,19 @@ static int run_components(cli_run *run)
     status = check_components_options(run);
     if (status == CLI_DONE) status = open_components_outputs(run);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job.in);
-    if (status == CLI_DONE && run->options->output != NULL)
+    if (status == CLI_DONE && run->options->output != NULL && !cli_makes_mesh(run))
         status = cli_check_grid_format(run, run->options->output, &job.in.grid.lattice, job.in.grid.size);
+    job.voxels.name = run->options->input[0];
+    job.voxels.grid = &job.in.grid;
     if (status == CLI_DONE) status = keep_components(run, &job);
     if (status == CLI_DONE) status = list_components(run, &job);
     if (status == CLI_DONE) status = write_components(run, &job);
     if (status == CLI_DONE) {
         say_components(run, &job);
         report_components(run, &job);
+        if (run->options->output != NULL) cli_tell_voxels(run, &job.voxels);
     }
+    cli_free_voxels(run, &job.voxels);
     free(job.labels);
     free(job.parts);
     free(job.seeds);
@@ -289,7 +293,8 @@ const cli_command cli_components = {
     "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
     "--seed do not keep, fills cavities where asked, and tells of what is left: the largest parts with\n"
     "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
-    "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid.",
+    "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, or\n"
+    "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
     "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
     "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
     run_components};

@@ -4,21 +4,11 @@
 #include <inttypes.h>
 #include <string.h>
 
-static int refuse_other_kind(cli_run *run, int from)
-{
-    const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;
-    if (from == CLI_MESH)
-        return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
-                         in, out);
-    return cli_usage(
-        run, "%s is a grid and %s would be a mesh: 'bitvox lod --levels N' makes meshes of a grid", in, out);
-}
-
 static const cli_rule convert_rules[] = {
     {.when = CLI_OF_MESH,
      .given = "--window --expand --states",
      .message = "%o is for grids and octrees; %i is a mesh"},
-    {.when = CLI_OF_GRID, .given = "--normals", .message = "%o is for meshes; %i holds voxels"},
+    {.unless = CLI_TO_MESH, .given = "--normals", .message = "%o is for meshes; %f would hold voxels"},
     {.also = cli_mesh_file_rules},
     {0}};
 
@@ -38,7 +28,9 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees",
                          cli_input_name(o->input[0]), o->output);
-    if (to != CLI_TREE && *kind != to) return refuse_other_kind(run, *kind);
+    if (*kind == CLI_MESH && to == CLI_GRID)
+        return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
+                         cli_input_name(o->input[0]), o->output);
     status = cli_check_rules(run, convert_rules, *kind == CLI_MESH ? CLI_OF_MESH : CLI_OF_GRID, NULL);
     return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
@@ -81,19 +73,21 @@ static int write_grid(cli_run *run, const cli_input *in)
 {
     const bvx_grid *const grid = &in->grid;
     const char *const out = run->options->output;
+    cli_voxels voxels = {.name = in->path, .grid = grid};
     int status = CLI_DONE;
 
     if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",
                          cli_input_name(in->path));
-    status = cli_check_grid_format(run, out, &grid->lattice, grid->size);
-    if (status == CLI_DONE) status = cli_write_grid(run, grid);
+    status = cli_write_voxels(run, &voxels);
+    cli_free_voxels(run, &voxels);
     if (status != CLI_DONE) return status;
     run->report.lattice = grid->lattice;
     run->report.has_lattice = run->report.has_set = 1;
     bvx_grid_count(run->context, grid, &run->report.set);
     cli_say(run, "%s -> %s\n", cli_input_name(in->path), out);
     cli_say_grid(run, grid, run->report.set, in->placed);
+    cli_tell_voxels(run, &voxels);
     return CLI_DONE;
 }
 
@@ -101,8 +95,7 @@ static int convert_voxels(cli_run *run, cli_tree *t)
 {
     const char *const out = run->options->output;
     cli_input in;
-    int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out)
-                                                           : cli_open_grid_output(run, out);
+    int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run);
 
     memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_read_grid_or_tree(run, run->options->input[0], &t->window, &in);
@@ -130,7 +123,8 @@ const cli_command cli_convert = {
     "IN -o OUT [options]",
     "a mesh, a grid or an octree in another format",
     "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
-    "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same.\n"
+    "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
+    "their surface half way between set and empty voxels as a mesh.\n"
     "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
     "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is told\n"
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",

@@ -18,6 +18,7 @@ typedef struct fill_job {
     uint64_t filled;  /* voxels */
     int reaches_side; /* of the window */
     bvx_grid out;
+    cli_voxels voxels; /* the output */
 } fill_job;
 
 static int check_fill_options(cli_run *run, int *kind)
@@ -42,7 +43,7 @@ static int check_fill_options(cli_run *run, int *kind)
             status = cli_usage(run, "--mesh takes a mesh; %s is a grid", o->mesh);
         if (status != CLI_DONE) return status;
     }
-    return cli_check_grid_name(run, o->output);
+    return cli_check_voxel_name(run);
 }
 
 static int read_fill_inputs(cli_run *run, fill_job *job)
@@ -202,21 +203,23 @@ static int run_fill(cli_run *run)
 
     memset(&job, 0, sizeof job);
     status = check_fill_options(run, &kind);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_open_voxels(run);
     if (status == CLI_DONE) status = read_fill_inputs(run, &job);
     if (status == CLI_DONE)
         status = run->options->seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
     if (status == CLI_DONE) status = fill_from_seeds(run, &job);
-    if (status == CLI_DONE)
-        status = cli_check_grid_format(run, run->options->output, &job.out.lattice, job.out.size);
-    if (status == CLI_DONE) status = cli_write_grid(run, &job.out);
+    job.voxels.name = run->options->input[0];
+    job.voxels.grid = &job.out;
+    if (status == CLI_DONE) status = cli_write_voxels(run, &job.voxels);
     if (status == CLI_DONE && job.reaches_side)
         cli_warn(run, "%s: the fill reaches the window's sides: these voxels do not hold it",
                  cli_input_name(job.in.path));
     if (status == CLI_DONE) {
         say_fill(run, &job);
         report_fill(run, &job);
+        cli_tell_voxels(run, &job.voxels);
     }
+    cli_free_voxels(run, &job.voxels);
     free(job.seeds);
     bvx_grid_free(run->context, &job.out);
     bvx_mesh_free(run->context, &job.mesh);
@@ -234,7 +237,8 @@ const cli_command cli_fill = {
     "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
     "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
     "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
-    "It also tells what a search for one seed took: lines scanned along x, y and z.",
+    "It also tells what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
+    "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
     "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
     "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
     run_fill};

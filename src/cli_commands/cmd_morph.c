@@ -17,6 +17,9 @@ typedef struct morph_job {
     int roomy;       /* its lattice was given room for all that is added */
     bvx_grid out;
     bvx_hollow_report hollow;
+    bvx_field field;   /* of a mesh whose walls move */
+    bvx_grid hole;     /* that is drilled into it */
+    cli_voxels voxels; /* the output */
 } morph_job;
 
 /* ---- what is asked for ---- */
@@ -80,7 +83,10 @@ static const cli_rule action_rules[] = {
     {.when = MEASURES,
      .unless = CLI_TO_DISTANCES,
      .message = "%f: distances are written as .npy, .nrrd or .vti"},
-    {.unless = MEASURES, .also = cli_to_grid_rules},
+    {.unless = MEASURES, .also = cli_to_voxels_rules},
+    {.when = MEASURES,
+     .given = "--triangles --error --error-kind --sharp --no-sharp",
+     .message = "morph %w has no use for %o"},
     {0}};
 
 /* The word is the input's name. */
@@ -99,6 +105,9 @@ static int check_morph_options(cli_run *run, morph_job *job)
                                  action_names[job->action]);
     if (status == CLI_DONE) status = cli_input_kind(run, path, &kind);
     if (status != CLI_DONE) return status;
+    if (kind != CLI_GRID && cli_makes_mesh(run) && !cli_given(run, "--padding") &&
+        !run->options->origin.given)
+        run->options->padding = 1; /* the surface ends where the mesh does, also at the lattice's sides */
     return cli_check_rules(run, input_rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
 }
 
@@ -120,6 +129,7 @@ static int make_room(cli_run *run, morph_job *job)
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
     voxels = cli_given(run, "--radius") ? ceil(o->radius / (l.spacing[2] < least ? l.spacing[2] : least))
                                         : (double)(o->steps != 0 ? o->steps : 1);
+    voxels += cli_makes_mesh(run);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
     return CLI_DONE;
@@ -158,6 +168,106 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
     h.beyond = o->beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
     return bvx_grid_hollow(run->context, &job->in.grid, &h, &job->out);
+}
+
+/* ---- walls at their distance from a mesh ---- */
+
+/* The voxels that a drill takes on its way into a hollow. The hollow by distances from the mesh lies a little deeper than that
+ * by distances from empty voxels, so the drill goes deeper too. */
+static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
+{
+    const cli_options *const o = run->options;
+    const double *const h = job->in.grid.lattice.spacing;
+    double const most = fmax(h[0], fmax(h[1], h[2]));
+    bvx_hollow_options d;
+    bvx_grid closed = {0};
+    bvx_status status = BVX_OK;
+
+    bvx_hollow_options_init(&d, sizeof d);
+    d.beyond = o->beyond == BVX_BEYOND_SET;
+    for (int deep = 1; deep >= 0 && status == BVX_OK; deep--) {
+        d.thickness = o->thickness + deep * 1.75 * most;
+        d.drain_radius = 0.0;
+        d.report = NULL;
+        status = bvx_grid_hollow(run->context, &job->in.grid, &d, &closed);
+        d.drain_radius = o->drain;
+        if (cli_given(run, "--drain-side")) d.drain_side = 1 << o->drain_side;
+        d.report = &job->hollow;
+        if (status == BVX_OK) status = bvx_grid_hollow(run->context, &job->in.grid, &d, hole);
+        if (status == BVX_OK && job->hollow.hollowed != 0) break;
+    }
+    if (status == BVX_OK) status = bvx_grid_subtract(run->context, &closed, hole, hole);
+    bvx_grid_free(run->context, &closed);
+    return status;
+}
+
+/* What stays of a voxel of this distance; that of one without is more than any that is asked for. */
+static int stays(const cli_run *run, const morph_job *job, int solid, double distance)
+{
+    if (job->action == DILATE) return solid || distance <= run->options->radius;
+    if (job->action == ERODE) return solid && distance > run->options->radius;
+    return solid && distance <= run->options->thickness;
+}
+
+/* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
+static void change_by_distance(cli_run *run, morph_job *job)
+{
+    const bvx_field *const f = &job->field;
+    const float *const distances = f->distances;
+    const int32_t *const n = f->band.size;
+    uint64_t value = 0;
+
+    job->hollow.hollowed = job->hollow.drained = 0;
+    for (int32_t z = 0; z < n[2]; z++)
+        for (int32_t y = 0; y < n[1]; y++)
+            for (int32_t x = 0; x < n[0]; x++) {
+                int const solid = bvx_grid_get(&job->in.grid, x, y, z);
+                double const d = bvx_grid_get(&f->band, x, y, z) ? fabs((double)distances[value++])
+                                                                 : (double)INFINITY;
+                int const kept = stays(run, job, solid, d);
+                int const drilled = kept && job->hole.words != NULL && bvx_grid_get(&job->hole, x, y, z);
+
+                bvx_grid_set(&job->out, x, y, z, kept && !drilled);
+                job->hollow.hollowed += solid && !kept;
+                job->hollow.drained += (uint64_t)drilled;
+            }
+}
+
+static void take_drill(const cli_run *run, morph_job *job)
+{
+    cli_drill *const drill = &job->voxels.drill;
+
+    if (job->hole.words == NULL || job->hollow.drained == 0) return;
+    drill->hole = &job->hole;
+    drill->axis = cli_given(run, "--drain-side") ? run->options->drain_side / 2 : 2;
+    drill->radius = run->options->drain;
+    memcpy(drill->at, job->hollow.drain, sizeof drill->at);
+}
+
+/* 1 when walls move by a distance that the surface of a mesh can keep. */
+static int moves_walls(const cli_run *run, const morph_job *job)
+{
+    if (!cli_makes_mesh(run) || job->in.kind != CLI_MESH) return 0;
+    return job->action == HOLLOW ||
+           ((job->action == DILATE || job->action == ERODE) && cli_given(run, "--radius"));
+}
+
+static bvx_status move_walls(cli_run *run, morph_job *job)
+{
+    const cli_options *const o = run->options;
+    double const far = job->action == HOLLOW ? o->thickness : o->radius;
+    bvx_status status;
+
+    job->voxels.offset = job->action == DILATE ? far : -far;
+    status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
+    if (status == BVX_OK && job->action == HOLLOW && o->drain > 0.0)
+        status = drill_hole(run, job, &job->hole);
+    if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
+    if (status != BVX_OK) return status;
+    change_by_distance(run, job);
+    take_drill(run, job);
+    job->voxels.field = &job->field;
+    return BVX_OK;
 }
 
 static int touches_side(const bvx_grid *g)
@@ -209,15 +319,21 @@ static int write_changed(cli_run *run, morph_job *job)
     bvx_status status;
 
     cli_stage_begin(run, action_names[job->action]);
-    status = job->action == HOLLOW ? hollow_voxels(run, job) : change_voxels(run, job);
+    status = moves_walls(run, job)   ? move_walls(run, job)
+             : job->action == HOLLOW ? hollow_voxels(run, job)
+                                     : change_voxels(run, job);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &run->report.set);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     run->report.lattice = job->out.lattice;
     run->report.has_lattice = run->report.has_set = 1;
-    int result = cli_check_grid_format(run, run->options->output, &job->out.lattice, job->out.size);
-    if (result == CLI_DONE) result = cli_write_grid(run, &job->out);
+    job->voxels.name = job->in.path;
+    job->voxels.grid = &job->out;
+    job->voxels.source = job->in.kind == CLI_MESH ? &job->in.mesh : NULL;
+    job->voxels.solid = &job->in.grid;
+    int const result = cli_write_voxels(run, &job->voxels);
     if (result == CLI_DONE) tell_morph(run, job);
+    if (result == CLI_DONE) cli_tell_voxels(run, &job->voxels);
     return result;
 }
 
@@ -323,7 +439,7 @@ static int run_morph(cli_run *run)
 
     memset(&job, 0, sizeof job);
     status = check_morph_options(run, &job);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
+    if (status == CLI_DONE) status = cli_open_voxels(run);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[1], &job.in);
     if (status == CLI_DONE && job.in.kind == CLI_MESH) {
         status = make_room(run, &job);
@@ -333,6 +449,9 @@ static int run_morph(cli_run *run)
         bvx_grid_count(run->context, &job.in.grid, &job.before);
         status = job.action == DISTANCE ? write_distances(run, &job) : write_changed(run, &job);
     }
+    cli_free_voxels(run, &job.voxels);
+    bvx_grid_free(run->context, &job.hole);
+    bvx_field_free(run->context, &job.field);
     bvx_grid_free(run->context, &job.out);
     cli_free_input(run, &job.in);
     return status;
@@ -349,7 +468,9 @@ const cli_command cli_morph = {
     "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
     "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
     "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"
-    "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit.",
+    "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit. Where OUT is a mesh\n"
+    "(" CLI_MESHES_WRITTEN ") it is their surface: of a mesh with its own outside kept, walls of hollow and\n"
+    "of --radius at their distance from it, and half way between set and empty voxels elsewhere.",
     "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
     "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
     "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",

@@ -38,7 +38,8 @@ static uint32_t facts_of_mode(const cli_run *run)
 static const cli_rule volume_rules[] = {
     {.given =
          "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell --check-edges "
-         "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type",
+         "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type "
+         "--sharp --no-sharp",
      .message = "%o is for meshes; %i is a volume"},
     {.also = cli_cloud_rules},
     {0}};
@@ -61,13 +62,12 @@ static const cli_rule fill_rules[] = {
 
 /* The word is the mode's name. */
 static const cli_rule mesh_rules[] = {
-    {.also = cli_to_grid_rules},
-    {.given = "--triangles --error --error-kind",
-     .message = "%o is for a mesh made of a volume; the result is a grid"},
+    {.also = cli_to_voxels_rules},
     {.also = cli_lattice_rules},
     {.unless = SETS_SOLID,
      .given =
-         "--fill --close-gaps --add-shell --check-edges --check-thin --compare-fills --base --second --up",
+         "--fill --close-gaps --add-shell --check-edges --check-thin --compare-fills --base --second --up "
+         "--sharp --no-sharp",
      .message = "%o is for solids; --mode %w has no use for it"},
     {.unless = SETS_FIELD,
      .given = "--half-width --sign --vectors --value-type",
@@ -171,7 +171,17 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     run->report.has_lattice = 1;
     if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
         return CLI_FAILED;
+    if (cli_makes_mesh(run)) return CLI_DONE;
     return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
+}
+
+/* The surface of a solid ends where the mesh does, also at the lattice's sides. */
+static void make_room_for_surface(cli_run *run)
+{
+    cli_options *const o = run->options;
+
+    if (cli_makes_mesh(run) && o->fill != BVX_FILL_BELOW && !cli_given(run, "--padding") && !o->origin.given)
+        o->padding = 1;
 }
 
 /* ---- voxels ---- */
@@ -283,6 +293,23 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     return result;
 }
 
+/* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
+static int deliver_voxels(cli_run *run, voxel_job *job, cli_made *made)
+{
+    const cli_options *const o = run->options;
+    cli_voxels voxels = {.name = o->input[0], .grid = &job->grid, .solid = &job->grid};
+    int status;
+
+    if (!job->cloud && o->mode == CLI_MODE_SOLID && !o->add_shell && o->second == NULL)
+        voxels.source = &job->mesh;
+    made->write = cli_write_voxels;
+    made->writer = &voxels;
+    status = cli_deliver(run, made);
+    if (status == CLI_DONE) cli_tell_voxels(run, &voxels);
+    cli_free_voxels(run, &voxels);
+    return status;
+}
+
 static int read_meshes(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = run->options;
@@ -308,10 +335,12 @@ static int run_voxelize(cli_run *run)
     status = check_voxelize_options(run, &kind, &job.window);
     if (status == CLI_DONE && kind == CLI_OF_VOLUME) return cli_voxelize_volume(run, &job.window);
     if (status == CLI_DONE && run->options->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
-    if (status == CLI_DONE) status = cli_open_grid_output(run, run->options->output);
+    else if (status == CLI_DONE) make_room_for_surface(run);
+    if (status == CLI_DONE) status = cli_open_voxels(run);
     if (status == CLI_DONE) status = read_meshes(run, &job);
     if (status == CLI_DONE) status = make_all(run, &job, &made);
-    if (status == CLI_DONE) status = cli_deliver(run, &made);
+    if (status == CLI_DONE)
+        status = made.field != NULL ? cli_deliver(run, &made) : deliver_voxels(run, &job, &made);
     bvx_field_free(run->context, &job.field);
     bvx_grid_free(run->context, &job.grid);
     bvx_mesh_free(run->context, &job.second);
@@ -330,6 +359,8 @@ const cli_command cli_voxelize = {
     "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
     "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
     "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
+    "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
+    "other modes half way between set and empty voxels.\n"
     "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
     "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
     "mesh (" CLI_MESHES_WRITTEN ") it becomes their closed surface: of --level by the values between the\n"

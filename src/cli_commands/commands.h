@@ -71,6 +71,42 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
 /* What became of it: a line of text, a member of the JSON report. */
 void cli_tell_reduction(cli_run *run, const cli_reduction *r);
 
+/* ---- voxel_output.c: voxels as a grid or as the mesh of their surface ---- */
+
+/* A round hole: its voxels, the axis that it runs along and a place on it. */
+typedef struct cli_drill {
+    const bvx_grid *hole; /* NULL: none */
+    int32_t axis;
+    double at[3], radius;
+} cli_drill;
+
+typedef struct cli_voxels {
+    const char *name; /* of the input */
+    const bvx_grid *grid;
+    const bvx_mesh *source; /* what they were made from, or NULL; and then */
+    const bvx_grid *solid;  /* its own voxels, on the grid's window */
+    const bvx_field *field; /* measured by cli_measure_source, or NULL */
+    double offset;          /* of walls from the mesh, negative inside; 0: none moved */
+    cli_drill drill;
+    bvx_mesh mesh; /* made by cli_write_voxels; zeroed */
+    cli_reduction reduction;
+    bvx_field_surface_report surface;
+} cli_voxels;
+
+/* 1 when the output is a mesh by its name. */
+int cli_makes_mesh(const cli_run *run);
+/* Refuse names of neither, and options of meshes for a grid. */
+int cli_check_voxel_name(cli_run *run);
+int cli_open_voxels(cli_run *run);
+/* Distances to a mesh as far as walls moved, with its voxels as the inside, which they borrow. */
+bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
+                              bvx_field *field);
+/* voxels: cli_voxels, as a cli_made has it. */
+int cli_write_voxels(cli_run *run, void *voxels);
+/* Of a mesh: lines of text, a member of the JSON report. */
+void cli_tell_voxels(cli_run *run, const cli_voxels *v);
+void cli_free_voxels(cli_run *run, cli_voxels *v);
+
 /* ---- turntable.c ---- */
 
 /* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */

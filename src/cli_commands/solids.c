@@ -143,7 +143,7 @@ int cli_fill_input(cli_run *run, cli_input *in)
     if (status == BVX_OK && far == CLI_DONE)
         status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
     cli_stage_end(run);
-    bvx_mesh_free(run->context, &in->mesh);
+    if (run->command->bit != CLI_MORPH || !cli_makes_mesh(run)) bvx_mesh_free(run->context, &in->mesh);
     if (far != CLI_DONE) return far;
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
     cli_warn_of_solid(run, &in->grid, &report);

@@ -45,6 +45,15 @@ const cli_rule cli_to_grid_rules[] = {
     {.unless = CLI_TO_GRID, .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS ")"},
     {0}};
 
+const cli_rule cli_to_voxels_rules[] = {
+    {.unless = CLI_TO_GRID | CLI_TO_MESH,
+     .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS
+                "), and in no mesh format (" CLI_MESHES_WRITTEN ")"},
+    {.when = CLI_TO_GRID, .given = "--sharp --no-sharp", .message = "%o is for a mesh; the result is a grid"},
+    {.also = cli_reduction_rules},
+    {.also = cli_sharp_rules},
+    {0}};
+
 const cli_rule cli_sharp_rules[] = {
     {.given = "--sharp", .beside = "--no-sharp", .message = "%o and %b exclude each other"}, {0}};
 

@@ -46,6 +46,8 @@ extern const cli_rule cli_lattice_rules[], cli_fill_rules[], cli_reduction_rules
     cli_mesh_file_rules[];
 /* The output is a mesh, or a grid, by its name. */
 extern const cli_rule cli_to_mesh_rules[], cli_to_grid_rules[];
+/* It is either: voxels, or the mesh of their surface, with the options of that. */
+extern const cli_rule cli_to_voxels_rules[];
 /* A grid is voxels already; the word names it. */
 extern const cli_rule cli_grid_rules[];
 

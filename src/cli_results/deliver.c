@@ -21,6 +21,7 @@ int cli_deliver(cli_run *run, cli_made *made)
     int result;
 
     if (made->status != BVX_OK) result = cli_fail_status(run, made->status, made->about);
+    else if (made->write != NULL) result = made->write(run, made->writer);
     else if (made->field != NULL) result = cli_write_field(run, made->field);
     else result = cli_write_grid(run, made->grid);
     if (result == CLI_DONE) tell_made(run, made);

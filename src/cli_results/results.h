@@ -11,6 +11,8 @@ typedef struct cli_made {
     const char *about;    /* the file that this failure is about */
     const bvx_grid *grid; /* what goes to run->options.output: a grid or a field */
     const bvx_field *field;
+    int (*write)(cli_run *run, void *writer); /* NULL: the grid or field is written as it is */
+    void *writer;
     uint64_t set;        /* voxels, or values */
     int placed;          /* 0: nothing tells where the voxels lie */
     cli_text head, text; /* lines for people, before the voxels' own and after them */

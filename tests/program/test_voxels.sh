@@ -431,7 +431,7 @@ refuses 2 'is a mesh' fill box.obj -o x.bvx
 refuses 2 '--mesh takes a mesh' fill walls.bvx -o x.bvx --mesh fine.bvx
 refuses 2 'nothing is asked' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
 refuses 2 'one of: 6, 18, 26' fill walls.bvx -o x.bvx --connectivity 8
-refuses 2 'no grid format that is written' fill walls.bvx -o x.ply
+refuses 2 'no grid format that is written' fill walls.bvx -o x.csl
 
 # ---- morph ----
 

@@ -220,7 +220,7 @@ def built():
 
 # Commands and the structs that their options fill, in this order.
 FILLED = {
-    "voxelize": ["lattice", "voxelize", "field", "points", "surface", "read_volume", "keep", "simplify", "context"],
+    "voxelize": ["lattice", "voxelize", "field", "points", "surface", "read_volume", "keep", "simplify", "field_surface", "context"],
     "lod": ["levels", "simplify", "lod", "lattice", "voxelize", "read_volume", "keep", "context"],
     "simplify": ["simplify", "context"],
     "repair": ["repair", "simplify", "context"],
@@ -229,9 +229,9 @@ FILLED = {
     "sections": ["sections", "read_sections", "simplify", "context"],
     "slice": ["slice", "context"],
     "faces": ["faces", "lattice", "voxelize", "read_volume", "keep", "context"],
-    "fill": ["context"],
-    "morph": ["morph", "hollow", "distance", "lattice", "voxelize", "context"],
-    "components": ["keep", "context"],
+    "fill": ["simplify", "context"],
+    "morph": ["morph", "hollow", "distance", "lattice", "voxelize", "simplify", "field_surface", "context"],
+    "components": ["keep", "simplify", "context"],
     "convert": ["write", "read_volume", "keep", "context"],
     "render": ["render", "voxelize", "read_volume", "keep", "context"],
     "compare": ["context"],

@@ -28,8 +28,8 @@ OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "s
 OF_MESHES = {"output-origin": bitvox.write}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
-                                                            "all-labels": bitvox.Volume.labels, **OF_MESHES, **OF_VOLUMES}),
+    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
+                                                            "all-labels": bitvox.Volume.labels, "no-sharp": "sharp", **OF_MESHES, **OF_VOLUMES}),
     "lod": ([bitvox.lod, *VOLUME], {"source": "made_from", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
     "simplify": ([bitvox.simplify], {"normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
@@ -37,11 +37,12 @@ NAMES = {
     "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None, **OF_MESHES}),
     "slice": ([bitvox.slice_mesh], {}),
     "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_MESHES, **OF_VOLUMES}),
-    "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets], {"seed": "seeds", "add-shell": bitvox.Grid.__or__}),
-    "components": ([bitvox.Grid.components, bitvox.Grid.keep], {"seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
+    "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets, bitvox.simplify], {"seed": "seeds", "add-shell": bitvox.Grid.__or__, **OF_MESHES}),
+    "components": ([bitvox.Grid.components, bitvox.Grid.keep, bitvox.simplify], {**OF_MESHES, "seed": "seeds", "keep-largest": "largest", "fill-cavities": bitvox.Grid.fill_cavities,
                                                                "labels": bitvox.Grid.label}),
     "compare": ([bitvox.compare], {}),
-    "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize], {"origin": "corner", "value-type": "dtype"}),
+    "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize, bitvox.surface, bitvox.simplify],
+              {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", **OF_MESHES}),
     "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample, "no-sharp": "sharp", **OF_MESHES}),
     "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_MESHES, **OF_VOLUMES}),
     "info": ([bitvox.read], {"crossings": bitvox.Mesh.crossings}),
@@ -76,6 +77,17 @@ def test_voxelize(tmp_path, options):
         words += ["--" + {"corner": "origin"}.get(name, name).replace("_", "-"), ",".join(map(str, value)) if isinstance(value, tuple) else value]
     program("voxelize", KNOT, "-o", tmp_path / "a.bvx", *words)
     assert bitvox.dumps(bitvox.voxelize(KNOT, **options), "bvx") == (tmp_path / "a.bvx").read_bytes()
+
+
+@pytest.mark.parametrize("sharp", [None, True])
+def test_voxels_as_a_mesh(tmp_path, sharp):
+    program("voxelize", KNOT, "-o", tmp_path / "a.ply", "--resolution", 60, *(["--sharp"] if sharp else []))
+    grid = bitvox.voxelize(KNOT, resolution=60, padding=1)
+    made = bitvox.field(KNOT, lattice=grid.lattice, half_width=2, features=True).surface(grid=grid, sharp=sharp)
+    assert bitvox.dumps(made, "ply") == (tmp_path / "a.ply").read_bytes()
+    program("voxelize", KNOT, "-o", tmp_path / "b.ply", "--resolution", 60, "--mode", "conservative")
+    shell = bitvox.voxelize(KNOT, resolution=60, padding=1, mode="conservative")
+    assert bitvox.dumps(shell.surface(), "ply") == (tmp_path / "b.ply").read_bytes()
 
 
 def words_of(options):

@@ -1,0 +1,241 @@
+/* voxel_output.c - voxels as the file that the output's ending tells: a grid, or the mesh of their surface.
+ *
+ * Where they were made from a mesh the surface is that mesh's wherever they still end where it does, walls
+ * that were moved stand at their distance from it, and a drilled hole is round. All else lies half way
+ * between a set and an empty centre. */
+#include "cli_commands/commands.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+int cli_makes_mesh(const cli_run *run)
+{
+    const char *const out = run->options->output;
+    return out != NULL && cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH;
+}
+
+int cli_check_voxel_name(cli_run *run)
+{
+    return cli_check_rules(run, cli_to_voxels_rules, 0, NULL);
+}
+
+int cli_open_voxels(cli_run *run)
+{
+    const char *const out = run->options->output;
+    return cli_makes_mesh(run) ? cli_open_output(run, out) : cli_open_grid_output(run, out);
+}
+
+/* ---- The surface of a mesh's voxels ---- */
+
+bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
+                              bvx_field *field)
+{
+    const bvx_lattice *const l = &solid->lattice;
+    double const spacing = fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
+    bvx_field_options o;
+    bvx_mesh_view view;
+    bvx_status status;
+
+    bvx_field_options_init(&o, sizeof o);
+    o.sign = BVX_SIGN_NONE;
+    o.features = 1;
+    o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
+    memcpy(o.window.low, solid->low, sizeof o.window.low);
+    memcpy(o.window.size, solid->size, sizeof o.window.size);
+    bvx_mesh_view_of(source, &view);
+    status = bvx_measure_field(run->context, &view, l, &o, field);
+    if (status != BVX_OK) return status;
+
+    /* What is inside is known already, by the rule that was asked for. */
+    field->inside = *solid;
+    field->inside.owned = 0;
+    field->sign = BVX_SIGN_EXACT;
+    return BVX_OK;
+}
+
+static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
+{
+    const cli_options *const o = run->options;
+    bvx_field own = {0};
+    bvx_field_surface_options s;
+    bvx_mesh_view view;
+    bvx_status status = BVX_OK;
+
+    if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
+    bvx_field_surface_options_init(&s, sizeof s);
+    s.position_type = BVX_POSITION_AUTO;
+    s.sharp = o->sharp ? 1 : o->no_sharp ? 0 : -1;
+    s.grid = v->grid;
+    s.offset = v->offset;
+    s.report = &v->surface;
+    bvx_mesh_view_of(v->source, &view);
+    if (status == BVX_OK)
+        status = bvx_extract_field_surface(run->context, v->field != NULL ? v->field : &own, &view, &s,
+                                           &v->mesh);
+    bvx_field_free(run->context, &own);
+    return status;
+}
+
+/* ---- A round hole ---- */
+
+/* The lattice edge that has a point in its middle: its axis and low end in the window; -1: none. */
+static int32_t edge_of_middle(const bvx_grid *g, const double p[3], int32_t low[3])
+{
+    int32_t axis = -1;
+
+    for (int32_t a = 0; a < 3; a++) {
+        double const q = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - g->low[a] - 0.5;
+        double const part = q - floor(q);
+
+        if (fabs(part - 0.5) < 0.01) {
+            if (axis >= 0) return -1;
+            axis = a;
+            low[a] = (int32_t)floor(q);
+        } else if (part < 0.01 || part > 0.99) {
+            low[a] = (int32_t)floor(q + 0.5);
+        } else {
+            return -1;
+        }
+    }
+    return axis;
+}
+
+static int is_set(const bvx_grid *g, const int32_t v[3])
+{
+    for (int32_t a = 0; a < 3; a++)
+        if (v[a] < 0 || v[a] >= g->size[a]) return 0;
+    return bvx_grid_get(g, v[0], v[1], v[2]);
+}
+
+/* Where the cylinder cuts the edge, as a part of it; beyond its ends it is kept inside. */
+static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, const int32_t low[3])
+{
+    int32_t const across = 3 - d->axis - axis;
+    double start[3], s;
+
+    for (int32_t a = 0; a < 3; a++)
+        start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] - d->at[a];
+    double const half = sqrt(fmax(0.0, d->radius * d->radius - start[across] * start[across]));
+    double const middle = start[axis] + 0.5 * g->lattice.spacing[axis];
+    s = ((middle < 0.0 ? -half : half) - start[axis]) / g->lattice.spacing[axis];
+    return s > 0.02 ? s < 0.98 ? s : 0.98 : 0.02;
+}
+
+/* Vertices half way between what was drilled and what was left go onto the drill's cylinder, along their
+ * edges. */
+static void round_hole(cli_voxels *v)
+{
+    const bvx_grid *const g = v->grid;
+
+    for (uint64_t n = 0; n < v->mesh.vertex_count && v->drill.hole != NULL; n++) {
+        int const wide = v->mesh.position_type == BVX_F64;
+        double p[3];
+        int32_t low[3], high[3];
+
+        for (int a = 0; a < 3; a++)
+            p[a] = wide ? ((double *)v->mesh.positions)[3 * n + (uint64_t)a]
+                        : (double)((float *)v->mesh.positions)[3 * n + (uint64_t)a];
+        int32_t const axis = edge_of_middle(g, p, low);
+        if (axis < 0 || axis == v->drill.axis) continue;
+        memcpy(high, low, sizeof high);
+        high[axis]++;
+        if (is_set(v->drill.hole, low) == is_set(v->drill.hole, high)) continue;
+        p[axis] = g->lattice.origin[axis] +
+                  (g->low[axis] + low[axis] + 0.5 + cylinder_cut(&v->drill, g, axis, low)) *
+                      g->lattice.spacing[axis];
+        if (wide) ((double *)v->mesh.positions)[3 * n + (uint64_t)axis] = p[axis];
+        else ((float *)v->mesh.positions)[3 * n + (uint64_t)axis] = (float)p[axis];
+    }
+}
+
+/* ---- What goes out ---- */
+
+static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
+{
+    bvx_extract_options e;
+    bvx_status status;
+
+    if (v->source != NULL) {
+        status = make_source_surface(run, v);
+        if (status == BVX_OK) round_hole(v);
+        return status;
+    }
+    bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
+    status = bvx_extract_surface(run->context, v->grid, &e, &v->mesh);
+    v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
+    return status;
+}
+
+static int write_surface(cli_run *run, cli_voxels *v)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[0];
+    const char *const out = run->options->output;
+    bvx_mesh_view view;
+    bvx_status status;
+    int result;
+
+    cli_stage_begin(run, "surface");
+    status = make_surface_mesh(run, v);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(v->name));
+    if (v->mesh.triangle_count == 0)
+        return cli_fail(run, "%s: no voxel is set, so there is no surface to write", cli_input_name(v->name));
+
+    result = cli_reduce(run, &v->mesh, &v->reduction);
+    if (result != CLI_DONE) return result;
+    bvx_mesh_view_of(&v->mesh, &view);
+    cli_stage_begin(run, "check");
+    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, out);
+    entry->path = out;
+    run->report.meshes = 1;
+    return cli_write_mesh(run, &v->mesh);
+}
+
+int cli_write_voxels(cli_run *run, void *voxels)
+{
+    cli_voxels *const v = voxels;
+    int status;
+
+    if (cli_makes_mesh(run)) return write_surface(run, v);
+    status = cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size);
+    return status == CLI_DONE ? cli_write_grid(run, v->grid) : status;
+}
+
+void cli_tell_voxels(cli_run *run, const cli_voxels *v)
+{
+    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+    const bvx_field_surface_report *const s = &v->surface;
+    uint64_t const moved = s->own > s->middle ? s->own - s->middle : 0;
+    cli_text *const t = &run->report.more;
+
+    if (!cli_makes_mesh(run)) return;
+    if (v->source != NULL) {
+        cli_say(run, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
+        if (moved != 0) cli_say(run, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));
+        if (s->middle != 0) cli_say(run, ", %" PRIu64 " half way between voxels", s->middle);
+        cli_say(run, "%s\n", s->sharp != 0 && s->edges > s->own ? "; sharp edges kept" : "");
+    } else {
+        cli_say(run, "  surface     half way between set and empty voxels\n");
+    }
+    cli_text_add(t, ", \"voxel_surface\": {\"on_mesh\": %" PRIu64, s->edges - s->own);
+    cli_json_count(t, "at_distance", moved);
+    cli_json_count(t, "half_way", s->middle);
+    cli_json_truth(t, "sharp", s->sharp != 0);
+    cli_text_add(t, "}");
+    cli_tell_reduction(run, &v->reduction);
+    cli_say(run,
+            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
+            " components, volume %.6g\n",
+            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
+            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+}
+
+void cli_free_voxels(cli_run *run, cli_voxels *v)
+{
+    bvx_mesh_free(run->context, &v->mesh);
+}
