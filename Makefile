@@ -20,7 +20,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo wheels format format-check house python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging install uninstall amalgamation clean force \
+.PHONY: all help demo wheels format format-check house python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -266,6 +266,9 @@ js-page: js ## build/js/page: the page, files for any file server (npm fetches t
 test-js: deps-js program ## the npm package: golden rows, types, samples under node and in Chromium (npm fetches what that needs)
 	@if command -v node >/dev/null 2>&1 && command -v $(or $(EMCC),emcc) >/dev/null 2>&1; then $(MAKE) --no-print-directory js; fi
 	@BUILD=$(BUILD) BITVOX=$(abspath $(BUILD)/bitvox) sh tests/tools/test_js.sh || [ $$? = 77 ]
+
+deb: ## build/debian: Debian packages of library and program (debhelper; lintian looks at them)
+	@BUILD=$(BUILD) sh tests/tools/debian.sh
 
 packaging: all ## projects that use the library by find_package, add_subdirectory and FetchContent (CMake, Ninja)
 	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh
