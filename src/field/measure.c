@@ -76,6 +76,7 @@ static bvx_status check_largest_distance(bvx_context *ctx, const measure_job *jo
     double const most = job->o.value_type == BVX_F32 ? 0x1p125 : 0x1p1000;
     double low[3], high[3];
 
+    /* Nothing in a band is further than its width, so only unbounded fields have to look at the mesh. */
     if (width < most) return BVX_OK;
     BVXI_TRY(bvxi_view_bounds(ctx, measure_name, job->mesh, low, high));
     for (int a = 0; a < 3; a++) {
@@ -145,6 +146,8 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
     BVXI_TRY(bvx_grid_create(ctx, lattice, &job->window, &f->band));
     rows = bvxi_grid_rows(&f->band);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
+
+    /* Infinity less itself is NaN: the test for a finite width without a library call. */
     if (f->half_width - f->half_width == 0.0)
         BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.8, job->nearest, f->half_width, &f->band,
                                    f->row_values));
@@ -159,6 +162,7 @@ static int signs_by_features(int32_t sign)
 
 static bvx_status make_features(bvx_context *ctx, measure_job *job)
 {
+    /* Signs by features need them even when the caller does not: then they are scratch and go at the end. */
     int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
     uint64_t const n = job->field.value_count;
     bvx_status status;
@@ -180,6 +184,7 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
     uint64_t const number_bytes = f->value_type == BVX_F32 ? 4 : 8;
     bvxi_nearest_values values;
 
+    /* Before any array is made: a failure on the way frees them by this count. */
     f->value_count = n;
     if (n > UINT64_MAX / 24)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
@@ -229,6 +234,8 @@ static void negate_rows(void *user, int32_t piece, int32_t worker)
 
     (void)worker;
     bvxi_piece(bvxi_grid_rows(&f->band), job->pieces, piece, &row, &end);
+
+    /* Bits and values in the same order, so the rank is just counted along. */
     for (; row < end; row++) {
         uint64_t n = f->row_values[row];
         for (uint64_t at = row * words; at < (row + 1) * words; at++)
@@ -298,6 +305,8 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
         bvx_field_free(context, &job.field);
         return status;
     }
+
+    /* The caller's field is replaced only by a whole one. */
     bvx_field_free(context, field);
     *field = job.field;
     return BVX_OK;

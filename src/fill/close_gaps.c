@@ -34,6 +34,8 @@ static inline uint64_t join_gap_words(uint64_t a, uint64_t b, int both)
 static void join_row_down(uint64_t *row, int32_t words, int32_t by)
 {
     int32_t const far = by >> 6, bits = by & 63;
+
+    /* From the top down: words below are read before they are written, so it works in place. */
     for (int32_t k = words - 1; k >= far; k--) {
         uint64_t w = row[k - far] << bits;
         if (bits != 0 && k > far) w |= row[k - far - 1] >> (64 - bits);
@@ -56,6 +58,7 @@ static void join_row_up(uint64_t *row, int32_t words, int32_t by)
  * one `by` before (OR) or behind it (AND). */
 static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, int32_t by, int both)
 {
+    /* In the direction in which a row that is read has not been written yet. */
     for (int32_t i = 0; i < n; i++) {
         int32_t const at = both ? i : n - 1 - i, from = both ? at + by : at - by;
         uint64_t *const row = first + (size_t)at * stride;
@@ -71,6 +74,7 @@ static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, 
 /* One line of rows (or one row) over m voxels: stretches of 1, 2, 4, ... and the rest. */
 static void join_line(const gap_job *job, uint64_t *first, size_t stride, int32_t n)
 {
+    /* Doubling: a stretch of 2 n is two of n, and overlapping stretches do no harm to OR and AND. */
     for (int32_t length = 1; length < job->m;) {
         int32_t const by = length < job->m - length ? length : job->m - length;
         if (job->axis == 0 && job->both) join_row_up(first, job->row_words, by);
@@ -108,6 +112,7 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, 
     uint64_t const words = (uint64_t)job->row_words * (uint64_t)job->size[1] * (uint64_t)job->size[2];
 
     for (int32_t pass = first; pass < end; pass++) {
+        /* Three axes of OR make D of the whole cube, then three of AND undo its size. */
         job->both = pass >= 3;
         job->axis = pass % 3;
         job->pieces = bvxi_piece_count(words, GAP_GRAIN);
@@ -168,6 +173,8 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the grid for closing gaps", &job.words));
     copy_gap_rows(grid, &job, NULL);
     status = run_gap_passes(ctx, &job, 0, 3);
+
+    /* Between the two halves the grid holds places of the cube, which is where a way for it is looked for. */
     if (status == BVX_OK && pockets != NULL) status = lock_gap_cubes(ctx, function, &job, pockets);
     if (status == BVX_OK) status = run_gap_passes(ctx, &job, 3, 6);
     if (status == BVX_OK) copy_gap_rows(grid, &job, grid->words);

@@ -173,6 +173,9 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     if (status == BVX_OK)
         status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high,
                                      w->representative, &pair_count, pairs, pair_count);
+
+    /* A part that crosses itself only is one surface: turning it would not change what nonzero makes of
+     * it. */
     for (uint64_t i = 0; i < pair_count && status == BVX_OK; i++) {
         uint32_t const a = w->patches.part[pairs[2 * i]], b = w->patches.part[pairs[2 * i + 1]];
         if (a != b) crosses[a] = crosses[b] = 1;
@@ -194,6 +197,7 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     uint64_t pairs = 0;
     bvx_status status;
 
+    /* Counted first without a list: most meshes have none, and then no memory is needed for it. */
     BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative,
                                  &pairs, NULL, 0));
     if (pairs == 0) {
@@ -280,6 +284,7 @@ static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattic
 /* By the edges of triangles that are there once each. */
 static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
+    /* Before holes: a winding number means nothing where a patch has no sides. */
     if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
         choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
         return BVX_OK;
@@ -341,6 +346,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
     }
     if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
+    /* Filling by parity also tells how deep rows are, so a sound mesh is done when it has been examined. */
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
@@ -359,6 +365,8 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
     status = choose_or_fill(ctx, &w, solid, report, &filled);
+
+    /* All that the choice needed goes before the fill begins, whose memory is then that of the rule alone. */
     bvxi_patches_close(ctx, &w.patches);
     bvxi_drop(ctx, w.representative);
     bvxi_solid_close(ctx, &w.job);

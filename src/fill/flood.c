@@ -31,6 +31,7 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
     size_t const at = ((size_t)z * (size_t)w->solid->size[1] + (size_t)y) * (size_t)w->solid->words_per_row;
     uint64_t *const row = w->solid->words + at;
 
+    /* What is filled against the vote is remembered: around it walls have a rim that belongs to it. */
     if (!w->reached[space]) {
         for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
             uint64_t const filled = ~row[k] & bvxi_run_mask(begin, end, k);
@@ -42,6 +43,9 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
     } else if (!w->keep) {
         for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
             uint64_t const mask = bvxi_run_mask(begin, end, k);
+
+            /* Sure centres that the flood took are inside for certain, so they count leaks; nothing else
+             * could tell a leak from an opening. */
             w->leaks += bvxi_popcount(row[k] & w->sure[at + (size_t)k] & mask);
             row[k] &= ~mask;
         }
@@ -57,6 +61,7 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     BVXI_TRY(bvxi_spaces_open(ctx, function, "flood", work->walls, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the flood's reach", &work->reached);
     if (status == BVX_OK) {
+        /* Two walks: a space is known to be outside only after the last of its runs was seen. */
         bvxi_spaces_each(&spaces, reach_run, work);
         bvxi_spaces_each(&spaces, flood_run, work);
     }
@@ -76,6 +81,8 @@ static bvx_status flood_twice(bvx_context *ctx, const char *function, bvx_grid *
         BVXI_TRY(bvx_grid_count(ctx, surface, &before));
         BVXI_TRY(bvxi_close_gaps(ctx, surface, close_gaps));
         BVXI_TRY(bvx_grid_count(ctx, surface, &after));
+
+        /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
         BVXI_TRY(flood_spaces(ctx, function, work));
     }

@@ -44,6 +44,9 @@ static int side_of_rim(const rim_work *w, const int32_t v[3])
 
     for (int32_t way = 0; way < 27; way++) {
         if (!step_from_rim(w->walls, v, way, n)) return RIM_OUTSIDE;
+
+        /* Outside ends the look at once, since it wins among equals; filled only counts when nothing outside
+         * is as near. */
         if (bvx_grid_get(&w->filled, n[0], n[1], n[2])) side = RIM_FILLED;
         else if (!bvx_grid_get(w->walls, n[0], n[1], n[2]) && !bvx_grid_get(w->solid, n[0], n[1], n[2]))
             return RIM_OUTSIDE;
@@ -85,10 +88,14 @@ static void spread_rim(rim_work *w)
     uint64_t outside, first;
     int32_t v[3], n[3];
 
+    /* The order of the queue is the rule: those from outside before those from the filled, then step by
+     * step. */
     look_along_rim(w, RIM_OUTSIDE);
     outside = w->count;
     look_along_rim(w, RIM_FILLED);
     first = w->count;
+
+    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
     for (uint64_t i = 0; i < first; i++) {
         voxel_of_rim(w->walls, w->queue[i], v);
         take_for_rim(w, v, i >= outside);

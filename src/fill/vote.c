@@ -36,6 +36,7 @@ static bvx_status open_vote(bvx_context *ctx, const char *function, vote_work *w
 {
     uint64_t most = 0;
 
+    /* The same memory serves all turned grids, one after the other, so it has the size of the largest. */
     for (int32_t axis = 0; axis < 3; axis++) {
         bvx_grid t;
         bvxi_turn_shape(w->solid, axis, &t);
@@ -69,6 +70,8 @@ static bvx_status vote_along(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     job->odd_rows = w->odd_rows[axis];
     job->keep_odd = 1; /* rows that do not balance are not looked at */
     BVXI_TRY(bvxi_solid_fill(ctx, job, &turned, axis, BVX_FILL_PARITY, from, to, report));
+
+    /* Along x the solid is already in place; y sets what is sure, and z brings both together. */
     if (axis == 1) return bvxi_turn_back(ctx, &turned, 1, BVXI_TURN_SET, to, &sure, NULL);
     if (axis == 2) return bvxi_turn_back(ctx, &turned, 2, BVXI_TURN_AGREE, to, w->solid, w->sure);
     return BVX_OK;
@@ -120,12 +123,16 @@ static void vote_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, cons
             const bvxi_row_codes *const r = &b->crossed[row];
             uint32_t odd = 0;
             if (b->open[row] == 0 || (!b->dirty && r->count == 0)) continue;
+
+            /* From each crossing on all following bits turn: prefix parity, 32 centres at a time. */
             for (uint32_t i = 0; i < r->count; i++) {
                 int32_t const at = bvxi_floor_shift(r->code[i], 1) - b->low[0];
                 if (at < BVXI_TURNS_SIDE) odd ^= UINT32_MAX << (at < 0 ? 0 : at);
             }
             for (int32_t x = 0; x < x1 - x0 && b->dirty; x++)
                 odd ^= (uint32_t)(b->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] / 2 & 1) << x;
+
+            /* Only open centres: those that are sure keep what their rows have said. */
             job->grid->words[bvxi_turns_word(job, b, y, z) + (uint64_t)(x0 >> 6)] ^=
                 (uint64_t)(odd & b->open[row]) << (x0 & 63);
         }
@@ -159,6 +166,8 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     bvx_status status;
 
     BVXI_TRY(bvxi_sheet_mesh_open(ctx, mesh, holes, &view));
+
+    /* The sheet is a mesh like any other, so the same engine finds its crossings, with the same ties. */
     job->view = &view;
     job->take_lists = vote_block;
     job->user = w;
@@ -190,6 +199,7 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
     bvxi_holes holes;
     bvx_status status;
 
+    /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return ask_sheet(ctx, job, w, job->holes, from, to);
     BVXI_TRY(bvxi_holes_open(ctx, job->view, &job->snapped, &holes));
@@ -210,6 +220,9 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     if (status == BVX_OK) {
         mark_even_columns(w->odd_rows[1], size[0], size[2], w->even_y);
         mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
+
+        /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
+         * votes. */
         if (!drop_odd_rows(w)) status = find_holes_and_ask(ctx, job, w, from, to);
     }
     bvxi_drop(ctx, w->even_z);

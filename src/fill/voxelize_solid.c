@@ -226,6 +226,8 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, solid);
+
+    /* A copy is filled, so that the caller's grid is untouched until all has gone well. */
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;

@@ -24,6 +24,8 @@ static double near_scale(const bvx_lattice *l, const double low[3], const double
         largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
         largest = end > largest ? end : -end > largest ? -end : largest;
     }
+
+    /* A power of two, so that scaling rounds nothing. */
     while (largest * s > 0x1p300) s *= 0.5;
     return s;
 }
@@ -45,6 +47,8 @@ static double near_rounding(const bvxi_nearest *n)
 static bvx_status require_near_area(bvx_context *ctx, const char *function, const bvxi_nearest *n)
 {
     double t[3][3], normal[3];
+
+    /* Usually the first triangle answers. */
     for (uint64_t i = 0; i < n->triangle_count; i++) {
         bvxi_near_corners(n, (uint32_t)i, t);
         if (bvxi_facet_normal((const double(*)[3])t, normal) > 0.0) return BVX_OK;

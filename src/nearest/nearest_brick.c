@@ -259,6 +259,7 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
 /* The box of the wanted slots. */
 static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
 {
+    /* The 64 slots are bits x + 4 y + 16 z, so folding them by shifts gives the shadow along each axis. */
     uint64_t const y = wanted | wanted >> 16 | wanted >> 32 | wanted >> 48, x = y | y >> 4 | y >> 8 | y >> 12;
 
     for (int a = 0; a < 3; a++) {
@@ -282,6 +283,8 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     begin_near_box(n, begin, end, limit, w);
     complete = bvxi_near_cell_list(n, &w->cell, w->fast, &w->list);
     keep_near_point(w);
+
+    /* Most bricks of a band's edge are too far from anything: they end before any triangle is looked at. */
     if (complete && (w->list.count == 0 || (w->few_reached && is_far_from_near_list(n, w)))) return;
     sieve_near_part(w);
     for (int32_t g = 0; g < 8; g++) {
@@ -309,6 +312,9 @@ uint64_t bvxi_near_brick_find(const bvxi_nearest *n, uint64_t wanted, double wid
     memset(w->triangle, 0xff, sizeof w->triangle); /* BVXI_NEAR_NONE */
     find_near_groups(n, wanted, width * n->scale * n->box_scale, w);
     settle_near_pairs(n, w);
+
+    /* Boxes promise less than triangles do: what was found beyond the width is dropped by its own
+     * distance. */
     for (uint64_t m = width < HUGE_VAL ? w->evaluated : 0; m != 0; m &= m - 1) {
         int32_t const s = bvxi_lowest(m);
         if (!(sqrt(w->distance2[s]) / n->scale <= width)) w->triangle[s] = BVXI_NEAR_NONE;

@@ -29,6 +29,8 @@ BVXI_VECTOR_INLINE uint64_t read_corners(const bvx_mesh_view *view, uint64_t beg
         for (uint32_t i = 0; i < 3 * n; i++) most = corner[i] > most ? corner[i] : most;
         return most;
     }
+
+    /* Only the greatest index is returned: one comparison of it stands for a check of every corner. */
     for (uint32_t i = 0; i < n; i++) {
         uint64_t raw[3];
         bvxi_view_raw_triangle(view, begin + i, raw);
@@ -51,6 +53,9 @@ BVXI_VECTOR_INLINE uint32_t keep_covering(const uint32_t *BVXI_RESTRICT cell,
         uint32_t const cb = cell[b->corner[3 * i + 1]];
         uint32_t const cc = cell[b->corner[3 * i + 2]];
         uint32_t const differ = (ca ^ cb) | (ca ^ cc);
+
+        /* Written in any case and counted only where it covers a row: a branch here would be guessed wrongly
+         * half of the time. */
         b->kept[count] = (uint16_t)i;
         b->cell[0][count] = (int32_t)ca;
         b->cell[1][count] = (int32_t)cb;
@@ -63,6 +68,7 @@ BVXI_VECTOR_INLINE uint32_t keep_covering(const uint32_t *BVXI_RESTRICT cell,
 /* The kept triangles' boxes. */
 BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
 {
+    /* Whole vectors; what is past the end is computed and never read. */
     uint32_t const n = (kept + 7u) & ~7u;
 
     for (uint32_t i = 0; i < n; i++) {
@@ -94,11 +100,17 @@ BVXI_VECTOR_INLINE void judge_pairs(bvxi_cross_batch *b)
     for (uint32_t i = 0; i < n; i++) {
         double const ay = (double)b->y[0][i], by = (double)b->y[1][i], cy = (double)b->y[2][i];
         double const az = (double)b->z[0][i], bz = (double)b->z[1][i], cz = (double)b->z[2][i];
+
+        /* Each edge function from both of its ends: triangles that share an edge compute it from the same
+         * numbers, so they agree on its sign. */
         double const bc = by * cz - cy * bz, ca = cy * az - ay * cz, ab = ay * bz - by * az;
         double const sbc = bc + ((cz - bz) * 4294967296.0 - (cy - by) < 0 ? 0.5 : -0.5);
         double const sca = ca + ((az - cz) * 4294967296.0 - (ay - cy) < 0 ? 0.5 : -0.5);
         double const sab = ab + ((bz - az) * 4294967296.0 - (by - ay) < 0 ? 0.5 : -0.5);
         double const low = sbc < sca ? sbc : sca, high = sbc < sca ? sca : sbc;
+
+        /* Half a unit stands for the displacement: it decides where the function is 0, and cannot reach the
+         * next integer. */
         b->e[0][i] = bc;
         b->e[1][i] = ca;
         b->e[2][i] = ab;
@@ -153,6 +165,8 @@ BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch 
     uint32_t hits = 0;
 
     judge_pairs(b);
+
+    /* Again without a branch: the hits are listed first, so that only they pay for a division. */
     for (uint32_t i = 0; i < b->count; i++) {
         b->hit[hits] = (uint16_t)i;
         hits += (uint32_t)(b->least[i] > 0) | (uint32_t)(b->most[i] < 0) |
@@ -171,6 +185,8 @@ BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch 
         double part;
         out->row = b->row[i];
         if (BVXI_LIKELY(b->spread[i] < CROSS_SMALL)) {
+            /* Floor without a call. Only a fraction close to a centre could be rounded to its other side, and
+             * those go the exact way. */
             down = (int32_t)v - (v < (double)(int32_t)v);
             part = v - (double)down;
             if (BVXI_LIKELY(part > near_centre) && BVXI_LIKELY(part < 1.0 - near_centre)) {
@@ -201,6 +217,8 @@ BVXI_VECTOR_INLINE void push_pair(const bvxi_solid_job *job, bvxi_cross_batch *b
     int32_t const y = (job->block.y0 + j) * (1 << f) + half, z = (job->block.z0 + k) * (1 << f) + half;
     uint32_t const n = b->count++;
 
+    /* Relative to the centre, so that products of a voxel-sized triangle stay small enough to be exact in
+     * doubles. */
     b->y[0][n] = pa[1] - y;
     b->z[0][n] = pa[2] - z;
     b->y[1][n] = pb[1] - y;
@@ -224,6 +242,9 @@ static void cross_many(const bvxi_solid_job *job, bvxi_chunk *chunk, bvxi_cross_
                        int64_t pairs)
 {
     bvxi_rows const all = {0, job->block.ny, 0, job->block.nz};
+
+    /* Large triangles are left to the tiles, which cut them by rows: one worker would otherwise hold up the
+     * round. */
     if (pairs <= BVXI_CROSS_MANY &&
         b->found_count + (uint32_t)pairs + BVXI_CROSS_BATCH * BVXI_CROSS_FEW <= BVXI_SOLID_BUFFER)
         bvxi_cover_spans(job, all, triangle, take_found, b);
@@ -245,6 +266,9 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
         singles += (uint32_t)single;
         severals += (uint32_t)!single;
     }
+
+    /* Most triangles of a scan have one centre in their box; by themselves they need no loop and no test for
+     * room. */
     for (uint32_t i = 0; i < singles; i++) {
         uint32_t const m = b->single[i];
         push_pair(job, b, b->kept[m], b->j0[m], b->k0[m]);
@@ -278,6 +302,8 @@ BVXI_VECTOR_INLINE void sort_by_tile(const bvxi_solid_job *job, bvxi_chunk *chun
 
     memset(place, 0, sizeof place);
     for (uint32_t i = 0; i < b->found_count; i++) place[tile_of_row(job, b->found[i].row)]++;
+
+    /* Each tile then finds its crossings in one stretch of every chunk, and no two workers write one row. */
     for (int32_t t = 0; t < job->tiles.count; t++) {
         uint32_t const n = place[t];
         chunk->tile_end[t] = place[t] = total;
@@ -298,6 +324,8 @@ BVXI_VECTOR_INLINE void find_crossings(const bvxi_solid_job *job, bvxi_chunk *ch
         if (b->found_count + n * BVXI_CROSS_FEW > BVXI_SOLID_BUFFER ||
             chunk->large_count + n > BVXI_SOLID_LARGE)
             break;
+
+        /* An index beyond the vertices: only now is it worth finding out which triangle has it. */
         if (read_corners(job->view, chunk->next, n, b->corner) >= job->view->vertex_count) {
             uint32_t unused[3];
             while (bvxi_view_triangle(job->view, chunk->next, unused)) chunk->next++;

@@ -23,10 +23,14 @@ static uint32_t close_row(uint64_t *words, int32_t n)
 
     for (int32_t k = 0; k < n; k++) {
         uint64_t const w = words[k];
+
+        /* Most words of a row hold no crossing: they are all inside or all outside. */
         if (w == 0) {
             words[k] = carry;
             continue;
         }
+
+        /* The carry is all ones after an odd number of toggles, so it turns a whole word at once. */
         words[k] = bvxi_prefix_parity(w) ^ carry;
         carry = 0 - (words[k] >> 63);
     }
@@ -77,6 +81,8 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
                                                                  bvxi_window_row(job, j, k), &sum)
                                               : close_row(words, g->words_per_row)) ^
                                  job->beyond[row];
+
+            /* A run that is open at the end of the window would set bits past the row. */
             words[g->words_per_row - 1] &= tail;
             job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
             if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
@@ -95,6 +101,9 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
     BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
     BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
                            job->tiles.count, close_tile, job));
+
+    /* Lists of crossings are made for unbalanced rows only: sound meshes have none and never pay for
+     * sorting. */
     for (int32_t t = 0; t < job->tiles.count; t++) unbalanced += job->unbalanced[t];
     if (unbalanced == 0 || job->keep_odd) return BVX_OK;
     job->listed = job->beyond;
@@ -142,6 +151,8 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         status = job->fill == BVX_FILL_PARITY ? fill_parity_rows(ctx, job) : bvxi_solid_lists(ctx, job, 0.1);
         bvxi_drop(ctx, job->beyond);
     }
+
+    /* Sums in the order of chunks and tiles, which follow from the shape: no worker shows in them. */
     for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
     for (int32_t t = 0; t < job->tiles.count; t++) {
         report->crossings += job->crossings[t];
@@ -160,6 +171,8 @@ bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid
     int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) *
                            ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
 
+    /* The engine always works along x. For another axis the snapped coordinates are permuted, which is
+     * exact. */
     BVXI_TRY(bvxi_snap_turn(ctx, axis, from, &job->snapped));
     job->grid = g;
     job->fill = fill;

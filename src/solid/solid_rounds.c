@@ -10,6 +10,9 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
 
     if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
         int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
+
+        /* A crossing before the window is taken as one at its first voxel: it turns all that follows. One
+         * beyond it only counts for the row's balance. */
         if (x < job->grid->size[0]) {
             int32_t const bit = x < 0 ? 0 : x;
             bvxi_block_words(job, j, k)[bit >> 6] ^= UINT64_C(1) << (bit & 63);
@@ -55,6 +58,8 @@ static void take_tile(void *user, int32_t tile, int32_t worker)
         const bvxi_chunk *const chunk = job->chunk + c;
         uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
         const bvxi_crossing *const x = chunk->sorted;
+
+        /* The mode as a constant: the compiler makes one loop of each, without the questions in between. */
         if (job->mode == BVXI_TOGGLE) {
             for (uint32_t i = begin; i < end; i++)
                 take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
@@ -68,6 +73,8 @@ static void take_tile(void *user, int32_t tile, int32_t worker)
                 take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
             if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
         }
+
+        /* Each tile cuts large triangles to its own rows, which needs no list and no lock. */
         for (uint32_t i = 0; i < chunk->large_count; i++)
             bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
@@ -86,6 +93,9 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
         job->chunk[c].bad = UINT64_MAX;
         job->chunk[c].used = 0;
     }
+
+    /* A round goes as far as the buffers hold; memory stays bounded whatever the mesh, at the price of
+     * visiting tiles again. */
     while (left > 0) {
         double const at = bvxi_solid_progress(job, from + (to - from) * (1.0 - (double)left / (double)all));
         BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->chunks, bvxi_find_crossings, job));
@@ -103,6 +113,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
 
 bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
 {
+    /* After a single round all crossings are still in the buffers, so they need not be found again. */
     if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
     job->mode = mode;
     return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),

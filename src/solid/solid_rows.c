@@ -27,6 +27,8 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
     int64_t filled = 0, least;
     uint32_t drop = 0;
 
+    /* All choices in one pass: moving the dropped one by two exchanges a filled span for the gap before
+     * it. */
     for (uint32_t i = 1; i + 1 < n; i += 2) filled += (int64_t)crossing_at(c[i + 1]) - crossing_at(c[i]);
     least = filled; /* without the first crossing */
     for (uint32_t i = 2; i < n; i += 2) {
@@ -57,6 +59,7 @@ static uint32_t drop_for_winding(int32_t *c, uint32_t n, int64_t sum)
     uint32_t kept = 0;
     int64_t depth = 0, drop = sum < 0 ? -sum : sum;
 
+    /* Too many leave: from the left, those that leave when nothing has been entered. */
     if (sum < 0) {
         for (uint32_t i = 0; i < n; i++) {
             int const leaving = c[i] & 1;
@@ -68,6 +71,8 @@ static uint32_t drop_for_winding(int32_t *c, uint32_t n, int64_t sum)
         }
         return kept;
     }
+
+    /* Too many enter: the same seen from the right, kept ones gathered at the end and moved down after. */
     kept = n;
     for (uint32_t i = n; i-- > 0;) {
         int const leaving = c[i] & 1;
@@ -116,6 +121,8 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
             if (job->listed != NULL && !job->listed[row]) continue;
             memset(words, 0, row_bytes);
             if (n == 0) continue;
+
+            /* Sorted, so that the order in which triangles came is gone. */
             bvxi_sort_i32(job->lists.crossing + begin, n);
             lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
                                                 : fill_nonzero(job, words, job->lists.crossing + begin, n);
@@ -147,6 +154,8 @@ bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from,
 
     memset(lists, 0, sizeof *lists);
     lists->rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
+
+    /* Counted first, then filled: one array of the exact size, whatever rows the crossings fall on. */
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts",
                              &lists->row_end);
     if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle);
