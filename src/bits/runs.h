@@ -8,7 +8,7 @@
 #include "bits/bits.h"
 
 typedef struct bvxi_runs {
-    const uint64_t *next; /* the word behind the open one */
+    const uint64_t *next; /* the word after the open one */
     uint64_t words;       /* words from there on */
     uint64_t open;        /* what is left of the open word, its first bit lowest */
     uint64_t flip;        /* 0 before a run of zeros, all ones before a run of ones */
@@ -18,7 +18,7 @@ typedef struct bvxi_runs {
     int32_t tail; /* bits in a row's last word */
 } bvxi_runs;
 
-/* rows rows of bits bits each, one behind the other, (bits + 63) / 64 words a row. */
+/* rows rows of bits bits each, one after the other, (bits + 63) / 64 words a row. */
 static inline void bvxi_runs_start(bvxi_runs *runs, const uint64_t *words, uint64_t rows, int32_t bits)
 {
     runs->row_words = bvxi_row_words(bits);

@@ -10,7 +10,7 @@ static inline uint64_t bvxi_word_or_none(const uint64_t *row, int64_t words, int
 }
 
 /* Word k of to: 64 bits of the row from bit `from` + 64 k on, 0 before the
- * row and behind it. to may be row when from >= 0. */
+ * row and after it. to may be row when from >= 0. */
 static inline void bvxi_shift_row(const uint64_t *row, int32_t words, int64_t from, uint64_t *to,
                                   int32_t count)
 {

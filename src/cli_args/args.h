@@ -139,7 +139,7 @@ struct cli_options {
     cli_pair range;
     int64_t value_label;
     int32_t all_labels, below;
-    cli_list shape;      /* of samples alone */
+    cli_list shape;      /* of samples only */
     int32_t sample_type; /* BVX_SAMPLE_... */
     int32_t big_endian;
     int64_t skip; /* bytes before the samples */
@@ -187,12 +187,12 @@ typedef struct cli_argument {
     size_t field;     /* in cli_options */
     double low, high;
     int least, most;
-    const char *const *choice; /* names, NULL behind the last */
+    const char *const *choice; /* names, NULL after the last */
     int base;
     const char *help; /* lines */
 } cli_argument;
 
-/* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL behind the last. */
+/* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL after the last. */
 extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli_mode_names[];
 /* The names of a list of the header, in the order of their numbers. */
 #define CLI_NAME_OF(name, value, text) text,
@@ -201,7 +201,7 @@ extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli
 extern const char *const cli_sample_names[];
 /* By BVX_SIGN_... */
 extern const char *const cli_sign_names[];
-/* Row i of the table, NULL behind the last; one name may stand in several rows for different commands. */
+/* Row i of the table, NULL after the last; one name may stand in several rows for different commands. */
 const cli_argument *cli_argument_at(int i);
 /* Store an option's value in its field; 0 when it is malformed. */
 int cli_take_value(const cli_argument *a, const char *text, cli_options *o);
@@ -219,7 +219,7 @@ const char *cli_given_name(const cli_run *run, const char *name, size_t length);
 void cli_print_options(int32_t command_bit);
 /* Another option of the command whose name differs by one letter, or NULL. */
 const char *cli_mistaken_for(const cli_run *run, const char *name);
-/* The nearest of the names, or NULL when none is near; next gives name i, NULL behind the last. */
+/* The nearest of the names, or NULL when none is near; next gives name i, NULL after the last. */
 const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user);
 /* 1 when --triangles or --error is given. */
 int cli_reduces(const cli_run *run);

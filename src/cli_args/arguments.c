@@ -1,7 +1,7 @@
 /* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes
  * their values.
  *
- * An option stands once, takes one value (behind it or after "="), and is refused by commands that have no
+ * An option stands once, takes one value (after it or after "="), and is refused by commands that have no
  * use for it. */
 #include "cli_args/args.h"
 
@@ -132,7 +132,7 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
 
 /* ---- the command line ---- */
 
-/* Take the option at word[*at]; *at moves behind it. */
+/* Take the option at word[*at]; *at moves after it. */
 static int parse_option(cli_run *run, int count, char **word, int *at)
 {
     const char *const text = word[*at], *equals = strchr(text, '=');
@@ -184,7 +184,7 @@ int cli_parse(cli_run *run, int count, char **word)
     cli_options *const o = run->options;
     int only_inputs = 0, at = 0, status = CLI_DONE;
 
-    /* decide how an error is told and whether there is one */
+    /* decide how an error is reported and whether there is one */
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) {
         if (strcmp(word[i], "--json") == 0) o->general.json = 1;
         if (find_argument("--output-dir", 12, run->command->bit) >= 0 &&

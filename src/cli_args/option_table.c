@@ -78,7 +78,7 @@
 
 #define WRITES_MESHES (REDUCES | MAKES_LEVELS | CLI_FACES | CLI_CONVERT | CLI_REFINE)
 
-/* Names come from the header's lists, in the order of their numbers; "" cannot be asked for, NULL ends. */
+/* Names come from the header's lists, in the order of their numbers; "" cannot be requested, NULL ends. */
 #define SIGN_OF_REPAIR(name, value, text)  (BVX_SIGNS_OF_REPAIR >> (value)&1) != 0 ? text : "",
 #define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value)&1) != 0 ? text : "",
 #define THIN_OF_BOOLEAN(name, value, text) (value) == BVX_THIN_SHELL ? "" : text,
@@ -113,7 +113,7 @@ static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
 static const char *const boolean_thin_names[] = {BVX_THIN_LIST(THIN_OF_BOOLEAN) NULL};
 const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 /* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not
- * asked for. A gap ends the names before those of contours. */
+ * requested. A gap ends the names before those of contours. */
 static const char *const every_format[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
 #define FORMAT_NAMES         (every_format + BVX_FORMAT_STL)
 #define CONTOUR_FORMAT_NAMES (every_format + BVX_FORMAT_CSL)

@@ -1,4 +1,4 @@
-/* option_values.c - what stands behind an option: strict numbers, lists,
+/* option_values.c - what stands after an option: strict numbers, lists,
  * planes, choices; and in words what it must be. */
 #include "cli_args/args.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A decimal number that ends at one of the stops or at the end of the text; *rest is behind it. */
+/* A decimal number that ends at one of the stops or at the end of the text; *rest is after it. */
 static int take_real(const char *text, const char *stops, double *v, const char **rest)
 {
     /* leaves out what strtod would take too: hex, inf, nan, spaces */
@@ -96,7 +96,7 @@ static int take_errors(const cli_argument *a, const char *text, cli_errors *erro
     return 0;
 }
 
-/* The axis that a text begins with, and the stop behind it; -1 when there is none. */
+/* The axis that a text begins with, and the stop after it; -1 when there is none. */
 static int take_axis(const char *text, char stop)
 {
     return text[0] >= 'x' && text[0] <= 'z' && text[1] == stop ? text[0] - 'x' : -1;

@@ -1,4 +1,4 @@
-/* cmd_boolean.c - bitvox boolean: what two bodies are together, have in common, or have alone.
+/* cmd_boolean.c - bitvox boolean: what two bodies are together, have in common, or have only.
  *
  * Two meshes that become a mesh keep their surfaces (bvx_boolean). Whenever a grid comes in or goes out the
  * bits are what there is: a mesh is then voxelized, on the grid's own lattice or on one around both

@@ -15,7 +15,7 @@ typedef struct components_job {
     int32_t *seeds;
     bvx_keep_report kept;
     uint64_t filled;
-    bvx_component *parts; /* of what is left; the largest first once they were told */
+    bvx_component *parts; /* of what remains; the largest first once they were reported */
     uint64_t count;
     bvx_topology topology;
     uint32_t *labels;
@@ -77,7 +77,7 @@ static int keep_components(cli_run *run, components_job *job)
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(job->in.path));
 }
 
-/* ---- what is told of the rest ---- */
+/* ---- what is reported of the rest ---- */
 
 static int by_size(const void *a, const void *b)
 {

@@ -1,4 +1,4 @@
-/* cmd_faces.c - bitvox faces: the voxels themselves as a mesh, for programs that show meshes alone. */
+/* cmd_faces.c - bitvox faces: the voxels themselves as a mesh, for programs that show meshes only. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>

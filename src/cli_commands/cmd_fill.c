@@ -140,7 +140,7 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     return CLI_DONE;
 }
 
-/* ---- what is told ---- */
+/* ---- what is reported ---- */
 
 static void say_fill(cli_run *run, const fill_job *job)
 {

@@ -1,7 +1,7 @@
 /* cmd_lod.c - bitvox lod: a chain of closed meshes, with a table of what each level costs and how near it
  * stays.
  *
- * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed alone. Everything is
+ * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed only. Everything is
  * written at the end, so a failure leaves no part of a chain. */
 #include "cli_commands/lod_chain.h"
 #include "cli_commands/lod_collapse.h"
@@ -13,7 +13,7 @@
 
 enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
@@ -92,7 +92,8 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 /* ---- the levels ---- */
 
-/* Samples coarser than what they see break it. That the solid has the mesh's walls is told with the solid. */
+/* Samples coarser than what they see break it. That the solid has the mesh's walls is reported with the
+ * solid. */
 static void warn_of_broken_level(cli_run *run, const cli_chain *c, int i)
 {
     const bvx_certificate *const level = &run->report.mesh[i].certificate;

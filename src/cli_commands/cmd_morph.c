@@ -22,7 +22,7 @@ typedef struct morph_job {
     cli_voxels voxels; /* the output */
 } morph_job;
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static const char *action_at(const void *user, int i)
 {

@@ -1,4 +1,4 @@
-/* cmd_refine.c - bitvox refine: voxels of several sizes, the small ones at the surface alone. */
+/* cmd_refine.c - bitvox refine: voxels of several sizes, the small ones at the surface only. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
@@ -6,7 +6,7 @@
 
 enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 enum { CHOOSES_LEVELS = 1 << CLI_FIRST_FACT }; /* --halvings auto */
 

@@ -189,7 +189,7 @@ static int render_turntable(cli_run *run)
     return status;
 }
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static int points_nowhere(const cli_triple *t)
 {

@@ -14,10 +14,10 @@ typedef struct voxel_job {
     bvx_grid grid;
     bvx_field field;           /* of --mode field */
     bvx_fill_comparison fills; /* of --compare-fills */
-    int cloud;                 /* 1: mesh holds points alone */
+    int cloud;                 /* 1: mesh holds points only */
 } voxel_job;
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 /* Facts of the line. */
 enum {

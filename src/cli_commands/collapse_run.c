@@ -14,7 +14,7 @@ enum {
     DEFAULT_SAMPLES = 20000,
     DISTANCE_SEED = 1,
     USUAL_LEVELS = 4,
-    LEAST_USUAL = 20,   /* triangles of a level that nobody asked for */
+    LEAST_USUAL = 20,   /* triangles of a level that nobody requested */
     LEAST_TRIANGLES = 4 /* of any closed mesh */
 };
 

@@ -13,7 +13,7 @@ typedef struct cli_collapse_run {
     uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
     const char *source;      /* what that is: "mesh" or "measured" */
     double diagonal;         /* of the input */
-    int usual_count;         /* levels where none are asked for; 0: by the input's triangles */
+    int usual_count;         /* levels where none are requested; 0: by the input's triangles */
     int count;               /* levels; 0: not yet known */
     int by_error;
     uint64_t target[CLI_MAX_LEVELS];

@@ -41,7 +41,7 @@ void cli_tell_solid(const cli_options *o, const bvx_grid *grid, const bvx_solid_
 
 /* The options of clouds for meshes and volumes, and those of meshes for clouds. */
 extern const cli_rule cli_cloud_rules[];
-/* Voxels of a cloud on this lattice, and what is told of them. */
+/* Voxels of a cloud on this lattice, and what is reported of them. */
 bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const bvx_lattice *lattice,
                           const bvx_window *window, bvx_points_report *report, bvx_grid *grid);
 void cli_tell_cloud(const cli_options *o, const bvx_points_report *report, cli_made *made);
@@ -61,12 +61,12 @@ int cli_voxelize_volume(cli_run *run, const bvx_window *window);
 /* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
 
 typedef struct cli_reduction {
-    int done;        /* fewer triangles were asked for and made */
+    int done;        /* fewer triangles were requested and made */
     uint64_t before; /* triangles */
     bvx_level_report level;
 } cli_reduction;
 
-/* The edges of a closed mesh collapse, where that is asked for. */
+/* The edges of a closed mesh collapse, where that is requested. */
 int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
 /* What became of it: a line of text, a member of the JSON report. */
 void cli_tell_reduction(cli_run *run, const cli_reduction *r);
@@ -109,7 +109,7 @@ void cli_free_voxels(cli_run *run, cli_voxels *v);
 
 /* ---- turntable.c ---- */
 
-/* A direction turned round an axis by i / n of a turn; 0 when it lies along the axis. */
+/* A direction turned around an axis by i / n of a turn; 0 when it lies along the axis. */
 int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
 /* What a picture from a direction shows of a box on either side of a
  * middle: its half width and height. What is there already grows to it. */

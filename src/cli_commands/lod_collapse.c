@@ -149,7 +149,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-/* ---- What is told ---- */
+/* ---- What is reported ---- */
 
 /* Why the surface was measured. */
 static const char *reason_of(const cli_run *run, const lod_collapse *l)

@@ -1,4 +1,4 @@
-/* render_scene.c - what a picture shows is read, voxelized where asked for, and drawn. */
+/* render_scene.c - what a picture shows is read, voxelized where requested, and drawn. */
 #include "cli_commands/render_scene.h"
 
 #include <string.h>

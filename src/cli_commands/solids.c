@@ -1,4 +1,4 @@
-/* solids.c - the rules that fill a mesh: their options, and what is told of a solid. */
+/* solids.c - the rules that fill a mesh: their options, and what is reported of a solid. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>

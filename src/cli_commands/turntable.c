@@ -1,6 +1,6 @@
-/* turntable.c - directions round an axis, the same to the last bit on every machine.
+/* turntable.c - directions around an axis, the same to the last bit on every machine.
  *
- * A frame's angle is a whole fraction of a turn. Whole quarters are taken off in integers; what is left, at
+ * A frame's angle is a whole fraction of a turn. Whole quarters are taken off in integers; what remains, at
  * most an eighth of a turn, goes into the series of sine and cosine, in which only + - * / stand. */
 #include "cli_commands/commands.h"
 

@@ -1,6 +1,6 @@
 /* files.c - whole files in.
  *
- * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are told by their
+ * A file is read as a whole, within --memory-limit or what the machine can bear; gzip data are known by their
  * first bytes and unpacked in memory. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
@@ -30,7 +30,7 @@
 enum { FILES_CHUNK = 1 << 20 };
 
 #define FILES_MACHINE \
-    (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not tell its memory */
+    (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not report its memory */
 
 /* ---- room ---- */
 
@@ -159,7 +159,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
 /* ---- gzip ---- */
 
 #ifdef BVX_HAVE_ZLIB
-/* One gzip member after the other, as gzip itself reads them; zero bytes behind the last are padding. */
+/* One gzip member after the other, as gzip itself reads them; zero bytes after the last are padding. */
 static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, cli_bytes *b, z_stream *z)
 {
     size_t taken = 0;

@@ -52,7 +52,7 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
 
 typedef struct cli_input {
     const char *path;
-    int kind; /* CLI_MESH, CLI_GRID, or CLI_TREE where that is asked for */
+    int kind; /* CLI_MESH, CLI_GRID, or CLI_TREE where that is requested */
     bvx_mesh mesh;
     bvx_grid grid;
     bvx_octree *tree;
@@ -77,7 +77,7 @@ typedef struct cli_volume {
     cli_bytes file, data; /* samples may stand in either */
     bvx_volume volume;
     bvx_volume_view view; /* the window of it that is wanted */
-    int placed;           /* 0: neither file nor side-car tells its lattice */
+    int placed;           /* 0: neither file nor side-car gives its lattice */
 } cli_volume;
 
 /* 1 when options choose voxels of a volume by their samples. */
@@ -104,7 +104,7 @@ void cli_tell_volume(const cli_volume *volume, const bvx_volume_report *report, 
 int cli_keeps_parts(const cli_run *run);
 /* Refuse these options for meshes of commands that read grids. */
 int cli_check_parts(cli_run *run);
-/* Keep the parts asked for, of a grid in itself or in another one, and count them for the report. */
+/* Keep the parts requested, of a grid in itself or in another one, and count them for the report. */
 bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept);
 void cli_say_parts(cli_run *run);
 

@@ -1,6 +1,6 @@
-/* sidecars.c - the side-car that tells a grid's place.
+/* sidecars.c - the side-car that says where a grid lies.
  *
- * .npy and .vox hold voxels alone. Where their lattice lies stands in a side-car beside them, FILE.npy.json;
+ * .npy and .vox hold voxels only. Where their lattice lies stands in a side-car beside them, FILE.npy.json;
  * without one the voxels start at 0 and have sides of 1. A side-car that is damaged or belongs to a grid of
  * another size is an error. */
 #include "cli_inputs/inputs.h"

@@ -16,7 +16,7 @@
 
 enum { DATA_NAME_ROOM = 4096 };
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 #define OF_RAW     "--shape --sample-type --big-endian --skip --voxel-size"
 #define OF_VOLUMES "--level --range --label --all-labels --below"
@@ -213,7 +213,7 @@ static int add_data_file(cli_run *run, const char *path, uint64_t head_size, cli
     return status;
 }
 
-/* The bytes of all files that a detached head names, one behind the other; of one that is attached none. */
+/* The bytes of all files that a detached head names, one after the other; of one that is attached none. */
 static int read_data_files(cli_run *run, const char *head, cli_volume *v)
 {
     char name[DATA_NAME_ROOM];
@@ -288,7 +288,7 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
     return CLI_DONE;
 }
 
-/* The side-car of an .npy file tells where its voxels lie. */
+/* The side-car of an .npy file says where its voxels lie. */
 static int place_volume(cli_run *run, const char *path, cli_volume *v)
 {
     bvx_volume_view *const w = &v->volume.view;

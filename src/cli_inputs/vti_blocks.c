@@ -22,11 +22,11 @@ typedef struct vti_packed {
     cli_run *run;
     const char *path;
     const char *begin, *end;
-    const char *appended; /* behind the underscore, or NULL */
+    const char *appended; /* after the underscore, or NULL */
     const char *text_end; /* of the tags: "<AppendedData", or "</VTKFile" */
     int head_size, big, appended_base64;
     cli_text text;  /* the new tags */
-    cli_bytes data; /* the arrays one behind the other, each with its length */
+    cli_bytes data; /* the arrays one after the other, each with its length */
 } vti_packed;
 
 /* One array in the file. */
@@ -150,7 +150,7 @@ static int inflate_block(const unsigned char *packed, uint64_t packed_size, unsi
            uncompress(plain, &made, packed, (uLong)packed_size) == Z_OK && made == plain_size;
 }
 
-/* Room for more bytes behind the arrays that are there. */
+/* Room for more bytes after the arrays that are there. */
 static int make_data_room(vti_packed *v, uint64_t more)
 {
     uint64_t const size = v->data.size + more;
@@ -167,7 +167,7 @@ static int make_data_room(vti_packed *v, uint64_t more)
     return CLI_DONE;
 }
 
-/* The blocks, of which the head tells the sizes, behind the others. */
+/* The blocks, of which the head gives the sizes, after the others. */
 static int unpack_blocks(vti_packed *v, vti_source *s, const unsigned char *head, uint64_t blocks)
 {
     size_t const step = (size_t)v->head_size;
@@ -217,7 +217,7 @@ static int unpack_array(vti_packed *v, vti_source s)
     uint64_t blocks;
     int status;
 
-    /* The count of blocks tells how long the head is; it is read again with it. */
+    /* The count of blocks says how long the head is; it is read again with it. */
     if (!take_bytes(&first, number, step)) return fail_vti(v, "an array ends within its head");
     blocks = number_at(v, number);
     if (blocks > s.have / step) return fail_vti(v, "an array has more blocks than the file has bytes for");

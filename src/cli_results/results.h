@@ -54,7 +54,7 @@ void cli_report_tree(cli_run *run, const cli_tree *t);
 
 /* ---- leaf_mesh.c: refine --leaves ---- */
 
-/* The leaves in the states asked for, less what --cut takes away, as boxes; to be freed here in any case. */
+/* The leaves in the states requested, less what --cut takes away, as boxes; to be freed here in any case. */
 int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh);
 void cli_free_leaf_mesh(bvx_mesh *mesh);
 
@@ -103,7 +103,7 @@ int cli_open_levels(cli_run *run, int count, char **path);
 /* Write all levels to these outputs and keep them. */
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
 
-/* ---- level_tables.c: what is told of levels ---- */
+/* ---- level_tables.c: what is reported of levels ---- */
 
 /* 1 when a mesh is closed, manifold and oriented. */
 int cli_is_sound(const bvx_certificate *certificate);

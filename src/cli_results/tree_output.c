@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 /* A .bvx file is a tree, or with --expand the grid of a level. */
 int cli_check_tree_output(cli_run *run, cli_tree *t)

@@ -1,4 +1,4 @@
-/* tree_report.c - what is told of an octree: a table of its levels, and the same for programs. */
+/* tree_report.c - what is reported of an octree: a table of its levels, and the same for programs. */
 #include "cli_results/results.h"
 
 #include <inttypes.h>

@@ -185,7 +185,7 @@ int cli_are_one_file(const char *a, const char *b)
 {
     (void)a;
     (void)b;
-    return 0; /* one name alone */
+    return 0; /* one name only */
 }
 
 #endif

@@ -46,7 +46,7 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
     cli_text_add(t, "}");
 }
 
-/* What was asked for is null where nobody asked. */
+/* What was requested is null where nobody asked. */
 static void report_level(cli_text *t, const cli_mesh_entry *m)
 {
     const bvx_level_report *const l = m->level;

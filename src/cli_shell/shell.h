@@ -113,7 +113,7 @@ int cli_usage(cli_run *run, const char *format, ...);
 /* The same for a call of the library that failed; about names the file or
  * is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
-/* The same, with an advice behind the message. */
+/* The same, with an advice after the message. */
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
 int cli_fail_interrupted(cli_run *run);
 /* What an interrupt left, as the message says it. */
@@ -172,7 +172,7 @@ double cli_stage_end(cli_run *run);
 /* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
 void cli_stage_calls(cli_run *run, int calls);
 int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
-/* The last line, of fraction 1 after a success; no bar stays behind. */
+/* The last line, of fraction 1 after a success; no bar stays after. */
 void cli_progress_end(cli_run *run, int status);
 void cli_clear_bar(cli_run *run);
 
@@ -244,7 +244,7 @@ struct cli_run {
     int (*plan_stage)(struct cli_run *run, const char *name, double *low, double *high);
     cli_report report;
     bvx_context *context;
-    uint64_t context_limit; /* of its memory, when one was asked for; 0: none */
+    uint64_t context_limit; /* of its memory, when one was requested; 0: none */
     cli_output output[CLI_MAX_OUTPUTS];
     int outputs;
     int standard_taken;     /* standard output belongs to an output */
@@ -264,7 +264,7 @@ int cli_end_of_output(cli_run *run);
 /* ---- run_context.c ---- */
 
 /* Memory that this process may use: the machine's, or less where a container
- * or a limit of the shell allows less; 0 where the system does not tell. */
+ * or a limit of the shell allows less; 0 where the system does not report. */
 uint64_t cli_memory_there(void);
 
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */

@@ -67,7 +67,7 @@ static void note_bar(cli_run *run, int stands)
     cli_unlock();
 }
 
-/* "12 s left" where that can be told. */
+/* "12 s left" where that is known. */
 static void time_left(const cli_run *run, double now, char *text, size_t room)
 {
     const cli_progress_state *const p = &run->progress;

@@ -1,6 +1,6 @@
 /* compare.c - two grids voxel by voxel: how many each has, where they differ, in how many pieces.
  *
- * One pass over the words counts, bounds and counts runs; its pieces are rows, as many as the shape asks for,
+ * One pass over the words counts, bounds and counts runs; its pieces are rows, as many as the shape requires,
  * and their sums are whole numbers, so threads never show. Then the runs of what only one grid has go through
  * union-find (components.c), and once more for the sizes of the pieces found. Where nothing differs the first
  * pass is all. */

@@ -109,7 +109,7 @@ typedef struct component_row {
 } component_row;
 
 /* Bits of the row's word whose voxels are to be joined: with the voxel
- * there or before it, and with the one behind. */
+ * there or before it, and with the one after. */
 typedef struct component_pairs {
     uint64_t back, ahead;
 } component_pairs;
@@ -161,7 +161,7 @@ BVXI_VECTOR_INLINE component_pairs all_component_pairs(component_word r, compone
     return p;
 }
 
-/* Join the words k of a row and of those behind it. */
+/* Join the words k of a row and of those after it. */
 BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
                                             const component_row behind[4], int32_t k, int32_t connectivity,
                                             int fast)

@@ -22,7 +22,7 @@ typedef struct bvxi_components {
     uint32_t *label;
     uint64_t run_count, added;
     uint64_t component_count; /* after bvxi_components_number */
-    /* two slices with empty rows and words round them: slice z at (z & 1) * slice */
+    /* two slices with empty rows and words around them: slice z at (z & 1) * slice */
     uint64_t *words;
     uint32_t *before;       /* runs that begin before each of these words */
     uint64_t stride, slice; /* words from row to row, and of a slice */

@@ -3,7 +3,7 @@
  *
  * Runs are joined to spaces (connected_sets.c); their numbers are handed out to boxes and counts, or to the
  * voxels of each row.
- * Guarantee: exact; numbers follow from the least voxels alone. */
+ * Guarantee: exact; numbers follow from the least voxels only. */
 #include "components/room.h"
 
 static const char parts_name[] = "bvx_grid_components";

@@ -1,4 +1,4 @@
-/* angle.h - an angle by + - * / alone, the same on every machine. Not installed. */
+/* angle.h - an angle by + - * / only, the same on every machine. Not installed. */
 #ifndef BVXI_ANGLE_H
 #define BVXI_ANGLE_H
 

@@ -43,7 +43,7 @@ struct bvx_context {
     bvx_progress_fn *progress;
     void *progress_user;
     int32_t threads, cpu;
-    size_t size;                   /* of the context and the pool behind it */
+    size_t size;                   /* of the context and the pool after it */
     bvxi_pool *pool;               /* helpers of the calling thread; NULL: none */
     bvxi_share share[BVXI_SHARES]; /* the first is the call's */
     const char *stage;             /* reported last; the function's name before */
@@ -85,7 +85,7 @@ void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how);
 void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user);
 
 /* processors.c: threads that this process should use, 1..BVXI_MAX_THREADS; the machine's processors, and the
- * threads of all its processes that run or want to (0: it does not tell); what control groups grant, by a
+ * threads of all its processes that run or want to (0: it does not say); what control groups grant, by a
  * file like /proc/self/cgroup and the folder where they are mounted (0: all). */
 int32_t bvxi_processors(void);
 int32_t bvxi_online_processors(void);

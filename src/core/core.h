@@ -111,7 +111,7 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value);
 /* ---- parallel.c ---- */
 
 /* Run count tasks. stage names them for progress; their share of the work's progress is [from, to].
- * Progress is asked between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
+ * Progress is reported between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
 bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                          bvx_task_fn *task, void *user);
 /* 0: none */
@@ -143,7 +143,7 @@ static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *be
     *end = *begin + base + (u < rest ? 1 : 0);
 }
 
-/* Pieces for work over count items, at least grain items each; from the shape alone, not from the threads. */
+/* Pieces for work over count items, at least grain items each; from the shape only, not from the threads. */
 static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 {
     uint64_t const pieces = count / grain;

@@ -118,7 +118,7 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
     return p;
 }
 
-/* w * 10^k rounded, w not 0. Where the tables cannot tell, the result is that of a number just below. */
+/* w * 10^k rounded, w not 0. Where the tables cannot decide, the result is that of a number just below. */
 static uint64_t decimal_scale(uint64_t w, int32_t k, const decimal_kind *kind, int *sure)
 {
     decimal_power const ten = decimal_power_of_ten(k);

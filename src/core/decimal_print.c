@@ -4,7 +4,7 @@
  * With 10^k the largest power of ten not above the distance of two neighbours, the interval that rounds to a
  * number holds a multiple of 10^k, and at most one of 10^(k+1). All comparisons are between values scaled to
  * about 60 bits and rounded to odd, which keeps their order exact; the scaling is by a 128-bit power of ten,
- * and by big integers where that cannot tell.
+ * and by big integers where that cannot decide.
  * Guarantee: the text reads back to the same bits, no shorter one does, and of those as short it is the
  * closest. */
 #include "core/core.h"

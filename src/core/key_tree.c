@@ -1,7 +1,7 @@
 /* key_tree.c - a digital search tree.
  *
  * Source: Knuth. The Art of Computer Programming 3, 6.3: digital tree search. Each node holds a whole key;
- * below it the next bit of the sought key tells the side. Two keys on one way down share the bits above, so
+ * below it the next bit of the sought key gives the side. Two keys on one way down share the bits above, so
  * no way is longer than a key has bits.
  * Guarantee: at most 193 nodes for a search, for any keys. */
 #include "core/key_tree.h"

@@ -95,7 +95,7 @@ static int32_t reason_of_status(bvx_status status)
     }
 }
 
-/* Behind "bvx_name: ", or behind "bvx_name, " where a message goes on with which argument it was. */
+/* Behind "bvx_name: ", or after "bvx_name, " where a message goes on with which argument it was. */
 static const char *behind_function(const char *message)
 {
     const char *p = message;

@@ -1,4 +1,4 @@
-/* options.c - option structs whose size tells their age, and the ranges of their fields.
+/* options.c - option structs whose size gives their age, and the ranges of their fields.
  *
  * A caller older than the library gives a shorter struct: what it lacks keeps its default. A newer caller
  * gives a longer one: what the library does not know must be zero, so that no option is silently ignored. */

@@ -1,6 +1,6 @@
 /* parallel.c - tasks in batches, with progress and cancellation asked on the calling thread between them.
  *
- * What a task computes depends on its index alone; the number of tasks follows from the work's shape. So
+ * What a task computes depends on its index only; the number of tasks follows from the work's shape. So
  * neither the threads nor the batches show in any result. */
 #include "context.h"
 

@@ -1,5 +1,5 @@
 /* processors.c - how many threads are worth having: processors that this process may run on, what its control
- * groups grant of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT ask for, by which schedulers of many
+ * groups grant of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT require, by which schedulers of many
  * processes divide a machine.
  *
  * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of
@@ -39,7 +39,7 @@ static int64_t read_text(const char *path, char *text, size_t room)
     return n < 0 ? -1 : length;
 }
 
-/* The number at *text, which moves behind it; -1 when there is none. */
+/* The number at *text, which moves after it; -1 when there is none. */
 static int64_t take_count(const char **text)
 {
     const char *p = *text;

@@ -3,12 +3,12 @@
  *
  * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on
  * processors that others keep busy. Four rules see to that; none of them can show in a result, as what a task
- * computes depends on its index alone.
+ * computes depends on its index only.
  *
- *   - The calling thread begins alone. Helpers are started once a context's steps have taken COLD_TIME, and
+ *   - The calling thread begins only. Helpers are started once a context's steps have taken COLD_TIME, and
  *   are woken for a
  *     step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate has to be right.
- *   - There are no more helpers than processors without work, where the system tells (Linux). The caller
+ *   - There are no more helpers than processors without work, where the system reports (Linux). The caller
  *   wakes
  *     one; each that comes wakes two more while tasks are left.
  *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor
@@ -264,7 +264,7 @@ void bvxi_pool_end(bvxi_pool *pool)
     pthread_mutex_destroy(&pool->lock);
 }
 
-/* How many helpers there are processors for: all where that cannot be told. */
+/* How many helpers there are processors for: all where that is not known. */
 static int32_t count_idle(bvxi_pool *pool)
 {
     int32_t const running = bvxi_running_threads();

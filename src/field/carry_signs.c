@@ -6,7 +6,7 @@
  * first, and outside when both come at once. The band must be a voxel wide on either side (width >= the
  * largest spacing): then the surface never passes between a centre in the band and one beyond it.
  *
- * A step looks at the state before it alone, so neither order nor threads show. Rows are visited only where
+ * A step looks at the state before it only, so neither order nor threads show. Rows are visited only where
  * something changed beside them in the step before. */
 #include "field/signs.h"
 #include "components/room.h"
@@ -74,7 +74,7 @@ static void settle_space_run(void *user, uint32_t space, int32_t begin, int32_t 
 }
 
 /* inside: spaces of one side are settled. open: the others. s->sides is
- * told while inside is still that of the band alone. */
+ * told while inside is still that of the band only. */
 static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bvx_grid *band,
                                 uint64_t *inside, uint64_t *open, uint64_t *mixed)
 {

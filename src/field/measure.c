@@ -1,4 +1,4 @@
-/* measure.c - a band of distances round a mesh: bvx_measure_field.
+/* measure.c - a band of distances around a mesh: bvx_measure_field.
  *
  * Source: "Model repair by a vector distance field" (the vector to the closest point, kept for the cells near
  * the surface).
@@ -31,11 +31,11 @@ typedef struct measure_job {
     bvx_window window;
     bvxi_nearest *nearest;
     bvx_field field;
-    uint32_t *triangles; /* the field's, or made for the sign alone */
+    uint32_t *triangles; /* the field's, or made for the sign only */
     uint8_t *features;
 } measure_job;
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static const bvxi_option measure_rows[] = {
     BVXI_ABOVE(bvx_field_options, half_width, 0.0, 0.0),

@@ -1,4 +1,4 @@
-/* propagate.c - distances outside the band from closest points that neighbours hand on.
+/* propagate.c - distances outside the band from closest points that neighbours pass on.
  *
  * Source: Danielsson. Euclidean Distance Mapping. 1980, and Satherley, Jones. Vector-City Vector Distance
  * Transform. 2001: a centre takes over what its neighbour found closest. Handed on are the closest points of

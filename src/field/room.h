@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* field.c: refuse a field that is none, naming the field of the struct: band, numbers of rows against its
+/* field.c: refuse an invalid field, naming the field of the struct: band, numbers of rows against its
  * bits, arrays that any reader needs, inside on the band's window. Cost: O(words). */
 bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_field *field);
 /* Refuse what cannot be read from it: vectors not 0 or 1, or vectors of a field that has none. */
@@ -20,7 +20,7 @@ void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t
                      double *numbers);
 
 /* propagate.c: signed distances or vectors outside the band from triangles
- * handed on; the field is checked, the band is not empty. */
+ * passed on; the field is checked, the band is not empty. */
 bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,
                                 const bvx_mesh_view *mesh, int32_t vectors, float *values);
 

@@ -64,9 +64,9 @@ static bvx_status sign_by_first_centre(bvx_context *ctx, const char *function, c
 
 /* ---- a band over all of the lattice ---- */
 
-/* The band of the whole lattice with its features, made for the signs alone. */
+/* The band of the whole lattice with its features, made for the signs only. */
 typedef struct whole_band {
-    bvx_grid band, inside; /* words in one block, one behind the other */
+    bvx_grid band, inside; /* words in one block, one after the other */
     uint64_t *first;
     uint32_t *triangles;
     uint8_t *features;

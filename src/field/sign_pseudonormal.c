@@ -3,12 +3,12 @@
  * Source: Baerentzen, Aanaes. Signed Distance Computation Using the Angle Weighted Pseudonormal. 2005. The
  * outwards direction at a triangle is its normal, at an edge the sum of the unit normals of its triangles, at
  * a vertex that of its triangles weighted by their angles there. On a closed, oriented mesh that does not
- * cross itself the sign is right wherever the closest point is told right; the proof asks of the weights no
- * more than that they come near the angles, which bvxi_angle gives to 1e-10.
+ * cross itself the sign is right wherever the closest point is; the proof asks of the weights
+ * no more than that they come near the angles, which bvxi_angle gives to 1e-10.
  *
  * Vertices at equal positions are one vertex, so meshes without shared vertices are served too; triangles
- * without area count for nothing. Sums go in the order of triangle numbers: the same bits everywhere.
- * Vertices' sums are made beforehand, an edge's when it is asked for, from the triangles at that end which
+ * without area count for nothing. Sums go in the order of triangle indices: the same bits everywhere.
+ * Vertices' sums are made beforehand, an edge's when it is requested, from the triangles at that end which
  * has fewer. */
 #include "core/angle.h"
 #include "field/signs.h"

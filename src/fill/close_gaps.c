@@ -9,7 +9,7 @@
  * D(p) stands at p + m - 1. There D is an OR over m voxels down from each place, the answer an AND over m
  * voxels up.
  * A body: between the two, places of the cube that no way from outside leads to count as holding a set voxel
- * too, so what is left empty is what the cube reaches from outside. (Closing first and flooding by single
+ * too, so what remains empty is what the cube reaches from outside. (Closing first and flooding by single
  * voxels then would leak: where a surface runs slanting, the corners of two cubes meet in a hole of one
  * voxel.)
  * Guarantee: exact. A gap of up to `gap` voxels between set voxels along an axis, or a hole of that width in

@@ -5,7 +5,7 @@
  * its crossings. All rules agree on such a mesh. Others are looked at edge by edge: the minority of each
  * patch is turned; what then is open is filled by winding number, what crosses itself or others by nonzero,
  * what lies in another without crossing it stays a cavity (parity), and what cannot be oriented is left to
- * the vote, which asks for no orientation.
+ * the vote, which requires no orientation.
  *
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
  * bits. */
@@ -346,7 +346,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
     }
     if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
-    /* Filling by parity also tells how deep rows are, so a sound mesh is done when it has been examined. */
+    /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
@@ -366,7 +366,7 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
     status = choose_or_fill(ctx, &w, solid, report, &filled);
 
-    /* All that the choice needed goes before the fill begins, whose memory is then that of the rule alone. */
+    /* All that the choice needed goes before the fill begins, whose memory is then that of the rule only. */
     bvxi_patches_close(ctx, &w.patches);
     bvxi_drop(ctx, w.representative);
     bvxi_solid_close(ctx, &w.job);

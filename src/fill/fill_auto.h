@@ -17,7 +17,7 @@ typedef struct bvxi_auto {
 /* Fill solid by the rule that suits the mesh, adding counts to the report. Whole lattices of sound closed
  * meshes are filled by parity on the way; for windows the rows of the whole lattice are looked at first, so
  * that they hold the bits of the whole (of more than 2^22 rows with longer voxels, whole or not).
- * fill: the rule that fills by name, for what is left. */
+ * fill: the rule that fills by name, for what remains. */
 typedef bvx_status bvxi_fill_by_name_fn(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill,
                                         bvx_grid *solid, bvx_solid_report *report);
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,

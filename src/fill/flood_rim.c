@@ -5,7 +5,7 @@
  * to voxel, corners included, by others of its kind: to the filled, then it is inside, or to what the flood
  * reached or the lattice's end, then it stays outside; so it does when both are equally far. One queue holds
  * the voxels in the order of their steps, those from outside first among equals.
- * Guarantee: exact; follows from the grids alone. Where nothing was filled against the vote nothing
+ * Guarantee: exact; follows from the grids only. Where nothing was filled against the vote nothing
  * changes. */
 #include "fill/fills.h"
 

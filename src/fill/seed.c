@@ -18,7 +18,7 @@ static const char pockets_name[] = "bvx_find_pockets";
 
 /* ---- Is a voxel inside the mesh? ---- */
 
-/* The vote over the surface's window, made when first asked for. */
+/* The vote over the surface's window, made when first requested. */
 typedef struct seed_judge {
     bvx_context *ctx;
     const char *function;

@@ -1,9 +1,9 @@
 /* solid_losses.c - what a solid has lost of its mesh: thin walls, and how the volumes compare.
  *
- * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and asks for
+ * thin_walls.c finds where a line of centres crosses the mesh between two centres outside, and requires
  * closest points there: two to three times the fill of a scan. Parts of lattices, as work in tiles has them,
- * are looked at only where asked.
- * Guarantee: sums are taken in pieces of the mesh's shape alone, so threads do not show. */
+ * are looked at only where requested.
+ * Guarantee: sums are taken in pieces of the mesh's shape only, so threads do not show. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "fill/fills.h"
@@ -136,7 +136,7 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
 /* ---- Of the solid ---- */
 
 /* Is it known that the triangles run the same way round? Rules that do not
- * ask for it say nothing of it when asked for by name. */
+ * require it say nothing of it when requested by name. */
 static int is_oriented(const bvx_solid_report *r)
 {
     if (r->turned != 0) return 0;
@@ -211,7 +211,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     }
     if (!look) return BVX_OK;
 
-    /* A solid that the memory limit allows is not refused for a look that nobody asked for. */
+    /* A solid that the memory limit allows is not refused for a look that nobody requested. */
     status = BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report));
     return status == BVX_ERR_BUDGET && o->check_thin == -1 ? BVX_OK : status;
 }

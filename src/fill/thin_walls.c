@@ -7,9 +7,9 @@
  *
  * A wall thinner than that may have no centre inside, here and there or everywhere. It shows where a lattice
  * line crosses the mesh between two outside centres, and where outside centres meet diagonally between inside
- * ones. There the nearest point of the mesh and the nearest one behind it are asked for: where they face away
+ * ones. There the nearest point of the mesh and the nearest one behind it are requested: where they face away
  * from each other and lie no further apart than a voxel and a half, there is a thin wall.
- * Guarantee: what is found follows from the mesh and the lattice alone. Cost: the surface, and closest points
+ * Guarantee: what is found follows from the mesh and the lattice only. Cost: the surface, and closest points
  * at thin places. */
 #include "fill/thin_walls.h"
 

@@ -12,7 +12,7 @@
  * it happens to lie to where it covers half of all directions (sheet.h). The majority of three alone is wrong
  * in whole rows near wide holes: by 0.35 % of a scanned rabbit that this gets right to the voxel.
  * Guarantee: local. Exact where the three agree; else the solid angle decides, computed to 1e-8 turns. The
- * bits follow from the snapped triangles alone. */
+ * bits follow from the snapped triangles only. */
 #include "fill/fills.h"
 #include "grid/turned_rows.h"
 #include "winding/turns.h"
@@ -90,7 +90,7 @@ static void mark_even_columns(const uint8_t *odd, int32_t nx, int32_t rows, uint
                 even[(size_t)r * (size_t)words + (size_t)(x >> 6)] |= UINT64_C(1) << (x & 63);
 }
 
-/* Sure centres on rows that do not balance are not; 1 when none is left over. */
+/* Sure centres on rows that do not balance are not; 1 when none remains. */
 static int drop_odd_rows(vote_work *w)
 {
     const bvx_grid *const g = w->solid;

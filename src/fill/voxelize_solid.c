@@ -1,7 +1,7 @@
 /* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
  *
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
- * regions.c, below.c), the shell is added, the edges are counted where asked, and a report says what was
+ * regions.c, below.c), the shell is added, the edges are counted where requested, and a report says what was
  * lost. */
 #include "fill/fill_auto.h"
 #include "fill/fills.h"

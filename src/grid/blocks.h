@@ -46,7 +46,7 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
                             const int32_t factor[3], int32_t what, bvxi_blocks *blocks);
 void bvxi_blocks_close(bvx_context *ctx, bvxi_blocks *blocks);
 
-/* The planes of row (j, k) of blocks, count_words words each, one behind
+/* The planes of row (j, k) of blocks, count_words words each, one after
  * the other; *digits is how many, 0 when all counts are 0. */
 const uint64_t *bvxi_blocks_row(const bvxi_blocks *blocks, int32_t worker, int32_t j, int32_t k,
                                 int32_t *digits);

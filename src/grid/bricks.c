@@ -8,7 +8,7 @@ typedef struct brick_work {
     int32_t pieces;
 } brick_work;
 
-/* Bit i of the result tells whether byte i of w is not 0. */
+/* Bit i of the result says whether byte i of w is not 0. */
 static uint64_t bytes_to_bits(uint64_t w)
 {
     w |= w >> 4;

@@ -1,7 +1,7 @@
 /* cast.c - the first set voxel on each of many rays.
  *
  * Source: Amanatides, Woo. A Fast Voxel Traversal Algorithm for Ray Tracing. 1987, over the rows of the grid
- * instead of its voxels: the walk steps along y and z alone, and the part of a row that the ray is in between
+ * instead of its voxels: the walk steps along y and z only, and the part of a row that the ray is in between
  * two steps is looked at in words, empty ones in one glance. Where many rays are cast the same walk goes over
  * rows of bricks of 8 x 8 x 8 voxels, and over the rows of voxels only while it is beside bricks that hold
  * something.
@@ -41,7 +41,7 @@ typedef struct cast_ray {
     const bvx_grid *grid;
     const bvxi_bricks *bricks;
     cast_axis axis[3];
-    double end;       /* no hit behind this t */
+    double end;       /* no hit after this t */
     double t;         /* of the best hit so far; end while there is none */
     int32_t voxel[3]; /* of the best hit; x is -1 while there is none */
 } cast_ray;
@@ -85,7 +85,7 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
 }
 
 /* Take voxel x of a row that is met during [from, to] when it is the best;
- * 0 when those behind it come too late. */
+ * 0 when those after it come too late. */
 static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double from, double to)
 {
     double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
@@ -161,7 +161,7 @@ static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, d
     return i >> shift;
 }
 
-/* When the ray leaves a cell of 2^shift voxels; behind the grid's end for the last one. */
+/* When the ray leaves a cell of 2^shift voxels; after the grid's end for the last one. */
 static inline double cast_leave_cell(const cast_axis *a, int32_t shift, int32_t i)
 {
     return a->way == 0 ? HUGE_VAL : cast_plane(a, (int32_t)((uint32_t)(i + (a->way > 0)) << shift));

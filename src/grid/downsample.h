@@ -23,7 +23,7 @@ typedef struct bvxi_sample_axis {
 typedef struct bvxi_downsample {
     const bvx_grid *fine;
     bvxi_sample_axis axis[3];
-    int32_t *tables; /* behind the axes' arrays */
+    int32_t *tables; /* after the axes' arrays */
     uint64_t table_bytes;
     int32_t threshold;    /* in 1/65536 */
     int64_t limit;        /* a weighted sum above it is inside */

@@ -5,9 +5,9 @@
 #include "bits/bits.h"
 #include "lattice/lattice.h"
 
-/* Refuse a grid that is none, naming the field. */
+/* Refuse an invalid grid, naming the field. */
 bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid);
-/* Refuse a checked grid with bits at or past size[0] that are set; the second is that refusal alone. */
+/* Refuse a checked grid with bits at or past size[0] that are set; the second is that refusal only. */
 bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 BVXI_COLD bvx_status bvxi_grid_fail_past(bvx_context *ctx, const char *function, const bvx_grid *grid);
 /* Refuse words of a result that overlap those of a checked grid of the same size without being the same. */
@@ -23,7 +23,7 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
 
 /* Refuse two checked grids of different lattices or windows, naming the first field that differs. */
 bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid *a, const bvx_grid *b);
-/* Refuse a grid that is none, and a result that is NULL or has words of the grid that it is made from. */
+/* Refuse an invalid grid, and a result that is NULL or has words of the grid that it is made from. */
 bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid,
                            const bvx_grid *result);
 /* Run the tasks that fill a grid after bvxi_grid_open; mine: its words are

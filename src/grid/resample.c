@@ -15,13 +15,13 @@ typedef struct resample_job {
     bvx_grid *result;
     /* the grid's voxel under each of the result's along y and z; -1 outside [Size: result's size] */
     int32_t *source[2];
-    /* the result's first voxel along x at or behind each of the grid's [Size: grid's size + 1] */
+    /* the result's first voxel along x at or after each of the grid's [Size: grid's size + 1] */
     int32_t *first;
     uint64_t bytes; /* of all three, in one block */
     int32_t pieces;
 } resample_job;
 
-/* The voxel that a centre of the result lies in, -1 before the window and its size behind it. */
+/* The voxel that a centre of the result lies in, -1 before the window and its size after it. */
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;

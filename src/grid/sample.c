@@ -1,7 +1,7 @@
 /* sample.c - trilinear samples of a grid and their gradients.
  *
  * A point has x = (point - origin) / spacing - 1/2 along each axis, in which voxel i of the lattice has its
- * centre at i. With i = floor(x) and f = x - i the eight voxels round it are blended a + f (b - a), first
+ * centre at i. With i = floor(x) and f = x - i the eight voxels around it are blended a + f (b - a), first
  * along x, then y, then z, in doubles. So the value lies in [0, 1] and is the voxel's own where f is 0 along
  * all axes. The gradient is that of the same blend within its eight voxels; on the planes through centres,
  * where it jumps, it is the one of the upper side. Positions count from the lattice's origin, so a window
@@ -21,7 +21,7 @@ typedef struct sample_work {
 } sample_work;
 
 /* The voxel below along an axis, from -1 to size - 1, and the fraction
- * behind it; 0 when the sample is 0 whatever is set. */
+ * after it; 0 when the sample is 0 whatever is set. */
 static int sample_cell(const bvx_grid *g, int32_t axis, double point, int32_t *cell, double *fraction)
 {
     double const x = (point - g->lattice.origin[axis]) / g->lattice.spacing[axis] - 0.5;

@@ -1,7 +1,7 @@
 /* turned_rows.h - grids whose bits run along y or z, and their way back to rows along x. Not installed.
  *
  * A turned grid has its window's sides in another order: (y, x, z) for axis 1, (z, x, y) for axis 2. Its
- * lattice stays as it is and tells fraction bits alone. For axis 0 nothing changes. */
+ * lattice stays as it is and tells fraction bits only. For axis 0 nothing changes. */
 #ifndef BVXI_TURNED_ROWS_H
 #define BVXI_TURNED_ROWS_H
 

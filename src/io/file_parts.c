@@ -11,7 +11,7 @@ enum { FILE_PIECES = 256, FILE_PIECE_BYTES = 65536 };
 
 typedef struct file_job {
     const bvxi_file_part *part;
-    uint8_t *bytes; /* behind the head */
+    uint8_t *bytes; /* after the head */
     uint64_t things;
     int32_t parts, pieces;
     uint64_t made[FILE_PIECES]; /* bytes of each piece */

@@ -12,7 +12,7 @@ typedef struct bvxi_file_part {
     const void *user;
 } bvxi_file_part;
 
-/* Make a file of head bytes, which the caller fills when this has succeeded, and of parts one behind the
+/* Make a file of head bytes, which the caller fills when this has succeeded, and of parts one after the
  * other. The file's capacity is what it would take at most. Its share of the progress is from .. 1.
  * BVX_ERR_MEMORY, BVX_ERR_BUDGET, BVX_CANCELLED: nothing is left then. */
 bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint64_t head,
@@ -43,7 +43,7 @@ static inline uint8_t *bvxi_put_number(uint8_t *at, uint64_t v)
     return at + n;
 }
 
-/* The shortest decimal that reads back to the same float or double; one byte behind it is written too. */
+/* The shortest decimal that reads back to the same float or double; one byte after it is written too. */
 static inline uint8_t *bvxi_put_float(uint8_t *at, float v)
 {
     return at + bvxi_print_float(v, (char *)at);

@@ -6,12 +6,12 @@
 #include "core/core.h"
 #include "io/bytes.h"
 
-/* The bytes of a file, and where reading asks for progress next. */
+/* The bytes of a file, and where reading reports progress next. */
 typedef struct bvxi_source {
     bvx_context *ctx;
     const char *format; /* "STL", for messages */
     const char *begin, *end;
-    const char *ask;   /* progress is asked when reading comes here */
+    const char *ask;   /* progress is reported when reading comes here */
     double from, to;   /* share of this pass over the bytes */
     double reached;    /* the greatest fraction reported: it never falls when bytes are read again */
     int32_t takes_any; /* 1: coordinates that are not finite are taken, to be dropped later */
@@ -28,7 +28,7 @@ static inline bvx_status bvxi_source_at(bvxi_source *source, const char *at)
 }
 
 /* Pieces of a file may be read at the same time. Each has a source of its own without context: there a
- * failure is a status alone, and the piece that failed first is read again with the context, for its
+ * failure is a status only, and the piece that failed first is read again with the context, for its
  * message. */
 #define BVXI_SOURCE_FAIL(source, status, ...) \
     ((source)->ctx == NULL ? (status) : bvxi_fail((source)->ctx, (status), __VA_ARGS__))

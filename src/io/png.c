@@ -1,7 +1,7 @@
-/* png.c - an image to PNG with stored blocks, so that its bytes depend on the pixels alone.
+/* png.c - an image to PNG with stored blocks, so that its bytes depend on the pixels only.
  *
  * Sources: ISO/IEC 15948 (PNG), RFC 1950 (zlib, Adler-32), RFC 1951 (stored blocks).
- * One IDAT chunk holds one zlib stream: blocks of up to 65,535 bytes as they are, each row behind a filter
+ * One IDAT chunk holds one zlib stream: blocks of up to 65,535 bytes as they are, each row after a filter
  * byte 0. */
 #include "io/formats.h"
 

@@ -32,7 +32,7 @@ static void source_run_piece(void *user, int32_t index, int32_t worker)
     g->task(g->user, g->first + index, worker);
 }
 
-/* A few pieces at a time, so that a large file asks for progress as often as a small one. */
+/* A few pieces at a time, so that a large file reports progress as often as a small one. */
 bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task,
                               void *user)
 {

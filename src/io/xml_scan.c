@@ -59,7 +59,7 @@ static BVXI_COLD bvx_status xml_expected(const bvxi_xml *x, const char *what)
 
 /* ---- attributes ---- */
 
-/* name = "value", at p; 0 behind the last. Only for what xml_check_attribute has seen. */
+/* name = "value", at p; 0 after the last. Only for what xml_check_attribute has seen. */
 static int xml_next_attribute(bvxi_xml_text *rest, bvxi_xml_text *name, bvxi_xml_text *value)
 {
     const char *p = bvxi_skip_space(rest->p, rest->end);

@@ -13,13 +13,13 @@ typedef struct bvxi_xml_text {
 
 typedef struct bvxi_xml {
     bvxi_source source;                 /* for messages, and where the text ends */
-    const char *p;                      /* behind the last tag */
+    const char *p;                      /* after the last tag */
     const char *tag;                    /* the last tag's '<' */
     bvxi_xml_text open[BVXI_XML_DEPTH]; /* names of the elements around p, the root first */
     bvxi_xml_text attributes;           /* of the last opening tag */
     int32_t depth;
     int32_t event; /* of the last tag: BVXI_XML_... */
-    /* the last tag opened and closes (<a/>): its closing is told next */
+    /* the last tag opened and closes (<a/>): its closing is reported next */
     int32_t is_empty;
 } bvxi_xml;
 

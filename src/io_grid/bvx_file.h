@@ -95,7 +95,7 @@ static inline uint64_t bvxi_bvx_frame(const uint8_t *head)
     return bvx_hash(head + BVXI_BVX_AT_ORIGIN, BVXI_BVX_AT_Z - BVXI_BVX_AT_ORIGIN, 0);
 }
 
-/* The checksum of a slice that stands at p with n bytes behind its head. */
+/* The checksum of a slice that stands at p with n bytes after its head. */
 static inline uint64_t bvxi_bvx_slice_check(const uint8_t *p, uint64_t n, uint64_t frame)
 {
     return bvx_hash(p + 8, (size_t)(BVXI_BVX_SLICE_HEAD - 8 + n), frame);

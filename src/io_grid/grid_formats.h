@@ -1,4 +1,4 @@
-/* grid_formats.h - the readers and writers behind bvx_read_grid and
+/* grid_formats.h - the readers and writers after bvx_read_grid and
  * bvx_write_grid, and what they share. Not installed. */
 #ifndef BVXI_GRID_FORMATS_H
 #define BVXI_GRID_FORMATS_H
@@ -26,7 +26,7 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box);
 /* Make the grid for the wanted part of the file's window: all bits zero. *part becomes what is wanted,
  * counted from the file's first voxel. Refuses a window outside the file. Call it only when the file's size
- * agrees with its head, so that a small file cannot ask for much memory (packed formats: at most what their
+ * agrees with its head, so that a small file cannot require much memory (packed formats: at most what their
  * bytes can stand for). */
 bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
                                const bvx_window *file_window, bvx_window *part, bvx_grid *grid);
@@ -56,7 +56,7 @@ typedef struct bvxi_samples {
     int32_t big;       /* 1: big-endian */
 } bvxi_samples;
 
-/* One behind the other, x fastest; the bytes of all of them fit 63 bits. */
+/* One after the other, x fastest; the bytes of all of them fit 63 bits. */
 static inline void bvxi_pack_strides(bvxi_samples *samples, const bvx_lattice *box)
 {
     samples->stride[0] = (int64_t)bvxi_sample_size(samples->kind);
@@ -68,7 +68,7 @@ static inline void bvxi_pack_strides(bvxi_samples *samples, const bvx_lattice *b
 enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP };
 
 /* What a file of samples says of itself, checked: sizes agree with the
- * bytes that are there as far as they can be told. */
+ * bytes that are there as far as is known. */
 typedef struct bvxi_dense {
     const char *format; /* "NRRD", for messages */
     bvx_lattice box;
@@ -96,8 +96,8 @@ BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char
 bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense *dense, bvx_grid *grid);
 /* Packed samples of encodings other than RAW and TEXT, dense->size bytes in the file's byte order. */
 bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *dense, uint8_t *bytes);
-/* The next number of a text, with white space or the end behind it; done is
- * how many there were. *p moves behind it. */
+/* The next number of a text, with white space or the end after it; done is
+ * how many there were. *p moves after it. */
 bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], uint64_t done, const char **p,
                             double *value);
 
@@ -107,7 +107,7 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
                              bvx_grid *grid);
 /* One row of voxels as bytes 0 and 1. */
 void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes);
-/* All rows of the grid, one behind the other; runs in parallel. */
+/* All rows of the grid, one after the other; runs in parallel. */
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes);
 
 /* ---- writers: arguments are checked ---- */
@@ -121,7 +121,7 @@ typedef struct bvxi_dense_file {
 bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
                             bvx_buffer *file);
 /* Refuse a grid whose first voxel has a corner or centre that is not
- * finite: text of a format could not tell it. */
+ * finite: text of a format could not give it. */
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
 
 bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);

@@ -1,4 +1,4 @@
-/* nrrd_fields.c - the fields of an NRRD head and what stands behind their colons.
+/* nrrd_fields.c - the fields of an NRRD head and what stands after their colons.
  *
  * Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to
  * NRRD0005. Names and words in either case of letters, as the reference library takes them. Guarantee: fields

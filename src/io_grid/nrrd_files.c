@@ -3,7 +3,7 @@
  * Source: Kindlmann. Definition of NRRD File Format, "data file": one name; a pattern with one number (%d,
  * %03d), the least, the greatest and the step of it, for files that each hold a slice; or LIST with a name a
  * line.
- * Each name is asked for by its number, which reads the head once more: heads for which that is too much are
+ * Each name is requested by its number, which reads the head once more: heads for which that is too much are
  * refused. */
 #include "io_grid/nrrd_head.h"
 

@@ -17,7 +17,7 @@ enum nrrd_has {
 
 typedef struct nrrd_head {
     bvxi_source source; /* for messages: the whole file */
-    /* behind the blank line; NULL where there is none, as a detached head may have it */
+    /* after the blank line; NULL where there is none, as a detached head may have it */
     const char *data;
     const char *encoding_at;       /* where the word stands, for messages */
     const char *files, *files_end; /* the data files' field; NULL: the samples follow the head */
@@ -34,7 +34,7 @@ typedef struct nrrd_head {
 /* The fields up to the blank line; the head's source is set, all else 0. */
 bvx_status bvxi_nrrd_head_read(nrrd_head *h);
 
-/* What stands behind a field's colon. */
+/* What stands after a field's colon. */
 typedef struct nrrd_value {
     const char *p, *end;
 } nrrd_value;

@@ -1,6 +1,6 @@
 /* pack_samples.c - numbers of a file to bits of a grid, and bits to bytes.
  *
- * A number is 0 when no bit of it is set but the sign of a float; that asks for a mask of bytes in the file's
+ * A number is 0 when no bit of it is set but the sign of a float; that requires a mask of bytes in the file's
  * own order, so neither byte order needs turning. Eight bytes become eight bits by a multiplication, and
  * back. */
 #include "volume/room.h"
@@ -37,7 +37,7 @@ BVXI_VECTOR_INLINE uint64_t pack_64_bytes(const uint8_t *p)
     return w;
 }
 
-/* 64 numbers one behind the other: 1 for each that is not 0, into bytes by
+/* 64 numbers one after the other: 1 for each that is not 0, into bytes by
  * a loop that compilers make vectors of. */
 #define PACK_64(name, type)                                                 \
     BVXI_VECTOR_INLINE uint64_t name(const uint8_t *p, uint64_t mask_bytes) \
@@ -158,7 +158,7 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
 
 /* ---- numbers in a text ---- */
 
-/* A number at p with white space or the end behind it; returns its bytes, 0
+/* A number at p with white space or the end after it; returns its bytes, 0
  * for none. Most samples are single digits. */
 static size_t pack_text_number(const char *p, const char *end, double *value)
 {

@@ -7,12 +7,12 @@
  *
  * Where voxels lie: the page puts the centre of voxel (i,j,k) of a cube of d voxels at translate + scale *
  * ((i,j,k) + 1/2) / d, so translate is the low corner of voxel (0,0,0) and a voxel's edge is scale / d. With
- * unequal sides d is the longest one, as cuda_voxelizer has it. viewvox draws voxels alone and looks at
+ * unequal sides d is the longest one, as cuda_voxelizer has it. viewvox draws voxels only and looks at
  * neither number. trimesh differs: translate is the centre of voxel (0,0,0), and the step from voxel to voxel
  * is scale / (d - 1). So it shows our files half a voxel lower and d / (d - 1) times as large, and what it
  * writes has here voxels (d - 1) / d as large.
  *
- * Which side dim names first matters with unequal sides alone. The page says depth, width, height for x, y,
+ * Which side dim names first matters with unequal sides only. The page says depth, width, height for x, y,
  * z, and trimesh and cuda_voxelizer do so; the page's sample reader takes the second number for z. Here it is
  * x y z.
  *
@@ -106,7 +106,7 @@ static int binvox_next_line(binvox_reading *r, const char **next)
     return 1;
 }
 
-/* One line behind the first; unknown words are passed, as viewvox does. *done: it was the last one. */
+/* One line after the first; unknown words are passed, as viewvox does. *done: it was the last one. */
 static bvx_status binvox_take_line(binvox_reading *r, int *done)
 {
     if (binvox_take_word(r, "dim")) {

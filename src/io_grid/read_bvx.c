@@ -112,7 +112,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     return BVX_OK;
 }
 
-/* Slices that a window asks for; one that is not inside the file is refused when the grid is made. */
+/* Slices that a window requires; one that is not inside the file is refused when the grid is made. */
 static void bvx_choose_slices(bvx_unpacking *job)
 {
     const bvx_window *const w = job->source->window;

@@ -3,7 +3,7 @@
  * Source: numpy.lib.format, versions 1.0, 2.0 and 3.0. The head is a Python dictionary of exactly three keys,
  * read by a parser of that and nothing else: no code, no nesting. C order (z fastest) and Fortran order (x
  * fastest) are both read.
- * Guarantee: the bytes behind the head are held against the shape before anything is made. */
+ * Guarantee: the bytes after the head are held against the shape before anything is made. */
 #include "io_grid/grid_formats.h"
 
 typedef struct npy_head {
@@ -29,7 +29,7 @@ static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
                      (uint64_t)(t->p - t->file), what, found);
 }
 
-/* 1 when c comes next, behind any space; it is taken. */
+/* 1 when c comes next, after any space; it is taken. */
 static int npy_take(npy_text *t, char c)
 {
     t->p = bvxi_skip_space(t->p, t->end);
@@ -62,7 +62,7 @@ static bvx_status npy_take_string(npy_text *t, const char *what, const char **te
 }
 
 /* '<f4' and the like. Where the byte order is left open ('|', '='), little-endian is as good as any: it
- * matters for the sign of a zero alone, and NumPy writes neither for numbers of several bytes. */
+ * matters for the sign of a zero only, and NumPy writes neither for numbers of several bytes. */
 static bvx_status npy_take_type(npy_text *t, npy_head *h)
 {
     static const struct {
@@ -194,7 +194,7 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     return npy_take_dict(&t, h);
 }
 
-/* The bytes must be exactly those that the shape asks for. */
+/* The bytes must be exactly those that the shape requires. */
 static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head *h)
 {
     uint64_t const have = (uint64_t)(source->end - h->data);

@@ -5,7 +5,7 @@
  * mins", which are the low faces of cells (cells where the file leaves it open, as the reference library
  * does) or the first samples of nodes. The lattice's origin is the low corner of the first voxel. A space's
  * name (which way is left) changes no number. A detached head's samples stand in bytes of the caller's.
- * Guarantee: the bytes agree with the head, as far as they can be told, before anything is made. */
+ * Guarantee: the bytes agree with the head, as far as is known, before anything is made. */
 #include "io_grid/nrrd_head.h"
 
 /* ---- geometry ---- */
@@ -41,7 +41,7 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
 
 /* ---- samples ---- */
 
-/* Where samples begin behind lines and bytes to be skipped; of raw ones the
+/* Where samples begin after lines and bytes to be skipped; of raw ones the
  * number of bytes must be size exactly. */
 static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const char *file_end, uint64_t size,
                                     const char **samples)

@@ -1,6 +1,6 @@
 /* read_vox.c - a grid from MagicaVoxel's .vox, versions 150 and 200, of one model.
  *
- * Source: https://github.com/ephtracy/voxel-model, file format and its extension. Chunks lie one behind the
+ * Source: https://github.com/ephtracy/voxel-model, file format and its extension. Chunks lie one after the
  * other in MAIN; those for models are PACK (how many there are), SIZE and XYZI. All others (colours,
  * materials, the nodes of a scene) are passed, as are a model's place and turn in a scene. Everything is
  * checked before there is a grid; a grid is at most 2 MiB. */
@@ -10,7 +10,7 @@ enum { VOX_HEAD = 12, VOX_BEGIN = 8, VOX_LONGEST_SIDE = 256 };
 
 typedef struct vox_model {
     const uint8_t *size;   /* content of the first SIZE chunk */
-    const uint8_t *voxels; /* of the first XYZI chunk, behind its count */
+    const uint8_t *voxels; /* of the first XYZI chunk, after its count */
     uint64_t count;
     uint64_t sizes, models; /* SIZE and XYZI chunks */
     uint64_t said;          /* by PACK; 0: nothing was said */

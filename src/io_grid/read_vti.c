@@ -12,7 +12,7 @@ enum vti_format { VTI_ASCII = 1, VTI_BINARY, VTI_APPENDED };
 enum vti_rank { VTI_CELLS_ACTIVE = 0, VTI_POINTS_ACTIVE, VTI_CELLS_FIRST, VTI_POINTS_FIRST, VTI_NO_ARRAY };
 
 typedef struct vti_array {
-    const char *tag, *text; /* its '<', and what stands behind the tag */
+    const char *tag, *text; /* its '<', and what stands after the tag */
     uint64_t offset;        /* of appended data */
     int32_t rank, kind, format;
 } vti_array;
@@ -23,7 +23,7 @@ typedef struct vti_file {
     double origin[3], spacing[3];
     vti_array array;          /* the best so far */
     bvxi_xml_text active;     /* name of the section's active scalars */
-    const char *appended;     /* behind the underscore */
+    const char *appended;     /* after the underscore */
     int32_t big, header_size; /* bytes of a count before data */
     int8_t compressed, has_active, has_image, has_piece, appended_base64;
 } vti_file;
@@ -265,7 +265,7 @@ static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense 
     d->end = d->source.end = vti_text_end(f, f->array.text);
     d->encoding = BVXI_DENSE_TEXT;
     d->behind = "the end of the array";
-    /* a digit and a space each, none behind the last */
+    /* a digit and a space each, none after the last */
     if ((uint64_t)(d->end - d->begin) / 2 + 1 >= voxels) return BVX_OK;
     return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: line %u: %u values in %u bytes of text",
                      bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(d->end - d->begin));

@@ -2,7 +2,7 @@
  *
  * Source: https://www.patrickmin.com/binvox/binvox.html. Behind a header of lines stand pairs of bytes, a
  * value (0 or 1) and how often it comes (1 to 255), for the voxels with y running fastest, then z, then x.
- * Where voxels lie is told in read_binvox.c. dim is written x y z.
+ * Where voxels lie is reported in read_binvox.c. dim is written x y z.
  *
  * Bits run along x in a grid and along y in the file, so blocks of 64 x 64 bits are turned over, 64 layers of
  * x at a time, and runs are then found in words along y. The layers of x are worked on in parallel twice:

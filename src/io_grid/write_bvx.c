@@ -2,7 +2,7 @@
  *
  * Two passes over the slices, both in parallel: what each slice takes in its shorter encoding, then, with the
  * places known, the bytes and their checksums. So the file is allocated once in its exact size, and its bytes
- * follow from the bits alone. */
+ * follow from the bits only. */
 #include "bits/runs.h"
 #include "io_grid/bvx_file.h"
 #include "io/formats.h"
@@ -126,7 +126,7 @@ static void bvx_put_piece(void *user, int32_t piece, int32_t worker)
     for (; k < end; k++) bvx_put_slice(job, (int32_t)k);
 }
 
-/* From bytes to places: the sizes sum up behind the first bytes of the file. Returns the file's size. */
+/* From bytes to places: the sizes sum up after the first bytes of the file. Returns the file's size. */
 static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
 {
     for (int32_t k = 0; k < count; k++) {
@@ -138,7 +138,7 @@ static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
     return first;
 }
 
-/* The slices of a grid behind a head that is given, or behind nothing. */
+/* The slices of a grid after a head that is given, or after nothing. */
 static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t *head, int with_head,
                            bvx_buffer *file)
 {

@@ -15,7 +15,7 @@ enum {
     FIELD_NPY_ALIGN = 64
 };
 
-/* A format: what comes before the numbers (called twice: to count and to write) and behind them. */
+/* A format: what comes before the numbers (called twice: to count and to write) and after them. */
 typedef struct field_file {
     const char *what; /* "the NPY file", for messages */
     void (*put_head)(const bvx_field *field, int32_t vectors, bvxi_output *out);

@@ -1,4 +1,4 @@
-/* write_vti.c - a grid to VTK's XML image data: cells of uint8 named "solid", raw behind an underscore at the
+/* write_vti.c - a grid to VTK's XML image data: cells of uint8 named "solid", raw after an underscore at the
  * end.
  *
  * Source: VTK File Formats (docs.vtk.org), version 1.0 with 64-bit counts. Cells are voxels, so Origin is the

@@ -11,7 +11,7 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
-/* The vertices alone. */
+/* The vertices only. */
 bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points);
 
 /* 1 when a mesh holds no array. */

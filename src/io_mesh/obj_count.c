@@ -1,7 +1,7 @@
 /* obj_count.c - the first pass over an OBJ file: pieces of whole lines, and how much of everything stands in
  * each.
  *
- * Where pieces end follows from the size alone, and no statement crosses from one to the next. The second
+ * Where pieces end follows from the size only, and no statement crosses from one to the next. The second
  * pass (read_obj.c) walks the same statements, so that its counts are these. */
 #include "io_mesh/obj_text.h"
 

@@ -11,7 +11,7 @@ enum { OBJ_OTHER = 0, OBJ_VERTEX = 'v', OBJ_TEXTURE = 't', OBJ_FACE = 'f' };
 /* Whole statements of the file. */
 typedef struct obj_piece {
     const char *begin, *end;
-    /* behind the keyword of the first one; NULL when there is none */
+    /* after the keyword of the first one; NULL when there is none */
     const char *vertex, *face;
     uint64_t vertices, uvs, triangles, polygons; /* in this piece, then in all before it */
     bvx_status status;
@@ -78,7 +78,7 @@ static inline int obj_statement_ends(const obj_file *f, const char *p)
     return p == f->end || *p == f->line_end || *p == '#';
 }
 
-/* 1 behind a word. Characters above a space are inside it, but for a backslash perhaps. */
+/* 1 after a word. Characters above a space are inside it, but for a backslash perhaps. */
 static inline int obj_word_ends(const obj_file *f, const char *p)
 {
     if (p == f->end) return 1;
@@ -100,7 +100,7 @@ static inline int obj_is_continued_end(const obj_file *f, const char *p)
     return p > begin && p[-1] == '\\';
 }
 
-/* The line behind a statement that goes on at p: behind all its lines, unless a comment ends it before. */
+/* The line after a statement that goes on at p: after all its lines, unless a comment ends it before. */
 static inline const char *obj_next_statement(const obj_file *f, const char *p)
 {
     for (;;) {
@@ -111,7 +111,7 @@ static inline const char *obj_next_statement(const obj_file *f, const char *p)
     }
 }
 
-/* The statement at *p; *p moves behind its keyword unless it is another one. */
+/* The statement at *p; *p moves after its keyword unless it is another one. */
 static inline int obj_take_keyword(const obj_file *f, const char **p)
 {
     const char *t = *p;

@@ -125,7 +125,7 @@ static void ply_take_bytes(ply_file *f, const ply_element *e, const uint8_t *p, 
     }
 }
 
-/* Property number i, and those behind it that are taken with it, of some rows; *taken is how many
+/* Property number i, and those after it that are taken with it, of some rows; *taken is how many
  * properties. */
 static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i, const uint8_t *p,
                                   uint64_t row, uint64_t count, uint32_t *taken)

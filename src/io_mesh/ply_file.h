@@ -25,7 +25,7 @@ typedef struct ply_file {
     uint32_t last[2];       /* a fan's first corner and the one before, a strip's last two */
 } ply_file;
 
-/* Read all rows of an element; reading goes on behind it. */
+/* Read all rows of an element; reading goes on after it. */
 bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e);
 bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e);
 

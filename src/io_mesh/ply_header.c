@@ -8,8 +8,8 @@
 /* A line of the header, cut into words as they are taken. */
 typedef struct ply_line {
     const char *p, *end;
-    const char *next; /* the line behind it */
-    int returns;      /* lines end with a carriage return alone: a newline behind the last one is data */
+    const char *next; /* the line after it */
+    int returns;      /* lines end with a carriage return alone: a newline after the last one is data */
 } ply_line;
 
 /* Go to the next line; 0 when there is none that ends. */

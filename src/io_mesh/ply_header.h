@@ -1,4 +1,4 @@
-/* ply_header.h - what the header of a PLY file says about the bytes behind it. Not installed. */
+/* ply_header.h - what the header of a PLY file says about the bytes after it. Not installed. */
 #ifndef BVXI_PLY_HEADER_H
 #define BVXI_PLY_HEADER_H
 
@@ -53,10 +53,10 @@ typedef struct ply_header {
     int32_t colours, alpha;              /* 1: the vertices have them */
     int32_t uvs;           /* 1: the vertices have texture coordinates, 2: the faces' corners have */
     int32_t position_type; /* BVX_F32 when x, y and z are floats, else BVX_F64 */
-    const char *data;      /* the first byte behind the header */
+    const char *data;      /* the first byte after the header */
 } ply_header;
 
-/* Read the header and hold it against the size of the file: counts that the bytes behind it cannot hold are
+/* Read the header and hold it against the size of the file: counts that the bytes after it cannot hold are
  * refused. The header's arrays are freed by bvxi_ply_header_free, also after a failure. */
 bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header);
 void bvxi_ply_header_free(bvx_context *ctx, ply_header *header);

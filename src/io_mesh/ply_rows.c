@@ -94,7 +94,7 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
     return BVX_OK;
 }
 
-/* The texture coordinates of a face's corners stand one behind the other:
+/* The texture coordinates of a face's corners stand one after the other:
  * its triangles are the same fan of them. */
 static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
 {

@@ -1,8 +1,8 @@
 /* read_obj.c - Wavefront OBJ to an indexed mesh: vertices, colours, texture coordinates and polygonal faces.
  *
- * The file is cut into pieces of whole lines, by its size alone. A first pass counts what each piece holds,
+ * The file is cut into pieces of whole lines, by its size only. A first pass counts what each piece holds,
  * so that the arrays are made once in their exact size and each piece knows its place in them; the second
- * fills them. So pieces may be read at the same time, and a face may name vertices that stand behind it;
+ * fills them. So pieces may be read at the same time, and a face may name vertices that stand after it;
  * negative numbers count back from the last vertex before it. Polygons are cut into triangles at the end,
  * when all vertices are known.
  * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture
@@ -37,7 +37,7 @@ static int obj_take_numbers(const obj_file *f, const char **p, int most, double 
     return n;
 }
 
-/* The colour behind the coordinates: the last three of three or four numbers. */
+/* The colour after the coordinates: the last three of three or four numbers. */
 static bvx_status obj_take_colour(obj_reader *r, const char *p)
 {
     const obj_file *const f = r->file;
@@ -117,7 +117,7 @@ static bvx_status obj_find_index(const obj_reader *r, const char *at, const char
     return BVX_OK;
 }
 
-/* v, v/t, v//n or v/t/n; the numbers behind a slash may be missing. index: of vertex and texture
+/* v, v/t, v//n or v/t/n; the numbers after a slash may be missing. index: of vertex and texture
  * coordinate. */
 static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[2])
 {

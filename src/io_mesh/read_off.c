@@ -19,7 +19,7 @@ typedef struct off_file {
     bvx_mesh *mesh;
     const char *p;
     int has_uvs, has_colours, has_normals; /* by the keyword */
-    /* 1: words behind a vertex on its line are its own; -1: not known yet */
+    /* 1: words after a vertex on its line are its own; -1: not known yet */
     int by_lines;
     const char *first; /* vertex */
     uint64_t vertex_count, face_count;
@@ -28,7 +28,7 @@ typedef struct off_file {
     bvxi_polygon_fan *fans;
 } off_file;
 
-/* Words behind a vertex. */
+/* Words after a vertex. */
 typedef struct off_words {
     double value[OFF_LINE_WORDS];
     int has_point[OFF_LINE_WORDS];
@@ -96,7 +96,7 @@ static bvx_status off_take_number(off_file *f, const char *expected, double *val
     return BVX_OK;
 }
 
-/* One of the words behind a vertex, which starts at p; returns its end. */
+/* One of the words after a vertex, which starts at p; returns its end. */
 static const char *off_add_word(off_words *words, const char *p, const char *end)
 {
     const char *stop = p;
@@ -236,7 +236,7 @@ static bvx_status off_take_position(off_file *f, uint64_t vertex)
     return BVX_OK;
 }
 
-/* The words behind a vertex: as many as its line has, or as the keyword says. */
+/* The words after a vertex: as many as its line has, or as the keyword says. */
 static bvx_status off_take_words(off_file *f, off_words *words)
 {
     const char *const end = f->source->end;

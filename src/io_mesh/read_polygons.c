@@ -1,6 +1,6 @@
 /* read_polygons.c - polygons of a mesh that is read, cut into triangles.
  *
- * A file may name vertices before it tells where they stand, so readers lay each polygon down as a fan, in
+ * A file may name vertices before it says where they stand, so readers lay each polygon down as a fan, in
  * the room that its triangles take anyway, and keep a list of them. The cut (mesh/polygon.h) comes when the
  * vertices are all there.
  * Memory: some 50 bytes a corner of the largest polygon. */

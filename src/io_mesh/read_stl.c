@@ -1,7 +1,7 @@
 /* read_stl.c - STL, ASCII and binary, to an indexed mesh.
  *
  * Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
- * its size is the one that its count of triangles asks for; else ASCII when its first kilobyte has no control
+ * its size is the one that its count of triangles requires; else ASCII when its first kilobyte has no control
  * characters. STL repeats each vertex in every triangle. They are welded where their coordinates are equal,
  * -0 being 0, as they are read (weld_triangles.c), and numbered by their first occurrence. Normals and
  * attributes are not looked at.
@@ -85,7 +85,7 @@ static const char *stl_skip_line(const char *p, const char *end)
     return p;
 }
 
-/* Three coordinates behind the word vertex. */
+/* Three coordinates after the word vertex. */
 static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t bits[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -104,7 +104,7 @@ static bvx_status stl_take_corner(const bvxi_source *s, const char **p, uint32_t
     return BVX_OK;
 }
 
-/* What some programs write behind endfacet, up to the end of the line or what may follow there. */
+/* What some programs write after endfacet, up to the end of the line or what may follow there. */
 static const char *stl_skip_notes(const char *p, const char *end)
 {
     for (;;) {
@@ -118,7 +118,7 @@ static const char *stl_skip_notes(const char *p, const char *end)
     }
 }
 
-/* The rest of a facet, behind that word; loops of more than three corners become fans. */
+/* The rest of a facet, after that word; loops of more than three corners become fans. */
 static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
 {
     const bvxi_source *const s = soup->source;

@@ -13,7 +13,7 @@ typedef struct bvxi_soup {
     bvxi_source *source;
     float *positions;    /* scratch */
     uint32_t *triangles; /* scratch, or the result when the count is known */
-    /* vertex number plus 1, or 0; scratch, size a power of two, at most half full; NULL: the tree is used */
+    /* vertex index plus 1, or 0; scratch, size a power of two, at most half full; NULL: the tree is used */
     uint32_t *table;
     bvxi_key_tree tree;
     uint64_t probes; /* steps from slot to slot of the table */

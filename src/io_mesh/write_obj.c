@@ -2,7 +2,7 @@
  *
  * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
  * or a frame. Colours follow the coordinates as fractions of 1, without alpha, which the format does not
- * know. Normals, where requested, are one a vertex, with its number. */
+ * know. Normals, where requested, are one a vertex, with its index. */
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
 #include "mesh/normals.h"

@@ -15,7 +15,7 @@
 
 enum { BVXI_MAX_SIDE = 1 << 25, BVXI_MAX_FRACTION = 16, BVXI_MIN_FRACTION = 4 };
 
-/* Refuse a lattice that is none, naming the field. */
+/* Refuse an invalid lattice, naming the field. */
 bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_lattice *lattice);
 /* Resolve NULL or an all-zero window to the whole lattice; refuse one that is not inside. */
 bvx_status bvxi_window_take(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
@@ -48,7 +48,7 @@ static inline int32_t bvxi_floor_shift(int32_t v, int32_t shift)
     return v < 0 ? ~(int32_t)((uint32_t)~v >> shift) : (int32_t)((uint32_t)v >> shift);
 }
 
-/* Centres of lattice cells with coordinate below q: the least index i with i * 2^F + 2^(F-1) >= q.
+/* Centres of lattice cells with coordinate below q: the lowest index i with i * 2^F + 2^(F-1) >= q.
  * It is also the first index whose displaced centre lies beyond q, as the displacement is positive. */
 static inline int32_t bvxi_centres_below(int32_t q, int32_t fraction_bits)
 {

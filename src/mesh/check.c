@@ -1,8 +1,8 @@
 /* check.c - the certificate of a mesh.
  *
- * Vertices are welded where asked, triangles with three different vertices kept; topology.c counts what can
- * be told from their numbers, the sums over positions are taken here, in triangle order, so they are the same
- * everywhere. */
+ * Vertices are welded where requested, triangles with three different vertices kept; topology.c counts what
+ * can be told from their numbers, the sums over positions are taken here, in triangle order, so they are the
+ * same everywhere. */
 #include "mesh/facet.h"
 #include "mesh/scale.h"
 #include "mesh/topology.h"

@@ -5,7 +5,7 @@
  * A common corner: from that corner through another common point both triangles go on until one of them ends,
  * and there the ray is on the edge of one opposite to the corner, and in the other. So the opposite edges are
  * what to look at. A degenerate triangle ends at one of its other corners.
- * A common edge: planes that differ meet in the edge's line, so what is left is a fold that lies flat: both
+ * A common edge: planes that differ meet in the edge's line, so what remains is a fold that lies flat: both
  * other corners on one side of the edge in one plane.
  * Three common corners: the same triangle, with points off its edges when it has an area.
  *
@@ -135,7 +135,7 @@ static void cross_open(const double *const p[3], const double *const q[3], cross
     b->has_area = a->side[0] != 0 || a->side[1] != 0 || a->side[2] != 0 || bvxi_has_area(q);
 }
 
-/* 1 when the closed segment from corner i to corner k of a meets b. i may be k: that point alone. */
+/* 1 when the closed segment from corner i to corner k of a meets b. i may be k: that point only. */
 static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangle *b)
 {
     const double *const *const t = b->corner, *const p = a->corner[i], *const q = a->corner[k];
@@ -207,7 +207,7 @@ static int cross_fold(const double *a, const double *b, const double *c, const d
     return cross_beyond(a, b, c) != 0 && cross_beyond(a, b, c) == cross_beyond(a, b, d);
 }
 
-/* What p and q have in common, each once, and what each has alone; a corner that is there twice counts
+/* What p and q have in common, each once, and what each has only; a corner that is there twice counts
  * once. */
 typedef struct cross_corners {
     const double *common[3], *own_p, *own_q;

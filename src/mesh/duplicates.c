@@ -1,7 +1,7 @@
 /* duplicates.c - triangles that are there once.
  *
  * Triangles enter an open table by their three places in rising order; one that is there already is left out.
- * Places are compared, never hashes alone, and triangles come in their own order, so the first of several
+ * Places are compared, never hashes only, and triangles come in their own order, so the first of several
  * stays. Where the table searches too long, as for input that was made against the hash, a tree begins anew
  * (core/key_tree.h). */
 #include "core/key_tree.h"

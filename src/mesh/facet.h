@@ -25,7 +25,7 @@ static inline double bvxi_facet_normal(const double t[3][3], double n[3])
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-/* 1 when corner a comes before b, by their places alone. */
+/* 1 when corner a comes before b, by their places only. */
 static inline int bvxi_corner_before(const double a[3], const double b[3])
 {
     for (int k = 0; k < 2; k++)

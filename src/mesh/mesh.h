@@ -4,7 +4,7 @@
 
 #include "core/core.h"
 
-/* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type asked for,
+/* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type requested,
  * triangles, and keys when keys is 1) and they suffice, new ones otherwise. The counts are set, the frame is
  * zero. BVX_ERR_ARGUMENT, BVX_ERR_CAPACITY, BVX_ERR_MEMORY, BVX_ERR_BUDGET; *mesh is then unchanged. */
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,

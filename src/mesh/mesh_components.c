@@ -1,7 +1,7 @@
 /* mesh_components.c - the parts of a mesh that hang together through vertices.
  *
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; here the root of a part is
- * its least vertex, and paths are halved on every look. Guarantee: the answer follows from the mesh alone. */
+ * its least vertex, and paths are halved on every look. Guarantee: the answer follows from the mesh only. */
 #include "mesh/mesh_components.h"
 #include "mesh/view.h"
 

@@ -14,7 +14,7 @@ void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum);
 enum { BVXI_NORMAL_SUM = 24 };
 bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum);
 
-/* The normal of a triangle as bvxi_add_normals adds it. corner: vertex numbers */
+/* The normal of a triangle as bvxi_add_normals adds it. corner: vertex indices */
 void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3],
                           double normal[3]);
 

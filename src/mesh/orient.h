@@ -94,7 +94,7 @@ static inline int bvxi_orient_flat_side(const double a[3], const double b[3], co
     return (x - y > bound) - (x - y < -bound);
 }
 
-/* Sign of det(a - c, b - c) of what is left without the coordinate axis, the next one first. 1: a, b, c turn
+/* Sign of det(a - c, b - c) of what remains without the coordinate axis, the next one first. 1: a, b, c turn
  * left, seen from where that axis points to; -1: right; 0: seen from there they lie on a line. */
 static inline int bvxi_orient_flat(const double a[3], const double b[3], const double c[3], int axis)
 {

@@ -16,7 +16,7 @@ typedef struct bvxi_polygon {
  * overlap, decided exactly. A convex one is a fan from its first corner. Any other input (crossing, repeated
  * or collinear corners, corners off the plane) gets count - 2 triangles all the same; one that touches itself
  * without crossing (holes joined to the rim by bridges) still gets triangles of its own sense, up to about a
- * thousand corners. The result depends on the corners alone. Fails only for want of memory or when cancelled:
+ * thousand corners. The result depends on the corners only. Fails only for want of memory or when cancelled:
  * long cuts report progress as "cut polygon".
  * Cost: O(count) for convex polygons, O(count log count) otherwise. Scratch: 20 bytes a corner that is not
  * certainly convex, and 50 more where it is swept. */

@@ -8,7 +8,7 @@
  * triangle's do not count as inside, so a polygon that touches itself, such as one with holes joined to its
  * rim by bridges, comes out as if it were simple: all triangles left-turning. Where a whole round finds no
  * ear, the edges cross: then straight corners go, then left-turning ones, then any. The looks at reflex
- * corners are counted: 512 for each corner, 2^24 at most. When they are used up, what is left becomes a
+ * corners are counted: 512 for each corner, 2^24 at most. When they are used up, what remains becomes a
  * fan. */
 #include "mesh/polygon_ring.h"
 

@@ -17,7 +17,7 @@ typedef struct bvxi_ring {
     uint32_t made;
 } bvxi_ring;
 
-enum { BVXI_RING_ASKS = 1 << 16 }; /* corners from which on progress is asked */
+enum { BVXI_RING_ASKS = 1 << 16 }; /* corners from which on progress is reported */
 
 /* ---- polygon_side.c ---- */
 

@@ -88,7 +88,7 @@ static int sweep_is_above(const polygon_sweep *s, uint32_t interval, uint32_t co
 static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corner, int highest)
 {
     sweep_interval *const v = s->intervals;
-    uint32_t low = SWEEP_NONE, high = SWEEP_NONE; /* where what is left and right of the path is hung */
+    uint32_t low = SWEEP_NONE, high = SWEEP_NONE; /* where what remains and right of the path is hung */
 
     v[SWEEP_NONE].left = v[SWEEP_NONE].right = SWEEP_NONE;
     for (;;) {

@@ -1,4 +1,4 @@
-/* topology.c - closed, manifold, oriented, how many pieces: from vertex numbers alone.
+/* topology.c - closed, manifold, oriented, how many pieces: from vertex indices only.
  *
  * Half-edges are put into buckets by their lower vertex and sorted by their higher vertex there (a radix sort
  * whose first digit is the vertex), so the half-edges of an edge lie side by side. Each gets a link to the

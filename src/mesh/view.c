@@ -260,7 +260,7 @@ static int indices_within(const unsigned char *at, size_t n, uint32_t last)
     return beyond == 0;
 }
 
-/* Look through all triangles: *within tells whether every number is a
+/* Look through all triangles: *within says whether every number is a
  * vertex, the result whether each of the wanted vertices is used. */
 static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *within)
 {

@@ -29,7 +29,7 @@ double bvxi_view_area(const bvx_mesh_view *view);
 bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                            const bvx_mesh *result);
 
-/* The view's vertices alone, checked as bvxi_view_check does. */
+/* The view's vertices only, checked as bvxi_view_check does. */
 bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
                                  bvx_mesh_view *points);
 

@@ -1,7 +1,7 @@
 /* weld.c - which vertices stand at the same position.
  *
  * Vertices enter an open table in the order of their numbers, so the one found there is always the least of
- * its position, whatever the table looks like. Positions are compared, never their hashes alone. Where the
+ * its position, whatever the table looks like. Positions are compared, never their hashes only. Where the
  * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
  * Cost: O(vertices). */
 #include "mesh/weld.h"
@@ -38,7 +38,7 @@ static uint64_t weld_table_size(uint64_t vertices)
     return vertices + vertices / 2 + 1;
 }
 
-/* table[slot] is a vertex number plus 1, or 0. *different becomes 0 when it was searched too long. */
+/* table[slot] is a vertex index plus 1, or 0. *different becomes 0 when it was searched too long. */
 static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *table, uint64_t size,
                             uint32_t *representative, uint64_t *different)
 {

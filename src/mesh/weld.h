@@ -5,7 +5,7 @@
 #include "core/core.h"
 
 /* representative[v] becomes the least number of a vertex at the position of v; -0 equals 0. *different counts
- * the positions. Progress is asked every so many vertices. The view is checked and its coordinates are
+ * the positions. Progress is reported every so many vertices. The view is checked and its coordinates are
  * finite. representative [Size: vertex_count]. Scratch: 6 bytes a vertex, 8 where hashes collide on
  * purpose. */
 bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,

@@ -4,7 +4,7 @@
  * Source: Meijster, Roerdink, Hesselink 2000, by tiles (transform.c). Cubic voxels: whole numbers of steps,
  * so the spacing enters once, behind the root; where the window's diagonal is too long for 32 bits the same
  * whole numbers are carried as doubles. SIGNED is two transforms, of which the second writes on set voxels
- * alone. */
+ * only. */
 #include "grid/grid.h"
 #include "morphology/transform.h"
 
@@ -144,7 +144,7 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
     return measure_side(ctx, job, 1, 0.5, 1.0);
 }
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static const bvx_distance_options distance_defaults = {
     sizeof(bvx_distance_options), BVX_DISTANCE_OUTSIDE, BVX_BEYOND_NOTHING, NULL, {0, 0}};

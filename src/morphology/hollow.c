@@ -157,7 +157,7 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
     return BVX_OK;
 }
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static const bvx_hollow_options hollow_defaults = {
     sizeof(bvx_hollow_options), 0.0, 0.0, BVX_OPEN_Z_LOW, 0, {0.0, 0.0}, 0, 0, NULL};

@@ -56,7 +56,7 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
 /* ---- morph_runs.c: small balls, a word at a time ---- */
 
 int bvxi_ball_is_small(const bvxi_morph *morph);
-/* As bvxi_morph_ball, for those alone. */
+/* As bvxi_morph_ball, for those only. */
 bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target);
 

@@ -6,7 +6,7 @@
  *
  * A slice is grown along x by 0, 1, 2 ... voxels. For each dz its rows, each grown as far as the ball is wide
  * at (dy, dz), are joined over dy, and the result is joined to the slices dz below and above. Erosion is this
- * on the complement. Each piece of slices writes its own slices alone. Exact: which offsets belong to the
+ * on the complement. Each piece of slices writes its own slices only. Exact: which offsets belong to the
  * ball is decided by the numbers that distances have (transform.h). */
 #include "morphology/morph_words.h"
 

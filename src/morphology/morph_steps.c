@@ -4,7 +4,7 @@
  * Source: Serra. Image Analysis and Mathematical Morphology. 1982.
  *
  * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
- * are whole words of other rows. Rows lie one behind the other, so a slice is one long loop; masks keep bits
+ * are whole words of other rows. Rows lie one after the other, so a slice is one long loop; masks keep bits
  * from one row out of the next. Erosion is dilation of the complement, so words are kept complemented where
  * the next step erodes. What lies beyond the box is carried in bits past a row's end, comes in where the
  * masks hold, and stands in slices of its own.
@@ -223,7 +223,7 @@ int32_t bvxi_step_sweeps(const bvxi_morph *morph, const bvxi_bit_box *box)
     return (all_steps(morph) + steps - 1) / steps;
 }
 
-/* 1 where step number i of all erodes; none does behind the last. */
+/* 1 where step number i of all erodes; none does after the last. */
 static int erodes_at(const bvxi_morph *morph, int32_t i)
 {
     return i < all_steps(morph) && morph->operation[i / morph->steps] == BVXI_ERODE;

@@ -1,5 +1,5 @@
 /* morph_words.h - a word and its neighbours along x, in slices whose rows
- * lie one behind the other. Not installed. */
+ * lie one after the other. Not installed. */
 #ifndef BVXI_MORPH_WORDS_H
 #define BVXI_MORPH_WORDS_H
 

@@ -150,7 +150,7 @@ bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_g
                          : run_in_window(ctx, morph, grid, result);
 }
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static const bvx_morph_options morph_defaults = {sizeof(bvx_morph_options), 6, 1, 0.0, 0, 0};
 

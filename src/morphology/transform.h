@@ -81,7 +81,7 @@ typedef struct bvxi_columns {
     int32_t *from;
     const int32_t *places;
     int32_t place_count, n, cpu;
-    double weight;          /* of a squared step; doubles alone */
+    double weight;          /* of a squared step; doubles only */
     const double *inverse;  /* 1 / (2 i) [Size: n] */
     double *height, *start; /* [Size: n each] */
     int32_t *site;          /* [Size: n] */

@@ -1,6 +1,6 @@
 /* carry.c - colours and texture coordinates from one mesh to the vertices of another.
  *
- * Each vertex of the target asks for the source's nearest point (closest_query.c) and blends what the corners
+ * Each vertex of the target requires the source's nearest point (closest_query.c) and blends what the corners
  * of that triangle have by its barycentric weights, in doubles. Colours are rounded to the nearest whole
  * number, halves upwards; texture coordinates once, to floats. A vertex on a corner of the source takes its
  * values unchanged. Both frames count: the target's positions are moved by their difference. Vertices do not

@@ -3,7 +3,7 @@
  * Depth first from the root, two levels of boxes at a time, nearer boxes first, with a stack of fixed size. A
  * box is dropped only when it lies further than the best distance so far by a margin above all rounding of
  * boxes and triangles. Triangles wait until there are four, which are looked at together.
- * Guarantee: the answer is exactly the least (distance2, triangle number) of bvxi_closest_on_triangle over
+ * Guarantee: the answer is exactly the least (distance2, triangle index) of bvxi_closest_on_triangle over
  * all triangles, whatever the tree, the hint and the vectors of the machine. */
 #include "nearest/closest.h"
 #include "bits/bits.h"
@@ -22,7 +22,7 @@ typedef struct closest_search {
     const double *point;
     double at[3];  /* the point in box units */
     float at_f[3]; /* the same, when is_near */
-    int is_near;   /* floats are good enough to tell boxes apart */
+    int is_near;   /* floats are good enough to distinguish boxes */
     double margin; /* above all rounding [Units: box] */
     double limit;  /* boxes beyond this squared distance cannot matter [Units: box^2] */
     bvxi_closest *best;

@@ -15,10 +15,10 @@ typedef struct bvxi_closest_node {
  * copy of its corners. Read-only once built, so many threads may ask at the same time. */
 typedef struct bvxi_closest_tree {
     uint64_t triangle_count;
-    uint32_t *order; /* place on the curve -> triangle number [Size: triangle_count] */
+    uint32_t *order; /* place on the curve -> triangle index [Size: triangle_count] */
     /* of the triangle at each place, typed as in the mesh [Size: triangle_count * 9] */
     void *corners;
-    bvxi_closest_node *nodes; /* levels one behind the other, the lowest (children are triangles) first */
+    bvxi_closest_node *nodes; /* levels one after the other, the lowest (children are triangles) first */
     uint64_t node_count;
     uint64_t level_first[BVXI_CLOSEST_LEVELS], level_nodes[BVXI_CLOSEST_LEVELS];
     int32_t level_count;

@@ -1,6 +1,6 @@
 /* closest_query.c - nearest points of a mesh for many points, with the place in their triangle.
  *
- * The search (closest.c) gives the least (squared distance, triangle number) of bvxi_closest_on_triangle over
+ * The search (closest.c) gives the least (squared distance, triangle index) of bvxi_closest_on_triangle over
  * all triangles, whatever its tree and hint, so neither pieces nor threads show. The feature is read off the
  * point found: a corner when it has that corner's coordinates, an edge when it is what that edge's own
  * formula gives for the asked point, the face otherwise. The feature decides the weights: a corner has weight
@@ -179,7 +179,7 @@ void bvx_closest_free(bvx_context *context, bvx_closest *closest)
 /* ---- Many points ---- */
 
 /* Points are taken in the order of a curve through space: the answer to one is a good hint for the next, and
- * what it read is at hand. Results stand in the order that was asked for. */
+ * what it read is at hand. Results stand in the order that was requested. */
 typedef struct closest_query {
     const bvx_closest *closest;
     const double *points;

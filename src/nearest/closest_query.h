@@ -1,5 +1,5 @@
 /* closest_query.h - what stands behind the public bvx_closest, for other
- * rooms that ask for nearest points. Not installed. */
+ * rooms that require nearest points. Not installed. */
 #ifndef BVXI_CLOSEST_QUERY_H
 #define BVXI_CLOSEST_QUERY_H
 

@@ -5,7 +5,7 @@
  * search finds its boxes where the last one left them; no numbering of the mesh shows), and a uniform place
  * in the triangle that owns it. Its random numbers come from a counter, so samples do not depend on each
  * other. The closest point of the other mesh is exact up to rounding.
- * Blocks of samples, whose number follows from n alone, are summed apart and added in order: threads never
+ * Blocks of samples, whose number follows from n only, are summed apart and added in order: threads never
  * show.
  * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
  * 2014. */

@@ -1,6 +1,6 @@
 /* nearest.c - a mesh made ready for questions about the closest points of a lattice's centres.
  *
- * The closest point is that of the least (distance squared, triangle number) of the evaluation in
+ * The closest point is that of the least (distance squared, triangle index) of the evaluation in
  * point_triangle.c, over all triangles. Centres are origin + (index + 1/2) spacing in doubles; centre and
  * corners are multiplied by the power of two that brings the mesh within [-1, 1] first, which is exact, so
  * vectors and distances are those of bvx_closest_find at the centre. Error: the distance is that to some

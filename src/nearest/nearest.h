@@ -29,7 +29,7 @@ void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);
 
 /* From here on the answers do not depend on how triangles and corners are numbered or turned: of equally near
  * triangles the one whose plane is farthest from the centre is taken, where they share an edge or corner the
- * one that the centre sees most of; then the first by closest point and corners. Features are not asked for
+ * one that the centre sees most of; then the first by closest point and corners. Features are not requested
  * afterwards, as corners are put in an order of their own. */
 void bvxi_nearest_prefer_planes(bvxi_nearest *nearest);
 
@@ -41,9 +41,9 @@ void bvxi_nearest_prefer_planes(bvxi_nearest *nearest);
 bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, double to,
                              const bvxi_nearest *nearest, double width, bvx_grid *band, uint64_t *first);
 
-/* The closest points of the set voxels of where, any set: the least (distance squared, triangle number) of
+/* The closest points of the set voxels of where, any set: the least (distance squared, triangle index) of
  * the evaluation that bvx_closest_find makes at the centre. guess: most centres lie no further than it from
- * the mesh [Units: world]; infinity where nothing is known. It changes the time alone. Memory: 110 KiB a
+ * the mesh [Units: world]; infinity where nothing is known. It changes the time only. Memory: 110 KiB a
  * worker. */
 bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to,
                              const bvxi_nearest *nearest, double guess, const bvx_grid *where,

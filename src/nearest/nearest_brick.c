@@ -2,10 +2,10 @@
  *
  * One search of the tree lists the leaves for all 64; then each 2 x 2 x 2 of them looks through the list.
  * Where floats leave one candidate it is the answer; where they leave more (a shared edge or corner: all of
- * its triangles are equally far) the evaluation in doubles decides by (distance squared, triangle number).
+ * its triangles are equally far) the evaluation in doubles decides by (distance squared, triangle index).
  * Where a list or the candidates do not hold all, the search goes on in parts, and the evaluation keeps the
  * best so far.
- * Guarantee: the least (distance squared, triangle number) of the evaluation over all triangles of the
+ * Guarantee: the least (distance squared, triangle index) of the evaluation over all triangles of the
  * mesh. */
 #include "nearest/nearest_brick.h"
 
@@ -290,7 +290,7 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     for (int32_t g = 0; g < 8; g++) {
         uint32_t const active = near_active(wanted, g);
         if (active == 0) continue;
-        if (!complete) { /* a list for these alone */
+        if (!complete) { /* a list for these only */
             for (int a = 0; a < 3; a++) {
                 begin[a] = (g >> a & 1) * 2;
                 end[a] = begin[a] + 1;

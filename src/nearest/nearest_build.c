@@ -15,7 +15,7 @@
 
 enum {
     NEAR_LEAF_GRAIN = 4096, /* least triangles a task */
-    NEAR_AHEAD = 24,        /* triangles that memory is asked for ahead */
+    NEAR_AHEAD = 24,        /* triangles that memory is requested ahead */
     NEAR_CUT_LEVELS = 2     /* levels of nodes that are cut where the curve jumps */
 };
 
@@ -283,7 +283,7 @@ static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
 
 /* ---- The whole ---- */
 
-/* Box units: floats are finest round the lattice's middle. The curve's grid lies where mesh and lattice are,
+/* Box units: floats are finest around the lattice's middle. The curve's grid lies where mesh and lattice are,
  * so that triangles far off leave it fine: their places are moved onto its sides. */
 static void plan_near_tree(const double low[3], const double high[3], near_builder *b)
 {

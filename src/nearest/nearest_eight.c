@@ -6,7 +6,7 @@
  * box (nearest_sieve.c has the leaves' squares). Then the distances from all eight centres to one triangle
  * after the other. All triangles are chosen before the first is measured, so nothing waits for what was
  * measured before.
- * Guarantee: of every centre asked for, the triangle that wins the evaluation in doubles is among the
+ * Guarantee: of every centre requested, the triangle that wins the evaluation in doubles is among the
  * winners, and so is every one that does as well. */
 #include "nearest/nearest_eight.h"
 

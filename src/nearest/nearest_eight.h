@@ -73,7 +73,7 @@ void bvxi_near_eight_take(const bvxi_near_list *list, const bvxi_near_sieve *sie
                           bvxi_near_eight *e);
 
 /* Measure triangles of the list, whose cell has this origin. Returns 0 when
- * there was no room for all: ask for the winners, and call it again. */
+ * there was no room for all: require the winners, and call it again. */
 int32_t bvxi_near_eight_look(const bvxi_nearest *n, const bvxi_near_list *list, const float origin[3],
                              int32_t fast, bvxi_near_eight *e);
 

@@ -42,7 +42,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(frame_near_leaf)(const float corner[9][BVXI
     e1[0] = eight_choose(eight_less(eight_all(NEAR_LEAST), length), e1[0], eight_all(1.0f));
     floats8 const along = eight_dot(v, e1);
 
-    /* Across it, made orthogonal twice: what is left is the height. */
+    /* Across it, made orthogonal twice: what remains is the height. */
     eight_without(v, along, e1, w);
     floats8 const again = eight_dot(w, e1);
     eight_without(w, again, e1, p);

@@ -15,7 +15,7 @@ typedef struct bvxi_near_pairs {
     int32_t count;
 } bvxi_near_pairs;
 
-/* Take one more pair; there must be room. Its corners' numbers are asked for, as the evaluation comes
+/* Take one more pair; there must be room. Its corners' numbers are requested, as the evaluation comes
  * later. */
 static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p, const double point[3],
                                        uint32_t triangle, int32_t slot)

@@ -1,4 +1,4 @@
-/* nearest_ties.c - which of equally near triangles is taken, by geometry alone.
+/* nearest_ties.c - which of equally near triangles is taken, by geometry only.
  *
  * Beside an edge or corner all of its triangles are equally near. The one whose plane is farthest from the
  * centre is the one that the centre sees most of: its plane bounds the body there, others run past behind it.

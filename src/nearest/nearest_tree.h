@@ -2,7 +2,7 @@
  *
  * Everything that is searched is in floats, in box units: a power of two of the world in which the lattice
  * lies within
- * [-1, 1] round its middle. Floats decide only what cannot win; what can is evaluated in doubles
+ * [-1, 1] around its middle. Floats decide only what cannot win; what can is evaluated in doubles
  * (point_triangle.c), so neither the tree nor a rounding shows in an answer. How far floats may err: let
  * reach be the sum over the axes of a leaf's farthest coordinate from the search's origin, the leaf's extent
  * and the centre's coordinate. Rounding a corner, making its frame and turning a centre into it is less than

@@ -23,7 +23,7 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(bvxi_closest_on_four)(const doub
     four_cross(ap, ac, nb);
     four_cross(ab, ap, nc);
 
-    /* What the cases ask for, in the words of point_triangle.c. */
+    /* What the cases require, in the words of point_triangle.c. */
     doubles4 const ab2 = four_dot(ab, ab), ac2 = four_dot(ac, ac), bc2 = four_dot(bc, bc);
     doubles4 const abac = four_dot(ab, ac), area2 = four_dot(n, n);
     doubles4 const d1 = four_dot(ab, ap), d2 = four_dot(ac, ap);

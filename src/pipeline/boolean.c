@@ -165,7 +165,7 @@ static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double
     return r->thin_resolution > of_box ? r->thin_resolution : of_box;
 }
 
-/* A body that lies on the lattice and has none of its voxels is lost, and so would be what is asked for. */
+/* A body that lies on the lattice and has none of its voxels is lost, and so would be what is requested. */
 static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
 {
     bvxi_box_sides const sides = bvxi_sides_on_lattice(&job->box[i], &job->lattice);
@@ -175,7 +175,7 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
     if (voxels == 0 && sides.whole) {
         int32_t advised;
 
-        /* they were not asked for; what would show them is */
+        /* they were not requested; what would show them is */
         if (!r->thin_checked) BVXI_TRY(keep_thin_walls(job, i));
         advised = resolution_of_lost_body(job, i, sides.shortest);
         if (advised == 0)
@@ -416,7 +416,7 @@ static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
     return bvxi_flatten(job->ctx, boolean_name, bodies, BVXI_FLAT_BODIES, result);
 }
 
-/* Sharp edges: as asked for, or where one of the meshes has them. */
+/* Sharp edges: as requested, or where one of the meshes has them. */
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
     job->report.sharp = job->options->sharp;

@@ -413,7 +413,7 @@ static void report_refused(levels_job *job, const bvx_mesh_view *welded, const b
         bvxi_view_position(welded, sheets->edge[i], job->report.refused_edge[i]);
 }
 
-/* The mesh as it is, with its borders, where nobody asked for shells and it can be taken so; else the reason
+/* The mesh as it is, with its borders, where nobody requested shells and it can be taken so; else the reason
  * to measure it stays. It may cross itself: closed levels are not what is wanted. */
 static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {

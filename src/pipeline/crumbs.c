@@ -27,7 +27,7 @@ typedef struct crumb_piece {
 typedef struct crumb_part {
     uint64_t voxels;
     int32_t at[3];   /* its first voxel */
-    uint32_t source; /* the nearest mesh and its piece; small parts alone */
+    uint32_t source; /* the nearest mesh and its piece; small parts only */
     uint32_t piece;
     uint8_t outside, core, small, dropped;
 } crumb_part;

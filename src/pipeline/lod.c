@@ -39,7 +39,7 @@ static uint64_t level_number(const lod_job *job)
     return job->level + (uint64_t)job->options->first_level;
 }
 
-/* ---- what is asked for ---- */
+/* ---- what is requested ---- */
 
 static int32_t longest_side(const bvx_grid *g)
 {

@@ -7,7 +7,7 @@
  * Across a triangle the winding number steps by 1. On a body's border it steps from about 0 to about 1, on a
  * lone sheet from a half below 0 to a half above. So the fraction of it tells, which is the same on either
  * side and that of the sheet over the holes.
- * Guarantee: each answer follows from the snapped triangles alone. */
+ * Guarantee: each answer follows from the snapped triangles only. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 

@@ -78,7 +78,7 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
     return BVX_OK;
 }
 
-/* What the mesh is; vertices and pieces are counted for the report alone. */
+/* What the mesh is; vertices and pieces are counted for the report only. */
 static bvx_status check_given(bvxi_repair_job *job, const double low[3], const double high[3],
                               uint32_t *representative)
 {
@@ -101,7 +101,7 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
     return BVX_OK;
 }
 
-/* Sharp edges: as asked for, or as the mesh has them. */
+/* Sharp edges: as requested, or as the mesh has them. */
 static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
 {
     int32_t const asked = job->options->sharp;

@@ -32,7 +32,7 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
     if (mesh->triangle_count == 0) return BVX_OK;
     if (job->fill == BVX_FILL_PARITY &&
         job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0)
-        return bvxi_fill_known(job->ctx, mesh, job->fill, NULL, &job->solid); /* nobody asks for them */
+        return bvxi_fill_known(job->ctx, mesh, job->fill, NULL, &job->solid); /* nobody requires them */
     BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, mesh, &job->lattice, job->fill, &job->holes));
     return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
 }

@@ -9,7 +9,7 @@
  * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are
  * sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
- * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice alone. */
+ * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice only. */
 #include "nearest/nearest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
@@ -293,7 +293,7 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
     return 0;
 }
 
-/* Asked by all, then by what is left without those that turned out as sheets, until no more do. */
+/* Asked by all, then by what remains without those that turned out as sheets, until no more do. */
 static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
 {
     uint64_t const bytes = job->mesh.triangle_count;

@@ -10,7 +10,7 @@ typedef struct repair_walls {
 
 /* ---- What is found ---- */
 
-/* Voxels along the longest axis: as asked for, or of the lattice that was given. */
+/* Voxels along the longest axis: as requested, or of the lattice that was given. */
 static int32_t longest_thin_side(const bvxi_repair_job *job)
 {
     int32_t longest = job->resolution;

@@ -3,7 +3,7 @@
  * thin_walls.c says where they are. Centres beside them go inside up to half of what the wall lacks; what is
  * lost still, at the ends and corners of walls, goes inside itself. The surface of such a wall is then
  * measured off the mesh, and flatten.c puts it back.
- * Guarantee: the result follows from the mesh and the lattice alone. Cost: the surface, and closest points at
+ * Guarantee: the result follows from the mesh and the lattice only. Cost: the surface, and closest points at
  * thin places. */
 #include "pipeline/thicken.h"
 

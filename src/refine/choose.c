@@ -78,7 +78,7 @@ static void project_piece(void *user, int32_t index, int32_t worker)
     job->part[index] = sum;
 }
 
-/* Pieces follow from the count alone, and are summed in order. */
+/* Pieces follow from the count only, and are summed in order. */
 static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
 {
     uint64_t const all = job->view->triangle_count;
@@ -201,7 +201,7 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
     return BVX_OK;
 }
 
-/* The lattice of the resolution tells the extents, to a voxel; fitting it checks the mesh. */
+/* The lattice of the resolution gives the extents, to a voxel; fitting it checks the mesh. */
 static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t resolution,
                                  choose_job *job)
 {

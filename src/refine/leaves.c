@@ -2,7 +2,7 @@
  *
  * Pieces of the base are walked twice: once to count, once, knowing where each piece's leaves go, to write
  * them.
- * Guarantee: the order follows from the tree alone. */
+ * Guarantee: the order follows from the tree only. */
 #include "refine/room.h"
 
 enum { LEAF_PIECES = 256 };

@@ -193,7 +193,7 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 
     while (status == BVX_OK && ++made < tree->levels) {
         status = BVXI_SHARE(job->ctx, begun, split, bvxi_refine_split(job, made));
-        /* its order was the last that they were asked for */
+        /* its order was the last that they were requested */
         if (made == job->start) bvxi_refine_free_grids(job);
     }
 
@@ -212,7 +212,7 @@ static bvx_status run_refinement(bvxi_refine_job *job)
                                     : status;
 }
 
-/* A start level that was chosen, not asked for, gives way to the base when memory does not allow it. */
+/* A start level that was chosen, not requested, gives way to the base when memory does not allow it. */
 static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
     bvx_status status;

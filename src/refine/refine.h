@@ -32,7 +32,7 @@ typedef struct bvxi_refine_job {
     bvx_octree *tree;
     bvxi_snapped snapped;
     int32_t start; /* the last level that comes from a grid */
-    /* 1: voxels of level outer and finer ones are split where they meet the window alone */
+    /* 1: voxels of level outer and finer ones are split where they meet the window only */
     int32_t windowed, outer;
     int32_t low[3], last[3]; /* the window, both ends inclusive [Units: voxels of the last level] */
     /* flat voxels stay whole: 0 none do, else the tolerance, and a fixed-point step [Units: world] */

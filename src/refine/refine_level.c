@@ -3,7 +3,7 @@
  * Source: "Refinement of surface voxels by boundary states" 1.4.1. Down to the start level the children's
  * bits are read from a grid; below it every triangle of a voxel's list is tested against its eight children
  * at once (children.c). The first pass over the voxels, in pieces, makes the masks and counts what each piece
- * hands on; the second one, knowing each piece's places, writes the next level's voxels and lists. For the
+ * passes on; the second one, knowing each piece's places, writes the next level's voxels and lists. For the
  * last level the masks are all, and a voxel whose children are all touched looks at no more triangles.
  * Guarantee: exact; the same for any threads. */
 #include "refine/children.h"
@@ -156,7 +156,7 @@ static void mark_octets(void *user, int32_t index, int32_t worker)
     job->pairs[index] = pairs;
 }
 
-/* The lists of an octet's split children, one behind the other; place of the first, which moves on. */
+/* The lists of an octet's split children, one after the other; place of the first, which moves on. */
 static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t child, uint64_t *place)
 {
     uint64_t begin, end;

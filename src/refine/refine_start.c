@@ -60,7 +60,7 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
     b->count = 0;
 }
 
-/* Lists beyond the window are not asked for, once voxels are split in it alone. */
+/* Lists beyond the window are not requested, once voxels are split in it only. */
 static inline int start_misses_window(const bvxi_refine_job *refine, const int32_t low[3],
                                       const int32_t high[3])
 {
@@ -142,7 +142,7 @@ static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, 
     return bvxi_parallel(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
-/* Counts become places, the total stands behind the last. */
+/* Counts become places, the total stands after the last. */
 static uint64_t place_start_lists(uint64_t *offset, uint64_t voxels)
 {
     uint64_t total = 0;

@@ -1,9 +1,9 @@
 /* row_states.c - what is outside in a tree with a window: by the exact rule of rows.
  *
  * No triangle touches a leaf that is not of the surface, so all of it lies on one side, and any centre in it
- * tells which. Leaves up to level `outer` ask the solid of that level's lattice; finer ones, which all lie
+ * says which. Leaves up to level `outer` ask the solid of that level's lattice; finer ones, which all lie
  * near the window, ask a part of the solid of their own level, made of the triangles that reach its rows
- * alone.
+ * only.
  * (Snapped to a coarser lattice a vertex moves by 2^-16 of a voxel; the centre of a voxel that no triangle
  * touches is half a voxel away.) Guarantee: the same for any threads. */
 #include "refine/refine.h"
@@ -150,7 +150,7 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
     bvx_voxelize_options o;
 
     bvx_voxelize_options_init(&o, sizeof o);
-    o.fill = BVX_FILL_PARITY; /* nearby triangles are an open mesh, and rows are what is asked for */
+    o.fill = BVX_FILL_PARITY; /* nearby triangles are an open mesh, and rows are what is requested */
     for (int32_t l = job->outer; l <= job->tree->levels; l++) {
         bvx_lattice lattice;
         BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));

@@ -10,7 +10,7 @@ enum { BVXI_FACE_BOTH = 0, BVXI_FACE_FIRST = 1, BVXI_FACE_SECOND = 2 };
 
 typedef struct bvxi_grid_scene {
     const bvx_grid *grid;
-    const uint64_t *also; /* words of the second set; of the first where there is one alone */
+    const uint64_t *also; /* words of the second set; of the first where there is one only */
     bvxi_picture picture;
     int32_t begin[3], end[3]; /* voxels that the cut leaves */
     int32_t pieces;

@@ -24,7 +24,7 @@ typedef struct bvxi_mesh_scene {
     bvxi_triangle_bins bins;
 } bvxi_mesh_scene;
 
-/* Corners of a triangle: vertex numbers, and places in the camera's axes:
+/* Corners of a triangle: vertex indices, and places in the camera's axes:
  * right, up, towards the eye [Units: samples]. */
 void bvxi_mesh_scene_corners(const bvxi_mesh_scene *scene, uint32_t t, uint32_t c[3], double p[3][3]);
 

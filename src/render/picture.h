@@ -15,7 +15,7 @@ typedef struct bvxi_seen {
     double colour[3];  /* 0 to 255 */
     double light;      /* what the light is multiplied by: below 1 on lines and on cut faces */
     int inside;        /* 1: the eye sees a triangle from behind */
-    uint64_t key;      /* what see was asked for last, so that neighbours cost less; 0: nothing yet */
+    uint64_t key;      /* what see was given last, so that neighbours cost less; 0: nothing yet */
 } bvxi_seen;
 
 typedef void bvxi_see_fn(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,

@@ -18,7 +18,7 @@ enum { SHADE_ROUND = 48, SHADE_STEPS = 4, SHADE_MOST_TAPS = 12 * SHADE_STEPS };
 #define SHADE_REACH      0.16 /* how far occlusion looks, of the picture's shorter side */
 #define SHADE_LEAST_RISE 0.04 /* sines below it come from rounding and from facets of smooth shapes */
 #define SHADE_WRAP \
-    0.15 /* how far light reaches round the edge of the lit side: shapes show in the shadow too */
+    0.15 /* how far light reaches around the edge of the lit side: shapes show in the shadow too */
 #define SHADE_JUMP 0.012 /* depth behind the tangent plane that makes an outline, of the shorter side */
 
 static const double shade_light[3] = {-0.34, 0.46, 0.82};
@@ -42,7 +42,7 @@ struct bvxi_shade {
 
 /* ---- which places are looked at ---- */
 
-/* Directions round the circle: halve a sixth three times, then turn on. */
+/* Directions around the circle: halve a sixth three times, then turn on. */
 static void shade_circle(double circle[SHADE_ROUND][2])
 {
     double c = 0.5, s = sqrt(0.75);

@@ -1,9 +1,9 @@
 /* all_slabs.c - the surface in all slabs, and the mesh of all of it.
  *
- * The exact way a slab needs its two planes alone, so slabs are made side by side. Each has a stretch of
+ * The exact way a slab needs its two planes only, so slabs are made side by side. Each has a stretch of
  * arrays with room for what it can make by the count of its crossings, and a view of the stack into which its
  * vertices go, numbered behind those of the rings. A slab that needs more, or in which anything fails, is
- * made once more afterwards, in order, with arrays that grow. The meshes are then put one behind the other:
+ * made once more afterwards, in order, with arrays that grow. The meshes are then put one after the other:
  * what comes of it does not show who made what. */
 #include "section/slab_fill.h"
 
@@ -200,7 +200,7 @@ static bvx_status fill_in_job(slabs_job *job)
     return status;
 }
 
-/* ---- one behind the other ---- */
+/* ---- one after the other ---- */
 
 /* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
 static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)

@@ -1,6 +1,6 @@
 /* caps.c - a section's region as flat triangles, for bodies that end on their first or last section.
  *
- * The region is cut by its contours' points alone, whose loops are known to be simple in fixed point: each
+ * The region is cut by its contours' points only, whose loops are known to be simple in fixed point: each
  * outer loop is joined to the holes in it by bridges (the shortest segments between points that meet
  * nothing), and the polygon that comes of it is cut into triangles. The crossings that the surface has on a
  * contour's segment then divide the triangle behind it. */
@@ -19,7 +19,7 @@ typedef struct cap_work {
     int32_t side;
     int fixed;        /* 1: all points are corners, in fixed point */
     uint32_t *after;  /* the next corner behind each point that is one, else none */
-    uint32_t *corner; /* points round the region, those at bridges twice */
+    uint32_t *corner; /* points around the region, those at bridges twice */
     uint32_t count;
     uint32_t (*bridge)[2];
     uint32_t bridge_count;
@@ -129,7 +129,7 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
     }
 }
 
-/* Go round a hole from one of its points, entered and left over the bridge at a corner. */
+/* Go around a hole from one of its points, entered and left over the bridge at a corner. */
 static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, uint32_t at)
 {
     uint32_t i = from, k = at + 1, n = 2;
@@ -198,7 +198,7 @@ static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
 }
 
 /* 1 when points are moved apart in fixed point from others that lie at
- * their place: the region is simple there alone. */
+ * their place: the region is simple there only. */
 static int has_moved_points(const cap_work *w)
 {
     for (uint32_t i = 0; i < w->plane->point_count && w->s->nudge != NULL && !w->plane->lines; i++) {

@@ -168,7 +168,7 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
     return bvxi_section_add_triangle(s, l->vertex[before[from]], l->vertex[from], l->vertex[next[from]]);
 }
 
-/* ---- round a vertex inside ---- */
+/* ---- around a vertex inside ---- */
 
 static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at)
 {

@@ -5,7 +5,7 @@
  * Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside are the
  * running parity of a row. How many crossings there will be is counted before, so all planes share arrays and
  * none grows. Arcs are put into the order of the cells, by counting columns, then rows: cells that are gone
- * through in that order find theirs one behind the other. */
+ * through in that order find theirs one after the other. */
 #include "section/section.h"
 
 /* ---- crossings ---- */
@@ -208,7 +208,7 @@ static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t ke
     return c->line == low ? 0 : 2;
 }
 
-/* Sides of arcs, and the cells that ask for subdivision. */
+/* Sides of arcs, and the cells that require subdivision. */
 void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 {
     uint32_t sides = 0;

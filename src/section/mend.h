@@ -59,7 +59,7 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *work, int *done);
 /* ---- mend_trace.c: loops along the edges that are left ---- */
 
 /* Edges of changed loops that lie on each other an even number of times go;
- * what is left becomes loops of the stack. */
+ * what remains becomes loops of the stack. */
 bvx_status bvxi_mend_trace(bvxi_mend_work *work, bvxi_mended *mended);
 bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *mended, uint32_t section, int32_t label);
 bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *mended, const double at[3], int32_t u,

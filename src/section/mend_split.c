@@ -1,4 +1,4 @@
-/* mend_split.c - a section's segments, split until they meet at their ends alone.
+/* mend_split.c - a section's segments, split until they meet at their ends only.
  *
  * All pairs of segments that meet are found in fixed point, exactly, as simple.c finds the first of them.
  * Where an end lies on another segment that one is split there; where two cross, both are split at the nearest

@@ -1,5 +1,5 @@
 /* plane_rings.c - the ring of each plane is what the cells above and below it share: the points and crossings
- * of each loop one behind the other, crossings of subdivided cells from above and below included, so an arc's
+ * of each loop one after the other, crossings of subdivided cells from above and below included, so an arc's
  * vertices are a stretch of it whatever cells it was cut for. Rings are the first vertices of the mesh, plane
  * by plane; planes are gone over side by side, once to count and once to place. */
 #include "section/nesting.h"

@@ -115,7 +115,7 @@ typedef struct bvxi_section_mesh {
  * cross otherwise; not apart from each other, where they would cross all the same. */
 enum { BVXI_LEVELS_APART, BVXI_LEVELS_LINEAR, BVXI_LEVELS_JOINED, BVXI_LEVELS_CROSSED = 0x80 };
 
-/* Loops that are blended apart from those round them; see nesting.c. */
+/* Loops that are blended apart from those around them; see nesting.c. */
 typedef struct bvxi_nesting {
     /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
     uint8_t *level[2];
@@ -188,7 +188,7 @@ bvx_status bvxi_stack_grid(bvxi_stack *stack);
 void bvxi_stack_give_grid(const bvxi_stack *stack, bvxi_section_grid *grid);
 void bvxi_stack_take_grid(bvxi_stack *stack, const bvxi_section_grid *grid);
 
-/* ---- stack_check.c: arrays that are none are refused, planes are put into order ---- */
+/* ---- stack_check.c: invalid arrays are refused, planes are put into order ---- */
 
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
 /* Refuse a result that is NULL or in use, which would be lost. */
@@ -232,7 +232,7 @@ typedef struct bvxi_segment_box {
     uint32_t segment;
 } bvxi_segment_box;
 
-/* 1 when loops surely neither cross nor touch; 0 asks for the check above.
+/* 1 when loops surely neither cross nor touch; 0 requires the check above.
  * sorted, active: scratch, one a segment. */
 int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
 /* 1 when two segments that follow each other in no loop meet. */
@@ -264,7 +264,7 @@ uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *cou
 /* A new crossing's number. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis,
                               int32_t line, uint32_t *number);
-/* Sides of arcs, and the cells that ask for subdivision; arcs are in order. */
+/* Sides of arcs, and the cells that require subdivision; arcs are in order. */
 void bvxi_plane_look_at_cells(const bvxi_stack *stack, bvxi_plane *plane);
 /* Bits at which a row's parity changes, into the bits inside. */
 void bvxi_plane_fill_rows(const bvxi_stack *stack, uint64_t *inside);
@@ -292,14 +292,14 @@ double bvxi_plane_distance(const bvxi_plane *plane, double u, double v, uint32_t
 double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *segment);
 /* 1 when the snapped place is inside. */
 int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *plane, double u, double v);
-/* 1 when the place is inside, by the boxes: for values alone, as places next to a contour may be told
+/* 1 when the place is inside, by the boxes: for values only, as places next to a contour may be told
  * otherwise. */
 int bvxi_plane_encloses(const bvxi_plane *plane, double u, double v);
 
 /* ---- part_ends.c: parts that end before the next section ---- */
 
 bvx_status bvxi_stack_ends(bvxi_stack *stack);
-/* The outer loop of each loop's part: its own number, or round a hole. */
+/* The outer loop of each loop's part: its own number, or around a hole. */
 void bvxi_plane_parts(const bvxi_plane *plane, uint32_t *part);
 /* Distance to the nearest contour, and its number: the least of those that lie so near. */
 double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
@@ -315,7 +315,7 @@ typedef struct bvxi_loop_fill {
     const int32_t *low;     /* of the cell, in fixed point */
     int32_t size;
     double low_w, high_w;
-    /* 1: round a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    /* 1: around a vertex at the loop's middle in any case, 2: half way from there to the cell's */
     int cone;
     int strip;         /* out: it became a strip from below to above */
     const double **at; /* scratch: count each */
@@ -323,7 +323,7 @@ typedef struct bvxi_loop_fill {
 } bvxi_loop_fill;
 
 /* Triangles inside a loop whose inner edges lie on no cell face; where
- * there are none, round a vertex inside the cell. */
+ * there are none, around a vertex inside the cell. */
 bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
 /* ---- section_mesh.c ---- */
@@ -360,7 +360,7 @@ void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 
 /* ---- slab.c, caps.c ---- */
 
-/* Subdivide cells between two planes where they ask for it; adds cuts to both. */
+/* Subdivide cells between two planes where they require it; adds cuts to both. */
 typedef struct bvxi_slab bvxi_slab;
 bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
 /* The surface in all slabs: the exact way each into a mesh of its own, side
@@ -373,7 +373,7 @@ void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */
 double bvxi_cap_area(const bvxi_plane *plane, const bvxi_contour *contour);
-/* The smallest outer loop round each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
+/* The smallest outer loop around each hole, or BVXI_NONE; that of outer loops is BVXI_NONE. */
 void bvxi_plane_owners(const bvxi_plane *plane, uint32_t *owner);
 /* The same for the region within lines between vertices. */
 bvx_status bvxi_cap_fill_edges(bvxi_stack *stack, const uint32_t (*edge)[2], uint32_t count, int32_t side);

@@ -1,4 +1,4 @@
-/* section_field.c - signed distances where the surface asks for them, and its crossings of the lines between
+/* section_field.c - signed distances where the surface requires them, and its crossings of the lines between
  * two planes.
  *
  * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one

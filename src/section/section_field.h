@@ -11,7 +11,7 @@
 
 #include "bits/bits.h"
 
-/* Vertices by a key; a lookup alone, so the order of keys does not matter. */
+/* Vertices by a key; a lookup only, so the order of keys does not matter. */
 typedef struct bvxi_vertex_map {
     uint64_t *key; /* UINT64_MAX: free */
     uint32_t *vertex;
@@ -24,10 +24,10 @@ typedef struct bvxi_column_hint {
     int32_t row;
 } bvxi_column_hint;
 
-/* Distances of one plane's grid points, computed when asked for. */
+/* Distances of one plane's grid points, computed when requested. */
 typedef struct bvxi_plane_field {
     const bvxi_plane *plane;
-    double *distance;         /* where they may be asked for again: field levels; else none */
+    double *distance;         /* where they may be requested again: field levels; else none */
     uint64_t *known;          /* a bit a grid point */
     bvxi_column_hint *column; /* of each column of grid points, with one more on either side */
     uint32_t hint;

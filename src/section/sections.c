@@ -8,7 +8,7 @@
  * lines, and at those of subdivided cells on either side, into one ring of vertices; the cells above and
  * below all take their stretches from that ring. So the surface above a plane ends where the surface below it
  * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
- * in the strip alone. Each cell's loops are then closed by construction, and triangles inside a cell share no
+ * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
 #include "section/mend.h"
 #include "section/nesting.h"

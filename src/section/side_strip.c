@@ -2,7 +2,7 @@
  * two levels.
  *
  * Marching squares: two crossings are joined; with four the field at the point where the lines joining
- * opposite crossings meet says whether the inside is joined. All of it depends on the strip alone, with its
+ * opposite crossings meet says whether the inside is joined. All of it depends on the strip only, with its
  * corners in the order of their coordinates, so the cells on both sides of it decide alike.
  *
  * A strip that a contour crosses more than once although cells were subdivided as far as allowed:
@@ -81,7 +81,7 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
     }
     BVXI_TRY(bvxi_trace_add_point(t, *vertex, (uint32_t)BVXI_FACE_SIDE << side, &point));
 
-    /* counter-clockwise round the strip from P to Q inside: P to Q. Below
+    /* counter-clockwise around the strip from P to Q inside: P to Q. Below
      * the strip's order is counter-clockwise, above not. */
     if ((k == 0) == !inside_before) {
         link_points(t, first, point);

@@ -3,7 +3,7 @@
  * is wrong and says so.
  *
  * Segments are put into buckets of their least u and then in order by insertion; each is held against the
- * boxes of those that still reach so far, kept one behind the other. */
+ * boxes of those that still reach so far, kept one after the other. */
 #include "section/section.h"
 
 enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };

@@ -110,7 +110,7 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 
 /* ---- all slabs ---- */
 
-/* Cells that either plane asks for, in order. */
+/* Cells that either plane requires, in order. */
 static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_plane *const below = slab->plane[0], *const above = slab->plane[1];

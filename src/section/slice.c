@@ -48,7 +48,7 @@ void bvx_slice_options_init(bvx_slice_options *options, size_t size)
 enum { SLICE_MOST_PLANES = 1 << 20 };
 
 #define SLICE_NARROW \
-    (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections tells no less apart */
+    (1.0 / 67108864.0) /* of the mesh across the normal: the fixed point of sections distinguishes no less */
 
 static bvx_status check_positions(slice_work *w, const bvx_slice_options *o)
 {

@@ -34,7 +34,7 @@ typedef struct bvxi_split_work {
     uint32_t odd_u[2], odd_v[2];
 } bvxi_split_work;
 
-/* Subdivide a cell of the grid where its contours ask for it: leaves, arcs and corners go to the slab. */
+/* Subdivide a cell of the grid where its contours require it: leaves, arcs and corners go to the slab. */
 bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
 
 #endif

@@ -1,7 +1,7 @@
 /* split_cell.c - one cell of the grid, subdivided until a contour crosses each edge at most once and no loop
  * lies in one cell.
  *
- * The halves of a cell are tested again, down to the depth allowed. A side that is crossed twice asks for the
+ * The halves of a cell are tested again, down to the depth allowed. A side that is crossed twice requires the
  * same from the cells on both of its sides, so neighbours agree on every edge that matters; a coarser
  * neighbour has the corners of finer cells on its side as points between the ends. Whether a new corner is
  * inside follows from a known one by the crossings between them. */

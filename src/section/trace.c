@@ -98,7 +98,7 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
     return BVX_OK;
 }
 
-/* ---- round the cell ---- */
+/* ---- around the cell ---- */
 
 /* How many of a row's crossings lie before a node. */
 static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uint32_t *row, uint32_t from,

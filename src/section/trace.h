@@ -61,7 +61,7 @@ typedef struct bvxi_trace {
     uint32_t end_count, end_room;
     uint32_t *row[2]; /* crossings of one side in order, below and above */
     uint32_t row_room;
-    uint32_t *cross[2]; /* FIELD: crossings round the cell */
+    uint32_t *cross[2]; /* FIELD: crossings around the cell */
     uint32_t cross_count[2], cross_room;
     struct bvxi_trace_insert {
         double along;

@@ -1,6 +1,6 @@
 /* trace_loops.c - the loops of one cell, followed from point to point and filled with triangles.
  *
- * Where triangles of a cell cross, its loops are filled again, some of them round a vertex inside the cell:
+ * Where triangles of a cell cross, its loops are filled again, some of them around a vertex inside the cell:
  * every choice for the first loops is tried, and the first one without crossings is kept. In the paper's way
  * vertices are made while loops are followed, and its triangles stay as they are. */
 #include "section/trace.h"

@@ -1,4 +1,4 @@
-/* trace_nodes.c - the corners round a cell: its own, and those of finer
+/* trace_nodes.c - the corners around a cell: its own, and those of finer
  * cells on its sides, with what they are on its levels. */
 #include "section/trace.h"
 

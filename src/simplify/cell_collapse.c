@@ -24,7 +24,7 @@ enum {
     CELL_DEPTH = 40,
     CELL_SAMPLES = 64, /* positions among which a border is chosen */
     CELL_ROUNDS = 16,
-    CELL_COST_STEP = 32 /* of so many triangles one tells what edges cost */
+    CELL_COST_STEP = 32 /* of so many triangles one shows what edges cost */
 };
 
 typedef struct collapse_cell {
@@ -201,7 +201,7 @@ static void make_cells(cell_round *r)
 
 /* ---- Lists of triangles ---- */
 
-/* Enter a triangle that straddles borders into each cell that its box meets; fill 0: count it alone. */
+/* Enter a triangle that straddles borders into each cell that its box meets; fill 0: count it only. */
 static void list_straddling(cell_round *r, uint32_t t, int fill)
 {
     const uint32_t *const v = r->whole->mesh.triangle[t].vertex;
@@ -433,7 +433,7 @@ static uint32_t own_triangle(const cell_work *w, uint32_t t)
 }
 
 /* Corners of all triangles, then their opposites across edges that have an end in the cell: only those other
- * cells do not change, and only those are asked for. */
+ * cells do not change, and only those are requested. */
 static void take_triangles(cell_work *w)
 {
     const bvxi_corners *const whole = &w->round->whole->mesh;

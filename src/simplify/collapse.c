@@ -184,7 +184,7 @@ static double cost_at(const bvxi_collapse *c, uint32_t u, uint32_t v, const quad
 }
 
 /* Where an edge's ends would meet, as an offset from u, and what it costs. q becomes both ends' quadric about
- * u, of planes alone. */
+ * u, of planes only. */
 static double meeting_point(const bvxi_collapse *c, uint32_t u, uint32_t v, quadric *q, double d[3])
 {
     double offset[3], middle[3], length = 0, at_u, at_v;

@@ -1,4 +1,4 @@
-/* collapse_state.h - a mesh while its edges collapse, all of it or a cell alone. Not installed. */
+/* collapse_state.h - a mesh while its edges collapse, all of it or a cell only. Not installed. */
 #ifndef BVXI_COLLAPSE_STATE_H
 #define BVXI_COLLAPSE_STATE_H
 

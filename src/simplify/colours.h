@@ -22,7 +22,7 @@ void bvxi_colours_join(const bvxi_colour_quadric *u, const bvxi_colour_quadric *
                        bvxi_colour_quadric *both);
 /* About a position that lies at an offset. */
 void bvxi_colours_move(bvxi_colour_quadric *q, const double offset[3]);
-/* Add what a vertex costs that has its best colour: a quadric of its position alone. */
+/* Add what a vertex costs that has its best colour: a quadric of its position only. */
 void bvxi_colours_add(const bvxi_colour_quadric *q, double a[6], double b[3], double *c);
 /* Move the sums as bvxi_corners_pack moved vertices. */
 void bvxi_colours_pack(bvxi_colour_quadric *at, uint64_t vertices, const uint32_t *moved);

@@ -247,7 +247,7 @@ static void join_ghosts(bvxi_corners *m)
 }
 
 /* Walk every fan once. The first fan of a vertex keeps it, others get new
- * vertices from `fresh` on; with fresh 0 they are counted alone. first,
+ * vertices from `fresh` on; with fresh 0 they are counted only. first,
  * seen: scratch of each vertex and of each corner. Returns fans that share. */
 static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64_t fresh)
 {

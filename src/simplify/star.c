@@ -1,6 +1,6 @@
 /* star.c - may an edge collapse to a point? The link, the sides of triangles, needles, crossings.
  *
- * Ghost triangles, which close borders, count for the link alone.
+ * Ghost triangles, which close borders, count for the link only.
  * No new triangle may meet another one in more than what they share. Three kinds of pairs:
  * - Triangles around one vertex cannot meet elsewhere when all of them face one way and go around it once:
  * seen along the sum of their normals they lie side by side. This is asked of the new vertex and of every

@@ -8,7 +8,7 @@
  * zero, and 0 by chance alone (about 2^-30): such a mesh would be taken for closed.
  *
  * Source: Schwartz. Fast Probabilistic Algorithms for Verification of Polynomial Identities. 1980.
- * Guarantee: the answer follows from the snapped triangles alone, on every machine. */
+ * Guarantee: the answer follows from the snapped triangles only, on every machine. */
 #include "solid/solid.h"
 
 enum { BALANCE_GRAIN = 8192, BALANCE_PIECES = 64 };

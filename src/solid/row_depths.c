@@ -3,7 +3,7 @@
  *
  * A voxel that is one deep everywhere, or minus one everywhere, is inside by any rule. Deeper ones, and both
  * together, are what overlaps, nested shells and shells inside out look like.
- * Guarantee: follows from the snapped triangles and the lattice alone. */
+ * Guarantee: follows from the snapped triangles and the lattice only. */
 #include "bits/sort.h"
 #include "solid/solid.h"
 

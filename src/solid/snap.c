@@ -1,6 +1,6 @@
 /* snap.c - vertices to fixed point: q = floor((p - origin) * (2^F / spacing) + 1/2) in doubles, |q| < 2^30.
  *
- * Guarantee: depends on the vertex and the lattice alone, so that shared edges stay shared and windows
+ * Guarantee: depends on the vertex and the lattice only, so that shared edges stay shared and windows
  * agree. */
 #include "solid/snap.h"
 

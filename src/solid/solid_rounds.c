@@ -1,5 +1,5 @@
 /* solid_rounds.c - chunks of triangles find their crossings with rows, tiles of rows take them: in rounds, as
- * many as the memory for crossings asks for. */
+ * many as the memory for crossings requires. */
 #include "solid/solid.h"
 
 /* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */

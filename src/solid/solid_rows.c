@@ -53,7 +53,7 @@ static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c
 
 /* Drop the unmatched crossings of a row whose signed sum is not zero: leaving
  * ones that no entering one precedes, from the left, or entering ones that no
- * leaving one follows, from the right; as many as the sum asks for. */
+ * leaving one follows, from the right; as many as the sum requires. */
 static uint32_t drop_for_winding(int32_t *c, uint32_t n, int64_t sum)
 {
     uint32_t kept = 0;

@@ -1,4 +1,4 @@
-/* tiles.h - a block of rows cut into rectangles, one task each, from its shape alone. Not installed. */
+/* tiles.h - a block of rows cut into rectangles, one task each, from its shape only. Not installed. */
 #ifndef BVXI_TILES_H
 #define BVXI_TILES_H
 

@@ -41,7 +41,7 @@ static inline int32_t most_of_three(int32_t a, int32_t b, int32_t c)
     return m > c ? m : c;
 }
 
-/* Rows of the triangle's box, from the cells of its corners, cut to the rows asked for. */
+/* Rows of the triangle's box, from the cells of its corners, cut to the rows requested. */
 static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows asked, bvxi_rows *r)
 {
     int32_t y[3], z[3];

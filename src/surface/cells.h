@@ -127,7 +127,7 @@ BVXI_AVX2 static inline void bvxi_list_cases_bmi2(bvxi_case_list *list, const bv
 
     while (active != 0) {
         int32_t const shift = __builtin_ctzll(active) & ~7;
-        /* the deposit takes the lowest eight bits alone */
+        /* the deposit takes the lowest eight bits only */
         uint64_t const keep = _pdep_u64(active >> shift, ones) * 255;
         uint64_t cases = 0, packed;
         for (int32_t r = 0; r < 4; r++)

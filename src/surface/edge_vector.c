@@ -43,7 +43,7 @@ static unit_cut scale_cut(const bvxi_cut_edge *e)
     return u;
 }
 
-/* 1 and the ratio where the line AB tells it, 0 where it runs along the
+/* 1 and the ratio where the line AB gives it, 0 where it runs along the
  * edge or is no number. between: no further than A and B. */
 static int cut_by_line(const unit_cut *u, int between, double *ratio)
 {
@@ -67,7 +67,7 @@ static int is_ratio(double t)
     return t >= 0.0 && t <= 1.0;
 }
 
-/* 1 and the ratio where the planes at A and B tell it. */
+/* 1 and the ratio where the planes at A and B give it. */
 static int cut_by_planes(const unit_cut *u, double *ratio)
 {
     double const d[3] = {u->b[0] - u->a[0], u->b[1] - u->a[1], u->b[2] - u->a[2]};

@@ -43,7 +43,7 @@ static void emit_ratios(const bvxi_march *m, int32_t axis, int32_t j, int32_t k,
 }
 
 /* Where the straight line from a to b meets the level; the middle where one of them is NaN or infinite.
- * Halves, so that no difference of finite doubles overflows; (a - a) + (b - b) is 0 for finite ones alone. */
+ * Halves, so that no difference of finite doubles overflows; (a - a) + (b - b) is 0 for finite ones only. */
 BVXI_VECTOR_INLINE double cut_of_level(double level, double a, double b)
 {
     double const t = (0.5 * level - 0.5 * a) / (0.5 * b - 0.5 * a);

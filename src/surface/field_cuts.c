@@ -2,7 +2,7 @@
  *
  * Rows of vertices are walked as marching cubes numbered them, and the values of the two or three rows of
  * centres beside them are numbered on the way: a popcount a word, no search for any edge. What a vertex gets
- * depends on the values at the ends of its own edge alone. Where the surface is that of two bodies together,
+ * depends on the values at the ends of its own edge only. Where the surface is that of two bodies together,
  * each has values of its own, and an edge is cut by the one whose side changes on it. Where it is that of one
  * body changed, edges on which the body's side does not change are cut at a distance from it, or in the
  * middle. */
@@ -161,7 +161,7 @@ static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t
 typedef struct placed_cut {
     double t;
     int32_t by;                 /* BVXI_CUT_...; LID: t is not known yet */
-    bvxi_facet_plane planes[2]; /* where they are asked for */
+    bvxi_facet_plane planes[2]; /* where they are requested */
 } placed_cut;
 
 /* The cut of the edge from centre (i, j, k) along axis by a body that has
@@ -179,7 +179,7 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
     if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
 
     /* No surface is near this edge, so what crosses it is a lid over a hole. Its position follows from the
-     * winding number, which is dear and therefore asked for many edges together. */
+     * winding number, which is dear and therefore requested many edges together. */
     if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE &&
         (!known || is_lid(&edge))) {
         cut->by = BVXI_CUT_LID;

@@ -54,7 +54,7 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-/* Doubles, where they are taken, must tell neighbouring positions apart. */
+/* Doubles, where they are taken, must distinguish neighbouring positions. */
 static bvx_status check_doubles(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                 const bvx_field_surface_options *o)
 {

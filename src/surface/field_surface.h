@@ -60,7 +60,7 @@ typedef struct bvxi_cuts {
     const bvxi_edge_values *values; /* and its second */
     int32_t interpolation;
     double unit;              /* the largest spacing */
-    bvxi_facet_plane *planes; /* two of each vertex, or NULL where none are asked for */
+    bvxi_facet_plane *planes; /* two of each vertex, or NULL where none are requested */
     uint64_t *piece_counts;   /* by what placed them, and those that are not the body's
                                [Size: march->pieces * (BVXI_CUT_KINDS + 1)] */
 } bvxi_cuts;

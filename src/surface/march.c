@@ -3,7 +3,7 @@
  * Source: Lorensen, Cline. Marching Cubes. 1987; two passes with row offsets as in Schroeder et al. Flying
  * Edges. 2015.
  *
- * Rows are read 64 cells at a time: crossing masks by shift and XOR, vertex numbers by rank, no cell or edge
+ * Rows are read 64 cells at a time: crossing masks by shift and XOR, vertex indices by rank, no cell or edge
  * is cached. A first pass counts vertices and triangles of each row of cells, prefix sums give every row its
  * place, a second pass writes. Guarantee: closed where sides are closed, outwards, manifold, canonical order;
  * no thread shows in it. */
@@ -12,7 +12,7 @@
 
 enum { SLOT_GRAIN = 64 };
 
-/* f32 holds coordinates up to the one, and tells neighbours apart where it has this many steps a voxel. */
+/* f32 holds coordinates up to the one, and distinguishes neighbours where it has this many steps a voxel. */
 #define FLOAT_LIMIT 3.0e38
 #define FLOAT_STEPS 256.0
 
@@ -208,7 +208,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     choose_cells(m);
     m->slot_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
 
-    /* How the work is divided follows from the shape alone, never from the number of threads. */
+    /* How the work is divided follows from the shape only, never from the number of threads. */
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers",
                         &m->slots));

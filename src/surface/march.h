@@ -60,7 +60,7 @@ int bvxi_fits_f32(const bvx_grid *grid, const double origin[3]);
 /* BVX_POSITION_AUTO becomes BVX_F32 where it fits, else BVX_F64; BVX_F32 is refused where it does not fit. */
 bvx_status bvxi_choose_position_type(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                      const double origin[3], int32_t *position_type);
-/* Doubles that could not tell neighbouring places apart. */
+/* Doubles that could not distinguish neighbouring places. */
 bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid *grid,
                           const double origin[3]);
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */

@@ -3,7 +3,7 @@
  * Source: Lorensen, Cline. Marching Cubes. 1987.
  *
  * The samples become bits, inside or not, in one pass; the surface between set and empty centres is that of
- * march.c, which asks for the samples at the ends of crossing edges alone. Guarantee: that of march.c, since
+ * march.c, which requires the samples at the ends of crossing edges only. Guarantee: that of march.c, since
  * the tables' triangulations do not cross for any places inside the edges: closed, manifold, outwards,
  * whatever the samples hold. */
 #include "mesh/mesh.h"

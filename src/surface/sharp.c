@@ -12,7 +12,7 @@
  * No triangles cross, whatever the numbers are:
  *  - A fan over a loop on a box's surface from a point strictly inside the box is embedded, as every ray from
  *  the point meets
- *    the surface once; it touches the cell's faces in the loop alone, so neighbours are unchanged.
+ *    the surface once; it touches the cell's faces in the loop only, so neighbours are unchanged.
  *  - Cells with several loops keep their apexes only if all triangles of different loops are proven apart.
  *  - A side is turned only between two cells of one loop each, on a face that is cut once. The line from apex
  *  to apex lies in

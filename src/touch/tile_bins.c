@@ -105,7 +105,7 @@ static void bin_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Counts become places: tiles one behind the other, in each the pieces in order. */
+/* Counts become places: tiles one after the other, in each the pieces in order. */
 static uint64_t place_surface_bins(bin_job *b)
 {
     bvxi_surface_job *const job = b->job;

@@ -1,7 +1,7 @@
 /* voxelize_surface.c - the voxels that a mesh's surface touches: bvx_voxelize_surface.
  *
  * Vertices are snapped, triangles are sorted by tile of rows (tile_bins.c), each tile writes its own rows by
- * the definition asked for (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over
+ * the definition requested (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over
  * the tiles: the first counts by rank, the second fills in.
  * Guarantee: exact; the same bits for any order of triangles, threads and windows. */
 #include "touch/surface_voxels.h"
@@ -81,7 +81,7 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 
 /* ---- attached triangles ---- */
 
-/* Counts to places: each voxel's first, the total behind the last. */
+/* Counts to places: each voxel's first, the total after the last. */
 static uint64_t place_attached(uint64_t *offset, uint64_t voxels)
 {
     uint64_t total = 0;

@@ -281,7 +281,7 @@ static uint64_t hash_of_place(const int32_t q[3])
     return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
 }
 
-/* Vertices by their places. table: a vertex number plus 1, or 0; NULL: the tree is used. */
+/* Vertices by their places. table: a vertex index plus 1, or 0; NULL: the tree is used. */
 typedef struct place_table {
     const bvxi_snapped *snapped;
     uint32_t *table;
@@ -341,7 +341,7 @@ static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint3
     return BVXI_UNLIKELY(p->probes > bvxi_probe_limit(++p->searches)) ? plant_place_tree(ctx, p) : BVX_OK;
 }
 
-/* The edges that are left over by number, by their places. */
+/* The edges that remain by number, by their places. */
 static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uint64_t *list, uint64_t count,
                               edge_table *t)
 {

@@ -2,15 +2,15 @@
  *
  * Where a vertex of one triangle lies on the middle of another's side (a T-junction, as rectangles of merged
  * voxel faces have them) no edge has a partner, and yet nothing is open: the long edge is covered by short
- * ones that run the other way. So edges of one line are swept from its one end to the other, and what is left
+ * ones that run the other way. So edges of one line are swept from its one end to the other, and what remains
  * is where more of them run one way than the other. A line on which nothing cancels keeps its edges.
  *
- * Lines are told apart exactly: by their direction, divided by the greatest common divisor of its components,
- * and its cross product with a point of theirs, which is the same for all. Coordinates lie below 2^30, so
- * directions below 2^31, products below 2^61 and their differences below 2^62.
+ * Lines are distinguished exactly: by their direction, divided by the greatest common divisor of its
+ * components, and its cross product with a point of theirs, which is the same for all. Coordinates lie below
+ * 2^30, so directions below 2^31, products below 2^61 and their differences below 2^62.
  *
  * Source: Plücker. On a New Geometry of Space. 1865 (a line by direction and moment).
- * Guarantee: exact; never more edges than before, which follow from the given ones' places alone. */
+ * Guarantee: exact; never more edges than before, which follow from the given ones' places only. */
 #include "mesh/radix.h"
 #include "winding/holes.h"
 
@@ -31,7 +31,7 @@ typedef struct line_work {
     uint32_t *order; /* edges, those of a line side by side [Size: count] */
     uint64_t *place; /* of the ends on one line, ascending [Size: count * 2] */
     uint32_t *end;   /* edge << 1 | 1 where it is the higher one [Size: count * 2] */
-    uint32_t *start; /* vertices at which what is left begins [Size: count] */
+    uint32_t *start; /* vertices at which what remains begins [Size: count] */
     uint64_t *left;  /* edges [Size: count] */
     uint64_t left_count;
 } line_work;

@@ -3,7 +3,7 @@
  * At every vertex an even number of open edges meet (a triangle brings two, or none, to each), so a walk
  * along unused ones ends where it began, and parts into loops.
  * Guarantee: corners are numbered by their places, edges by their corners, and the walk takes the least
- * number that the triangles' own direction allows: the loops follow from the geometry alone. */
+ * number that the triangles' own direction allows: the loops follow from the geometry only. */
 #include "winding/holes.h"
 
 enum { HOLE_INSERTION_LIMIT = 32 };

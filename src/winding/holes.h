@@ -4,7 +4,7 @@
 
 #include "solid/solid.h"
 
-/* The loops, one behind the other. A loop of points p[0] .. p[n - 1] has the
+/* The loops, one after the other. A loop of points p[0] .. p[n - 1] has the
  * sheet of n - 2 triangles (i, m, j), m halfway between i and j, beginning
  * with (0, n - 1). What the sheet does over points i .. j is the node of m. */
 typedef struct bvxi_holes {
@@ -17,7 +17,7 @@ typedef struct bvxi_holes {
 
 /* Find the edges that an odd number of triangles have, corners at equal snapped places taken as one, and join
  * them to loops. Triangles without area among them cancel out. The loops depend on the snapped triangles
- * alone, not on any order of theirs. No loop: every row of centres meets the mesh an even number of times.
+ * only, not on any order of theirs. No loop: every row of centres meets the mesh an even number of times.
  * snapped: of axis 0; corners are below its vertices. Scratch: 16 bytes a vertex; then 8 and about 150 an
  * open edge; where most corners have numbers of their own 30 a vertex. */
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,

@@ -3,7 +3,7 @@
  * Sources: Van Oosterom, Strackee. The Solid Angle of a Plane Triangle. 1983; Barill, Dickson, Schmidt,
  * Levin, Jacobson. Fast Winding Numbers for Soups and Clouds. 2018 (far parts as dipoles); Jacobson, Kavan,
  * Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding Numbers. 2013 (what lies
- * behind a hole follows from its edge alone).
+ * behind a hole follows from its edge only).
  *
  * A part of the sheet that is far off counts as a dipole at the middle of its ball. With area A, radius r,
  * distance d the error is below A r / (2 pi (d - r)^3) turns; parts are opened until the sum of that leaves
@@ -29,7 +29,7 @@ typedef struct sheet_sum {
     int32_t rounds, factors;
     double turns, error;
     double near;  /* parts are opened until their error is below */
-    double reach; /* 0: the place alone, nothing below is gathered */
+    double reach; /* 0: the place only, nothing below is gathered */
     double gradient[3], rest, bend, edge_rest;
     bvxi_sheet_look *look; /* gets near edges and triangles */
 } sheet_sum;

@@ -56,7 +56,7 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
 void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet);
 
 /* touching_angle.c: half the solid angle of triangle q at the displaced centre p, as that of (re, im), where
- * doubles cannot tell: in its plane or nearly so. v: the corners as seen from p; det, re, im: what doubles
+ * doubles cannot decide: in its plane or nearly so. v: the corners as seen from p; det, re, im: what doubles
  * have, det also for im. Returns 1 where p lies on the side away from its normal, where the angle is
  * positive. */
 int bvxi_touching_angle(const int32_t *const q[3], const int64_t p[3], const double v[3][3], double det,
@@ -71,7 +71,7 @@ double bvxi_sheet_angle(const bvxi_sheet *sheet, const int64_t p[3], double near
 typedef struct bvxi_sheet_answer {
     int32_t whole; /* the nearest whole number */
     int32_t tie;   /* not 0: the angle is a half from whole to 1e-8; 1 above it, -1 below */
-    int32_t clear; /* 1: it is nearer than a quarter; right only when asked for */
+    int32_t clear; /* 1: it is nearer than a quarter; right only when requested */
 } bvxi_sheet_answer;
 
 bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *sheet, const int64_t p[3], int32_t want_clear);
@@ -119,7 +119,7 @@ void bvxi_sheet_around(const bvxi_sheet *sheet, const int64_t p[3], double reach
                        double edge_rest, bvxi_sheet_look *look);
 
 /* sheet_four.c: the same for four places, some of which may be one. Angles have the same digits, near >= 0;
- * around the places, with one reach, what is told is as right in others. */
+ * around the places, with one reach, what is reported is as right in others. */
 void bvxi_sheet_angles_four(const bvxi_sheet *sheet, const int64_t p[4][3], double near, double turns[4]);
 void bvxi_sheet_around_four(const bvxi_sheet *sheet, const int64_t p[4][3], double reach, double near,
                             double edge_rest, bvxi_sheet_look look[4]);
@@ -127,7 +127,7 @@ void bvxi_sheet_turns_four(const bvxi_sheet *sheet, const int64_t p[4][3], int32
                            bvxi_sheet_answer answer[4]);
 
 /* sheet_near.c: what the near edges sweep on the straight way from the place by h, added to *turns; and how
- * often that enters the near triangles, more than leaves. 0: doubles cannot tell. */
+ * often that enters the near triangles, more than leaves. 0: doubles cannot decide. */
 int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *turns);
 int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *times);
 

@@ -1,10 +1,10 @@
 /* sheet_four.c - the solid angle of the sheet over a mesh's holes, from four places at once.
  *
- * The sums of sheet.c in four lanes. Parts are opened where one of the four asks for it, so each is as near
- * as by itself; neighbours ask for nearly the same. Where digits count, lanes that do not ask for it stand
+ * The sums of sheet.c in four lanes. Parts are opened where one of the four requires it, so each is as near
+ * as by itself; neighbours require nearly the same. Where digits count, lanes that do not require it stand
  * still meanwhile. What is rare (a place in a triangle's plane, near edges and triangles to be listed) is
  * done lane by lane.
- * Guarantee: that of sheet.c. Without vectors its own functions are asked four times. */
+ * Guarantee: that of sheet.c. Without vectors its own functions are evaluated four times. */
 #include "winding/sheet.h"
 #include "core/angle.h"
 #include "core/simd.h"

@@ -275,7 +275,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int
     }
 }
 
-/* Four places that are not told with the first parts are asked one by one. */
+/* Four places that are not told with the first parts are evaluated one by one. */
 BVXI_SIMD_CODE static void BVXI_SIMD(turns_four)(const bvxi_sheet *s, const int64_t p[4][3],
                                                  int32_t want_clear, bvxi_sheet_answer answer[4])
 {

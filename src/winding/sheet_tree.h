@@ -30,7 +30,7 @@ void bvxi_sheet_tree_close(bvx_context *ctx, bvxi_sheet_tree *tree);
  * taken as wholes where they look smaller than q. */
 double bvxi_sheet_tree_angle(const bvxi_sheet *sheet, const int64_t p[3], double q, double *error);
 
-/* sheet.c: the angle of the triangles of some cells alone, right to 1e-8. */
+/* sheet.c: the angle of the triangles of some cells only, right to 1e-8. */
 double bvxi_sheet_cells_angle(const bvxi_sheet *sheet, const int64_t p[3], const uint32_t *cells,
                               uint64_t count);
 

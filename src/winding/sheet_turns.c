@@ -1,15 +1,15 @@
 /* sheet_turns.c - the whole number nearest to the sheet's angle, at all centres of a block.
  *
- * Bricks, and centres by themselves, are asked four at a time (sheet_four.c).
+ * Bricks, and centres by themselves, are evaluated four at a time (sheet_four.c).
  *
  * Source: the hierarchy is that of Barill, Dickson, Schmidt, Levin, Jacobson. Fast Winding Numbers for Soups
  * and Clouds. 2018, on the side of the questions.
  *
- * A brick is asked at its middle, where the angle comes with its gradient and with a bound on how far it may
- * be from linear within the brick (sheet.c). Where that leaves no doubt for any centre, and no sheet is near,
- * all have one whole number. Else the brick is cut into eight. A small one tells what its centres have: the
- * linear angle, what near edges sweep on the way from the middle, and which near triangles that way crosses
- * (sheet_near.c). Centres nearer than the bound to a half are asked by themselves.
+ * A brick is evaluated at its middle, where the angle comes with its gradient and with a bound on how far it
+ * may be from linear within the brick (sheet.c). Where that leaves no doubt for any centre, and no sheet is
+ * near, all have one whole number. Else the brick is cut into eight. A small one says what its centres have:
+ * the linear angle, what near edges sweep on the way from the middle, and which near triangles that way
+ * crosses (sheet_near.c). Centres nearer than the bound to a half are evaluated by themselves.
  * Guarantee: what each centre would say by itself, so where bricks lie does not matter. */
 #include "winding/sheet_tree.h"
 #include "winding/turns_brick.h"

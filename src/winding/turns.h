@@ -1,7 +1,7 @@
 /* turns.h - by how many whole turns the sheet over holes moves what rows say, at all centres of a grid. Not
  * installed.
  *
- * With a sheet over its holes a mesh is closed, and rows along x tell the turns N of both. The mesh alone has
+ * With a sheet over its holes a mesh is closed, and rows along x give the turns N of both. The mesh alone has
  * N + w, w the sheet's solid angle in turns, and whole(N + w) = (N of the mesh) - (N of the sheet) +
  * whole(w): see winding.c, vote.c. */
 #ifndef BVXI_TURNS_H
@@ -23,10 +23,10 @@ typedef struct bvxi_turns_block {
     const bvxi_sheet *sheet;
     bvxi_row_codes crossed[BVXI_TURNS_ROWS]; /* by the sheet */
     int32_t low[3], size[3];                 /* [Units: lattice voxels] */
-    int32_t ties;                            /* 1: an angle of a half to 1e-8 is told as such */
+    int32_t ties;                            /* 1: an angle of a half to 1e-8 is reported as such */
     int32_t want_clear;
     int32_t all_open;
-    uint32_t open[BVXI_TURNS_ROWS]; /* centres that are asked for, as bits along x */
+    uint32_t open[BVXI_TURNS_ROWS]; /* centres that are requested, as bits along x */
     /* want_clear: of these, those nearer than a quarter to a whole number */
     uint32_t clear[BVXI_TURNS_ROWS];
     int32_t dirty; /* 0: turns are 0 everywhere */
@@ -58,7 +58,7 @@ typedef void bvxi_turns_rule_fn(const bvxi_turns_job *job, const bvxi_turns_bloc
 struct bvxi_turns_job {
     const bvxi_sheet *sheet;              /* with open edges */
     const bvx_grid *grid;                 /* rows along x: a block of rows of it is filled */
-    const uint64_t *known;                /* where not NULL: centres that are not asked for, words as grid */
+    const uint64_t *known;                /* where not NULL: centres that are not requested, words as grid */
     uint64_t *clear;                      /* where not NULL: gets those that are clear, words as grid */
     const bvxi_solid_job *solid;          /* the block of rows */
     const bvxi_row_lists *mesh, *crossed; /* mesh may be NULL */

@@ -5,12 +5,12 @@
  * Numbers. 2013.
  *
  * The winding number is the mesh's solid angle in turns. With a sheet over its open edges the mesh is closed,
- * rows along x tell the turns of both in whole numbers, and only the sheet's own angle has a fraction
- * (turns.h): near the holes bricks of centres are asked for it, elsewhere it rounds to 0. An edge is open
+ * rows along x give the turns of both in whole numbers, and only the sheet's own angle has a fraction
+ * (turns.h): near the holes bricks of centres are requested it, elsewhere it rounds to 0. An edge is open
  * when triangles run along it more often one way than the other.
  * Guarantee: local. A winding number within 1e-8 of a half counts as a half, which is outside; all others
  * fall as in the reals, crossings with the snapped triangles being exact. A mesh without open edges is filled
- * as by the rule nonzero, bit for bit. The bits follow from the snapped triangles alone. */
+ * as by the rule nonzero, bit for bit. The bits follow from the snapped triangles only. */
 #include "winding/turns.h"
 #include "winding/winding.h"
 

@@ -36,7 +36,7 @@ typedef struct bench_memory {
         size_t room, asked;
         int used;
     } block[BENCH_BLOCKS];
-    uint64_t live, peak; /* bytes asked for */
+    uint64_t live, peak; /* bytes requested */
 } bench_memory;
 
 void *bench_alloc(void *memory, size_t size, size_t align);

@@ -3,7 +3,7 @@
  *   bench_core MESH FOLDER [RUNS]
  *
  * Loading is left out, memory is warm on both sides, and the contenders take turns in every run, so that a
- * disturbance meets them all. The least of many runs is compared; the median beside it tells how noisy the
+ * disturbance meets them all. The least of many runs is compared; the median beside it says how noisy the
  * machine was. Prints a table and writes FOLDER/core.json; for others to work on also the mesh's arrays, the
  * bits of the solid and solid.json, which says what they are. */
 #include "bench.h"

@@ -3,8 +3,8 @@
  *   bench_morph MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/morph.jsonl: targets, and
  *   OUT/morph_dragon.npy and OUT/morph_random.npy: the grids
  *
- * Warm memory, one thread by processor time and two by the clock; the least of the runs is told. The dragon's
- * grid is padded to 512 along each axis. */
+ * Warm memory, one thread by processor time and two by the clock; the least of the runs is reported. The
+ * dragon's grid is padded to 512 along each axis. */
 #include "bench_models.h"
 
 #include <inttypes.h>

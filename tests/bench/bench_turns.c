@@ -4,7 +4,7 @@
  *
  * Works on mesh.positions and mesh.triangles in FOLDER. Reads lines "JOB THREADS" (JOB: solid, surface, job,
  * level) from standard input, does the job once on warm memory and answers with its milliseconds. The jobs
- * are those of bench_core; level is the main job's finest level alone, from mesh to arrays. */
+ * are those of bench_core; level is the main job's finest level only, from mesh to arrays. */
 #include "bench.h"
 
 #include <stdlib.h>

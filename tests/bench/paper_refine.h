@@ -12,7 +12,7 @@ typedef struct paper_counts {
     uint64_t bytes;                    /* taken for nodes and lists */
 } paper_counts;
 
-/* base: the lattice of level 0. states 0: surface voxels alone, as an octree voxelization makes them.
+/* base: the lattice of level 0. states 0: surface voxels only, as an octree voxelization makes them.
  * points: x, y, z of each vertex [Units: world]. Ends the program when memory runs out. */
 paper_tree *paper_refine(bench_memory *memory, const double *points, uint64_t point_count,
                          const uint32_t *triangles, uint64_t triangle_count, const bvx_lattice *base,

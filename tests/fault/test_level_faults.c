@@ -147,7 +147,7 @@ static void assert_well(const job *j, const char *wrong)
 }
 
 /* Sanitizers make these tests slow: with BVX_QUICK the job that joins two
- * others is left out, and several threads do one alone. */
+ * others is left out, and several threads do one only. */
 static int is_left_out(int i, int32_t threads)
 {
     if (getenv("BVX_QUICK") == NULL) return 0;

@@ -72,7 +72,7 @@ static inline int fuzz_read_file(bvx_context *ctx, const uint8_t *file, size_t s
     return read;
 }
 
-/* As it is; and with right checksums, else nothing behind them would ever be tried. Both in blocks of exact
+/* As it is; and with right checksums, else nothing after them would ever be tried. Both in blocks of exact
  * size, so that a sanitizer sees a read beyond the end. */
 static inline int fuzz_read_twice(bvx_context *ctx, const uint8_t *bytes, size_t size, int format)
 {

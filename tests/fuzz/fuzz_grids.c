@@ -302,7 +302,7 @@ static void fuzz_seed_npy(fuzz_file *s)
     fuzz_put(s, "\n\0\1\0\0\1\0\0\0\0\0\0\3\0\0\200\0\0\0\0\0\0\1\0\2", 25);
 }
 
-/* Text, and bytes behind it. */
+/* Text, and bytes after it. */
 static void fuzz_seed_with(fuzz_file *s, const char *text, const void *data, size_t n)
 {
     fuzz_put_text(s, text);
@@ -361,7 +361,7 @@ static void fuzz_store(uint8_t *p, uint64_t v)
     for (int i = 0; i < 8; i++) p[i] = (uint8_t)(v >> 8 * i & 0xff);
 }
 
-/* Right checksums again, as far as the slices can be followed: else nothing behind them would ever be
+/* Right checksums again, as far as the slices can be followed: else nothing after them would ever be
  * tried. */
 static void fuzz_seal(uint8_t *file, size_t size, int format)
 {

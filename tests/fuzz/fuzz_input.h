@@ -33,7 +33,7 @@ static inline void fuzz_require(int good, const char *what)
     abort();
 }
 
-/* ---- Numbers: behind the end of the input all are 0 ---- */
+/* ---- Numbers: after the end of the input all are 0 ---- */
 
 static inline uint32_t fuzz_byte(fuzz_input *in)
 {

@@ -185,7 +185,7 @@ static double fuzz_pairs(const bvx_grid *grid, const int32_t at[3], int wanted, 
     return least;
 }
 
-/* Voxels beyond the window that are as near as the nearest one inside leave open which is told. */
+/* Voxels beyond the window that are as near as the nearest one inside leave open which is reported. */
 static int fuzz_beyond_as_near(const bvx_grid *grid, const int32_t at[3], int wanted, int32_t beyond,
                                double square)
 {

@@ -103,7 +103,7 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_buffer_free(ctx, &twin);
 }
 
-/* What is told of a file is what reading it gives, and what does not fit is refused. */
+/* What is reported of a file is what reading it gives, and what does not fit is refused. */
 static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
 {
     bvx_write_options o;

@@ -10,7 +10,7 @@ static const bvx_mesh_view *fuzz_second_view(fuzz_input *in, fuzz_mesh *m)
     return &m->view;
 }
 
-/* One rule on the whole, portable and alone. */
+/* One rule on the whole, portable and only. */
 static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
                      const bvx_lattice *lattice, bvx_grid *solid)
 {

@@ -81,7 +81,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
 
 /* ---- files to begin with ---- */
 
-/* Whole, with a window, with a tolerance, the base alone, one voxel of many levels. */
+/* Whole, with a window, with a tolerance, the base only, one voxel of many levels. */
 static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_file *s)
 {
     static const float positions[24] = {0.2f, 0.3f, 0.4f, 4.7f, 0.5f, 0.6f, 1, 4.2f, 0.7f, 2, 2, 4.4f,
@@ -123,7 +123,7 @@ static void fuzz_store(uint8_t *p, uint64_t v)
     for (int i = 0; i < 8; i++) p[i] = (uint8_t)(v >> 8 * i & 0xff);
 }
 
-/* Right checksums again, as far as the levels can be followed: else nothing behind them would ever be
+/* Right checksums again, as far as the levels can be followed: else nothing after them would ever be
  * tried. */
 static void fuzz_seal(uint8_t *file, size_t size, int format)
 {

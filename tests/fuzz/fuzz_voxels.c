@@ -73,7 +73,7 @@ static void fuzz_seeds(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
     bvx_grid_free(ctx, &filled);
 }
 
-/* Outside by a flood from beyond the lattice through faces; what is left and no surface is inside. */
+/* Outside by a flood from beyond the lattice through faces; what remains and no surface is inside. */
 static void fuzz_flood(const bvx_grid *surface, uint8_t *outside, int32_t *stack)
 {
     int32_t const nx = surface->size[0], ny = surface->size[1], nz = surface->size[2];

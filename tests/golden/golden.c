@@ -2,7 +2,7 @@
  *
  *   golden [--threads N]                 compare; one line a difference; the last line is "N passed, N
  *   failed"
- *   golden --portable, --avx2           by this code alone; a processor that has none of it ends with status
+ *   golden --portable, --avx2           by this code only; a processor that has none of it ends with status
  *   77
  *   golden --print                      and print every line as computed (make matrix compares these between
  *   builds)

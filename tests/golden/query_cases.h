@@ -39,7 +39,7 @@ static uint64_t mixed_integers(uint64_t hash, const int32_t *values, uint64_t co
 
 enum { QUERY_COUNT = 200, QUERY_PAIRS = 20000 };
 
-/* Points and rays from a fixed generator, in and round the torus. */
+/* Points and rays from a fixed generator, in and around the torus. */
 static void query_numbers(double *numbers, uint64_t count)
 {
     uint64_t state = 99;

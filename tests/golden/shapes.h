@@ -1,4 +1,4 @@
-/* shapes.h - meshes for golden values, from integers, sums, products, quotients and square roots alone. */
+/* shapes.h - meshes for golden values, from integers, sums, products, quotients and square roots only. */
 #ifndef GOLDEN_SHAPES_H
 #define GOLDEN_SHAPES_H
 
@@ -33,7 +33,7 @@ static inline void shape_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
     s->triangles++;
 }
 
-/* Point number i of n round the unit circle: four quarters of the rational parametrization, no sine. */
+/* Point number i of n around the unit circle: four quarters of the rational parametrization, no sine. */
 static inline void shape_circle(int32_t i, int32_t n, double *x, double *y)
 {
     int32_t const quarter = 4 * i / n;

@@ -2,7 +2,7 @@
  * in before each source by analyze.sh, which defines ANALYZED_<its name> and IN_<its room>; never compiled
  * into anything.
  *
- * A function that tells of a failure returns the status that it is given, which is no success; an allocation
+ * A function that reports a failure returns the status that it is given, which is no success; an allocation
  * that succeeds gives a block. The file that defines such a function sees it as it is: there the analyzers
  * check what is said here. */
 #ifdef IN_cli

@@ -162,7 +162,7 @@ static inline size_t defect_any(const maker_mesh *m, uint64_t *seed)
     return (size_t)maker_below(seed, (int32_t)m->triangles);
 }
 
-/* At most what the hull of the triangles round a vertex has: a disc of
+/* At most what the hull of the triangles around a vertex has: a disc of
  * their reach, as high as they are over their mean plane. */
 static inline double defect_patch(const maker_mesh *m, uint32_t v, double *reach)
 {

@@ -1,17 +1,17 @@
-/* fail_calls.c - runs a program whose calls to the system fail where it is told, or do a part of what they
- * are asked.
+/* fail_calls.c - runs a program whose calls to the system fail where they are told to, or do a part of what
+ * they are asked.
  *
  *   fail_calls SEEN CALL WAY FIRST LAST PROGRAM ARGUMENTS...
  *
  * CALL: read, write, open, close, rename, link, remove, look (stat), memory (mmap), thread.
  * WAY: an error by its name, which the calls FIRST to LAST return (LAST 0: all from FIRST on); a signal by
- * its name, which the program gets when it makes them; or "short": they are asked for a third of their bytes,
+ * its name, which the program gets when it makes them; or "short": they are requested a third of their bytes,
  * one at least. Calls are numbered from the moment when the program looks at its standard streams, so that
  * the loader's are left alone; writes to standard error are not counted. SEEN is a file that gets the number
  * of calls. Exit status: the program's, 128 and the signal's number when one ended it, 125 when nothing ran.
  *
  * It traces the program (ptrace), because calls inside the C library cannot be replaced by preloading. Linux
- * on x86-64 alone; elsewhere it says so with status 77. */
+ * on x86-64 only; elsewhere it says so with status 77. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>

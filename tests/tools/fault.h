@@ -7,7 +7,7 @@
  *   assert_null(fault_every_allocation(fill, &data, NULL, &allocations));
  *   assert_null(fault_every_cancel(fill, &data, NULL, &calls));
  *
- * The operation is run again and again, so it must leave its inputs alone. It frees what it got on success
+ * The operation is run again and again, so it must leave its inputs only. It frees what it got on success
  * only: what a failed call left behind counts as a leak, as it should. */
 #ifndef FAULT_H
 #define FAULT_H
@@ -31,7 +31,7 @@ typedef struct fault_block {
 typedef struct fault_heap {
     uint64_t fail_at; /* this allocation returns NULL, 1 being the first; 0: none */
     int for_ever;     /* and so does each one after it */
-    uint64_t asked;   /* allocations asked for */
+    uint64_t asked;   /* allocations requested */
     uint64_t failed;  /* allocations refused */
     uint64_t live_blocks, live_bytes, peak_bytes;
     fault_block *blocks; /* the live ones, youngest first */
@@ -212,7 +212,7 @@ static inline const char *fault_allocation(fault_operation_fn *operation, void *
     return fault_after(context, status, *failed ? BVX_ERR_MEMORY : BVX_OK);
 }
 
-/* Run with allocation n and all that follow failing, then with it alone, n = 1, 2, ... until a run asks for
+/* Run with allocation n and all that follow failing, then with it only, n = 1, 2, ... until a run asks for
  * fewer. Each failure gives BVX_ERR_MEMORY with a message, leaks nothing, and the same context does the work
  * afterwards. *allocations: how many places there are. */
 static inline const char *fault_every_allocation(fault_operation_fn *operation, void *user,

@@ -48,7 +48,7 @@ static inline void field_maker_centre(const bvx_grid *g, int32_t x, int32_t y, i
         p[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
 }
 
-/* The closest point of a mesh: the least distance, then the least triangle. */
+/* The closest point of a mesh: the least distance, then the lowest triangle. */
 static inline double field_maker_closest(const maker_mesh *m, const double p[3], double q[3],
                                          uint32_t *triangle)
 {

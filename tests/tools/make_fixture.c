@@ -4,8 +4,8 @@
  *
  * Only + - * / and sqrt are used, so every machine writes the same bytes (compile with -ffp-contract=off).
  * Circles come from halving a right angle and turning on; multiples of an angle from products of complex
- * numbers. The knot runs twice round the axis and three times round a torus. The rope is a grid of rings and
- * spokes closed in both directions, so every edge has two triangles; each quad is split along its shorter
+ * numbers. The knot runs twice around the axis and three times around a torus. The rope is a grid of rings
+ * and spokes closed in both directions, so every edge has two triangles; each quad is split along its shorter
  * diagonal. */
 #include <math.h>
 #include <stdint.h>
@@ -15,7 +15,7 @@
 
 enum {
     RINGS = 480, /* along the knot */
-    SPOKES = 40, /* round the tube */
+    SPOKES = 40, /* around the tube */
     STRANDS = 4, /* of the rope */
     TWIST = 10,  /* turns of the strands along the knot */
     CIRCLE = 480 /* least common multiple of RINGS and SPOKES: angles are counted in its parts */
@@ -80,7 +80,7 @@ static turn angle(long n)
 static void place(int i, int j, float out[3])
 {
     long const t = (long)i * (CIRCLE / RINGS), u = (long)j * (CIRCLE / SPOKES);
-    turn const a = angle(2 * t), b = angle(3 * t); /* round the axis, round the torus */
+    turn const a = angle(2 * t), b = angle(3 * t); /* around the axis, around the torus */
     turn const groove = angle(STRANDS * u), spoke = angle(u - TWIST * t); /* spokes wind with the strands */
     double const r = MAJOR + MINOR * b.c;
     double const centre[3] = {r * a.c, r * a.s, MINOR * b.s};

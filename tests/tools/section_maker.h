@@ -1,5 +1,5 @@
 /* section_maker.h - stacks of contours for tests, by + - * / and sqrt
- * alone, so that they are the same everywhere. */
+ * only, so that they are the same everywhere. */
 #ifndef SECTION_MAKER_H
 #define SECTION_MAKER_H
 
@@ -63,7 +63,7 @@ static inline void stack_circle(double turn, double *x, double *y)
     *y = quarter == 0 ? d : quarter == 1 ? c : quarter == 2 ? -d : -c;
 }
 
-/* A loop of n points round a centre, counter-clockwise or not; wave is the
+/* A loop of n points around a centre, counter-clockwise or not; wave is the
  * share of the radius by which it goes in and out. */
 static inline void stack_round(section_maker *m, uint32_t section, double cx, double cy, double rx, double ry,
                                int n, double wave, double phase, int clockwise)

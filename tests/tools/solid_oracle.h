@@ -1,4 +1,4 @@
-/* solid_oracle.h - which voxel centres lie inside a mesh, slowly and from the rules alone, for tests.
+/* solid_oracle.h - which voxel centres lie inside a mesh, slowly and from the rules only, for tests.
  *
  * The centre of a row is moved by (e_x, e_y, e_z), e_x >> e_y >> e_z > 0, by writing every test as a
  * polynomial in the three and taking the sign of its first coefficient that is not zero. All numbers are

@@ -1,4 +1,4 @@
-/* touch_oracle.h - which voxels a triangle touches, voxel by voxel and from the definitions alone, for tests.
+/* touch_oracle.h - which voxels a triangle touches, voxel by voxel and from the definitions only, for tests.
  *
  * Coordinates are whole numbers of 2^-F voxels, all sums are exact (exact.h). Conservative: the thirteen
  * separating axes of box and triangle. Thin: two ends of a segment lie on different sides of the plane and

@@ -135,7 +135,7 @@ static inline double distance_to(size_t triangle, const double p[3])
 
 /* ---- shapes ---- */
 
-/* A tube of radius r round a circle of radius R in the plane z = centre[2], stretched along z. */
+/* A tube of radius r around a circle of radius R in the plane z = centre[2], stretched along z. */
 static inline void add_torus(const double centre[3], double R, double r, double stretch, int32_t around,
                              int32_t across)
 {

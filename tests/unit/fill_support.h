@@ -29,7 +29,7 @@ static inline bvx_grid surface_of(const bvx_lattice *l)
 }
 
 /* Bytes by voxel. sure: 1 where the parities agree and balance along all axes or, where the triangles run one
- * way, the solid angle lies within a quarter of a turn of a whole number; known off the surface alone. */
+ * way, the solid angle lies within a quarter of a turn of a whole number; known off the surface only. */
 typedef struct fill_scene {
     int32_t n[3];
     size_t count;

@@ -38,7 +38,7 @@ static inline const char *json_member(const char *p, const char *name)
     return NULL;
 }
 
-/* Element i of an array; NULL behind the last. */
+/* Element i of an array; NULL after the last. */
 static inline const char *json_item(const char *p, int i)
 {
     TEST_ASSERT_EQUAL_INT('[', *p);

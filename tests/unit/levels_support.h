@@ -81,7 +81,7 @@ static inline bvx_certificate certificate_of(const bvx_mesh *m)
     return c;
 }
 
-/* Closed, manifold, oriented, nothing left over, and as many handles and pieces as were given. */
+/* Closed, manifold, oriented, nothing remaining, and as many handles and pieces as were given. */
 static inline void assert_whole(const bvx_mesh *m, int64_t euler, uint64_t components)
 {
     bvx_certificate const c = certificate_of(m);

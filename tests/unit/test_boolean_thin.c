@@ -176,7 +176,7 @@ static void test_a_piece_of_a_plate(void)
     assert_volume(1.2 * 1.0 * 2 * h, 0.1);
 }
 
-/* Nothing thin: nothing is told, and the option does nothing. */
+/* Nothing thin: nothing is reported, and the option does nothing. */
 static void test_thick_bodies_are_as_without(void)
 {
     uint64_t vertices;

@@ -243,7 +243,7 @@ static void test_carry_leaves_alone_what_the_source_lacks(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target)); /* nothing at all */
     TEST_ASSERT_EQUAL_MEMORY(&before, &target, sizeof before);
     give_colours(&source);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target)); /* colours alone */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_carry(ctx, &source, &target)); /* colours only */
     TEST_ASSERT_TRUE(target.uvs == before.uvs && target.uv_triangles == before.uv_triangles &&
                      target.uv_count == 20);
     TEST_ASSERT_TRUE(target.positions == before.positions && target.triangles == before.triangles);

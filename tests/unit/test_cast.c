@@ -316,7 +316,7 @@ static void test_cast_by_hand(void)
     hit = cast_one(between, HUGE_VAL); /* slides between rows 0 and 1 */
     TEST_ASSERT_TRUE(hit.hit == 1 && hit.t == 64.5 && hit.voxel[1] == 1);
     bvx_grid_set(&grid, 65, 0, 2, 1);
-    hit = cast_one(between, HUGE_VAL); /* both: the lower is told */
+    hit = cast_one(between, HUGE_VAL); /* both: the lower is reported */
     TEST_ASSERT_TRUE(hit.hit == 1 && hit.t == 64.5 && hit.voxel[1] == 0);
     hit = cast_one(beside, HUGE_VAL);
     TEST_ASSERT_TRUE(hit.hit == 0);

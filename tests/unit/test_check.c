@@ -616,7 +616,7 @@ static void test_every_allocation_may_fail(void)
     TEST_ASSERT_EQUAL_UINT64(10, allocations);
 }
 
-/* An arena holds the check, and is whole again behind it; a smaller one is told so. */
+/* An arena holds the check, and is whole again behind it; a smaller one is reported so. */
 static void test_check_runs_in_an_arena(void)
 {
     enum { SIZE = 1 << 16 };

@@ -186,7 +186,7 @@ static void test_the_report_is_of_the_file(void)
         }
 }
 
-/* Equal positions are one vertex in STL alone. */
+/* Equal positions are one vertex in STL only. */
 static void test_stl_joins_equal_positions(void)
 {
     bvx_mesh m = ball_at(0, 0, 0);

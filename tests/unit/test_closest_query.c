@@ -362,7 +362,7 @@ static void test_closest_is_the_same_for_any_threads(void)
 }
 
 /* Many points are put in order, in more than one batch: each answer is the
- * one that its point has alone, with vectors and without. */
+ * one that its point has only, with vectors and without. */
 static void test_closest_in_any_company(void)
 {
     enum { POINTS = (1 << 16) + 500 };

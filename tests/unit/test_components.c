@@ -185,7 +185,7 @@ static void test_components_join_what_meets_late(void)
                     if (turn == 0) set = z == 8 || (x % 2 == 0 && y % 2 == 0);
                     /* a spiral of open rings */
                     if (turn == 1) set = r % 2 == 0 && !(x == r && y == r + 1 && r < 14);
-                    /* touches across edges alone */
+                    /* touches across edges only */
                     if (turn == 2) set = (x + y + z) % 2 == 0;
                     b.set[at(&b, x, y, z)] = (uint8_t)set;
                 }

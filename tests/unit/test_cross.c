@@ -383,7 +383,7 @@ static void try_many(int range, int flat, int count)
     TEST_ASSERT_TRUE(met[0] > 0 && met[0] < count);
     TEST_ASSERT_TRUE(met[1] > 0 && met[1] < count);
     TEST_ASSERT_TRUE(met[2] > 0 && met[2] < count);
-    TEST_ASSERT_EQUAL_INT(0, met[6] + met[7]); /* a shared corner or edge alone */
+    TEST_ASSERT_EQUAL_INT(0, met[6] + met[7]); /* a shared corner or edge only */
 }
 
 static void test_cross_matches_the_common_part(void)
@@ -445,7 +445,7 @@ static void test_cross_by_hand(void)
     TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, beside));  /* neighbours in a plane */
     TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, folded));  /* a fold that lies flat */
     TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, wall));    /* neighbours at an angle */
-    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, pierced)); /* a corner alone */
+    TEST_ASSERT_EQUAL_INT(0, bvxi_triangles_cross(floor, pierced)); /* a corner only */
     TEST_ASSERT_EQUAL_INT(1, bvxi_triangles_cross(floor, floor));
     TEST_ASSERT_EQUAL_INT(1, bvxi_has_area(floor));
 }

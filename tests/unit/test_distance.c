@@ -211,7 +211,7 @@ static void test_the_tree_keeps_boxes_at_exactly_the_best_distance(void)
 {
     enum { SIDE = 12 };
     for (int round = 0; round < 12; round++) {
-        double const reach = round % 2 == 0 ? 4.0 : 400.0; /* told apart in floats, in doubles */
+        double const reach = round % 2 == 0 ? 4.0 : 400.0; /* distinguished in floats, in doubles */
         double points[POINTS * 3];
         maker_clear(&a);
         for (uint32_t y = 0; y < SIDE; y++)

@@ -39,7 +39,7 @@ static double squared(const int32_t a[3], const int32_t b[3], const double w[3])
     return (w[0] * d[0] + w[1] * d[1]) + w[2] * d[2];
 }
 
-/* The least square and the least index that has it; beyond: everything around the window is a target too. */
+/* The least square and the lowest index that has it; beyond: everything around the window is a target too. */
 static double all_pairs(const int32_t v[3], const target *list, size_t count, const double w[3], int beyond,
                         uint64_t *nearest)
 {

@@ -524,7 +524,7 @@ static void test_indices_beyond_the_vertices_are_refused(void)
     TEST_ASSERT_NULL(g.words);
 }
 
-/* Rules asked for by name are told as such. */
+/* Rules requested by name are reported as such. */
 static void test_rules_by_name_are_reported(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);

@@ -176,7 +176,7 @@ static void test_the_farthest_places(void)
     }
 }
 
-/* Both ways in part: what is left keeps its direction; where nothing cancels edges stay as they are. */
+/* Both ways in part: what remains keeps its direction; where nothing cancels edges stay as they are. */
 static void test_by_hand(void)
 {
     uint64_t const given[4] = {(uint64_t)0 << 32 | 7, (uint64_t)5 << 32 | 3, (uint64_t)8 << 32 | 9,

@@ -269,7 +269,7 @@ static void test_fit_refuses_contradicting_options(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_lattice_fit(ctx, &view, 4, NULL));
 }
 
-/* Any box gives what a mesh with these bounds gives, however its side is asked for. */
+/* Any box gives what a mesh with these bounds gives, however its side is requested. */
 static void test_a_box_is_fitted_like_a_mesh(void)
 {
     static const double boxes[][2][3] = {{{0, 0, 0}, {4, 2, 1}},

@@ -188,7 +188,7 @@ static void test_limits_lower_the_lattice(void)
     TEST_ASSERT_TRUE(before < planned / 3);
 }
 
-/* A resolution that was asked for is not lowered, and where nothing fits the call says so. */
+/* A resolution that was requested is not lowered, and where nothing fits the call says so. */
 static void test_limits_that_cannot_be_kept(void)
 {
     bvx_levels_options o = options_at(200);

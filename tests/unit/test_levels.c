@@ -174,7 +174,7 @@ static void test_what_is_not_sound_is_measured(void)
     }
 }
 
-/* What the mesh is stays so when it is asked for by name: an answer, or a refusal that names an edge. */
+/* What the mesh is stays so when it is requested by name: an answer, or a refusal that names an edge. */
 static void test_the_mesh_itself_when_asked_for(void)
 {
     for (int way = 0; way < SPOILT_WAYS; way++) {

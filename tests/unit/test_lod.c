@@ -333,7 +333,7 @@ static void test_coverage_of_long_rows_and_wide_boxes(void)
     for (size_t i = 0; i < COUNT(x); i += quick ? 3 : 1)
         for (int32_t part = 0; part < 3; part++) {
             make_unit_grid(part == 1 ? 9000 : 5000, 3, 2);
-            /* the last words alone */
+            /* the last words only */
             if (part == 2) set_box((const int32_t[]){4200, 0, 0}, (const int32_t[]){5000, 3, 2});
             else scatter(60, part == 0 ? 3 : 700);
             options.threshold = part == 2 ? 0.1 : 0.5;

@@ -556,7 +556,7 @@ static void test_what_hollow_refuses(void)
         if (bad >= 7) {
             o.drain_radius = 1.0;
             o.drain_placed = 1;
-            /* outside; through the wall alone */
+            /* outside; through the wall only */
             o.drain_at[0] = bad == 7 ? 1e9 : grid.lattice.origin[0] + 0.5;
             o.drain_at[1] = grid.lattice.origin[1] + 0.5;
         }

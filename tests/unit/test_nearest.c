@@ -163,7 +163,7 @@ static oracle oracle_of(const bvx_mesh_view *v)
     return o;
 }
 
-/* The least (distance squared, triangle number) over all triangles. */
+/* The least (distance squared, triangle index) over all triangles. */
 static uint32_t oracle_at(const oracle *o, const double p[3], double q[3], double *d2)
 {
     uint32_t best = 0;
@@ -498,7 +498,7 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
     bvx_context_destroy(other);
 }
 
-/* Values that are not asked for, and guesses that are right, hold for some centres, for few, for none. */
+/* Values that are not requested, and guesses that are right, hold for some centres, for few, for none. */
 static void test_nearest_fills_single_arrays(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {1, 1, 1}, guess[4] = {2.0, 0.9, 0.05, 0.0};
@@ -535,7 +535,7 @@ static void test_nearest_fills_single_arrays(void)
 
 /* ---- Many triangles ---- */
 
-/* A sphere of 2 n (n - 1) triangles round a centre of the lattice, from
+/* A sphere of 2 n (n - 1) triangles around a centre of the lattice, from
  * where all are equally far but for rounding. */
 static void make_sphere(int32_t n, double x, double y, double z, double r)
 {

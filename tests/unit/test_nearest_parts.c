@@ -23,7 +23,7 @@ void tearDown(void)
 
 /* Coordinates are whole numbers of 2^-24 below 4, so all products below are whole numbers of less than 127
  * bits: which part of the triangle is nearest is exact, and the distance is rounded in the last steps
- * alone. */
+ * only. */
 #define GRID 16777216.0
 typedef long double fine;
 #if defined(__SIZEOF_INT128__)

@@ -244,7 +244,7 @@ static void check_polygon(const flat *s, int simple)
 
 /* ---- makers of simple polygons ---- */
 
-/* Corners on rays in growing order round the origin. */
+/* Corners on rays in growing order around the origin. */
 static void make_star(uint32_t n, int32_t reach)
 {
     int64_t const side = (int64_t)n * 4; /* the rays go through a square of this half side */

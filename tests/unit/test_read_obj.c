@@ -161,7 +161,7 @@ static void test_read_obj_random(void)
 /* of half a megabyte: statements at their ends, errors in several of them */
 static void test_read_obj_in_pieces(void)
 {
-    enum { TOTAL = 30000 }; /* squares of vertex numbers fit 31 bits */
+    enum { TOTAL = 30000 }; /* squares of vertex indices fit 31 bits */
     char *const text = malloc(6 << 20);
     int *const want = malloc(1000000 * sizeof *want);
     uint64_t state = 5;

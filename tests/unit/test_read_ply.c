@@ -899,7 +899,7 @@ static void test_read_ply_every_prefix(void)
         int const good = check_every_prefix(file, file_size, PLY, 2);
         TEST_ASSERT_EQUAL_INT(how == ASCII ? 2 : 1, good); /* a text may lack its last newline */
     }
-    /* and with lists and other elements; those behind the last one that is wanted may be cut */
+    /* and with lists and other elements; those after the last one that is wanted may be cut */
     layout_state = 23;
     for (int round = 0; round < 6; round++) {
         put_any_layout(round % 3);

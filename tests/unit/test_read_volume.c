@@ -236,7 +236,7 @@ static void test_nrrd_names_of_data_files(void)
     check_names("\n", "7");
 }
 
-/* Names are asked for one by one, each time by reading the head. */
+/* Names are requested one by one, each time by reading the head. */
 static void test_heads_of_too_many_data_files(void)
 {
     static const char begin[] =

@@ -228,7 +228,7 @@ static void test_extremes(void)
     TEST_ASSERT_GREATER_THAN(50, checked);
 }
 
-/* Two octants that lie side by side: one axis alone tells them apart. */
+/* Two octants that lie side by side: one axis alone distinguishes them. */
 static void test_pairs_are_neighbours(void)
 {
     for (uint32_t mask = 1; mask < 256; mask++) {

@@ -62,7 +62,7 @@ static void test_one_slice_to_the_byte(void)
     bvx_grid_free(ctx, &g);
 }
 
-/* Three slices in reading order with lines between, three pixels a voxel; a fourth cell is left over. */
+/* Three slices in reading order with lines between, three pixels a voxel; a fourth cell remains. */
 static void test_a_sheet_to_the_byte(void)
 {
     static const char *const rows[14] = {

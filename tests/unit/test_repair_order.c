@@ -1,5 +1,6 @@
 /* test_repair_order.c - a repaired surface does not depend on how triangles, vertices and corners are
- * numbered, nor on which way the mesh is turned: equally near triangles are told apart by geometry alone. */
+ * numbered, nor on which way the mesh is turned: equally near triangles are distinguished by geometry
+ * alone. */
 #include "solid_support.h"
 
 #include <math.h>

@@ -305,7 +305,7 @@ static void test_crumbs_are_counted_and_kept_when_asked(void)
     bvx_mesh_free(ctx, &out);
 }
 
-/* Small parts that the mesh has stay, beside a body and alone; so do small cavities. */
+/* Small parts that the mesh has stay, beside a body and only; so do small cavities. */
 static void test_small_parts_of_the_mesh_stay(void)
 {
     bvx_repair_options const o = sharp_options(40, -1);
@@ -410,7 +410,7 @@ static void test_needs_are_named(void)
     TEST_ASSERT_EQUAL_INT32(BVX_NEEDS_NOTHING, needs_of_mesh());
 }
 
-/* A part within a part, outward and as a cavity, and one turned inward alone. */
+/* A part within a part, outward and as a cavity, and one turned inward only. */
 static void test_parts_within_parts(void)
 {
     double const low[3] = {0, 0, 0}, high[3] = {4, 4, 4}, in[3] = {1, 1, 1}, to[3] = {3, 3, 3};

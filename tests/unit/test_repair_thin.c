@@ -191,7 +191,7 @@ static void test_dropped_walls_are_told(void)
     repair_thin(48, BVX_THIN_DROP);
     TEST_ASSERT_EQUAL_UINT64(found, report.thin_voxels);
     TEST_ASSERT_EQUAL_INT32(0, report.thin_kept);
-    TEST_ASSERT_TRUE(report.after.components + report.crumbs > 100); /* most of what is left are crumbs */
+    TEST_ASSERT_TRUE(report.after.components + report.crumbs > 100); /* most of what remains are crumbs */
     for (int a = 0; a < 3; a++) {
         TEST_ASSERT_TRUE(report.thin_low[a] >= 2 && report.thin_low[a] <= 4);
         TEST_ASSERT_TRUE(report.thin_high[a] >= 48 && report.thin_high[a] <= 51);

@@ -529,7 +529,7 @@ static void test_arcs_by_cell(void)
     TEST_ASSERT_TRUE(asking > 100);
 }
 
-/* The same vertices and triangles in the same order, whether plain cells are told from others or not. */
+/* The same vertices and triangles in the same order, whether plain cells are treated apart from others or not. */
 static void test_plain_cells_are_what_tracing_gives(void)
 {
     uint64_t seed = 11, triangles = 0;

@@ -27,7 +27,7 @@ static void random_options(uint64_t *seed)
     o.caps = maker_below(seed, 2);
 }
 
-/* Slow machines are asked for less. */
+/* Slow machines are requested less. */
 static int rounds(int full)
 {
     return getenv("BVX_QUICK") != NULL ? full / 20 : full;

@@ -38,7 +38,7 @@ static float any_float(void)
     return x > 3e38 ? (float)HUGE_VAL : x < -3e38 ? -(float)HUGE_VAL : (float)x;
 }
 
-/* No number has many bits; which of them come out is nowhere asked for. */
+/* No number has many bits; which of them come out is nowhere requested. */
 static void expect_same(double wanted, double got, const char *what)
 {
     if (wanted != wanted) TEST_ASSERT_TRUE_MESSAGE(got != got, what);

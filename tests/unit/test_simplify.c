@@ -163,7 +163,7 @@ static void make_rods(int32_t side, int32_t apart, bvx_mesh *surface)
     bvx_grid_free(ctx, &rods);
 }
 
-/* A target that only crumpled rods keep is not met: what is left looks like rods. */
+/* A target that only crumpled rods keep is not met: what remains looks like rods. */
 static void test_thin_parts_do_not_crumple(void)
 {
     static const uint64_t targets[2] = {4000, 4};
@@ -572,7 +572,7 @@ static void test_errors_are_kept_and_used(void)
     check_errors("torus", BVX_ERROR_MAX, most, 3);
 }
 
-/* The second error of a chain gives what it gives alone, or fewer: no level has more than it must. */
+/* The second error of a chain gives what it would give alone, or fewer: no level has more than it must. */
 static void test_an_error_that_nothing_keeps(void)
 {
     static const double error = 1e-9, most = 1e9;

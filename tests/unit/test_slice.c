@@ -114,7 +114,7 @@ static void test_a_spacing_of_more_than_the_mesh_is_one_plane(void)
 }
 
 /* Four triangles meet in the edge that two boxes share; whichever way
- * contours go there, they close round the same area. */
+ * contours go there, they close around the same area. */
 static void test_boxes_that_share_an_edge(void)
 {
     bvx_mesh_view view;

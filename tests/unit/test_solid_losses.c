@@ -237,7 +237,7 @@ static void test_walls_are_not_looked_for_below_a_terrain(void)
     bvx_grid_free(ctx, &g);
 }
 
-/* A solid that the limit allows is made; nobody has asked for the look that it does not. */
+/* A solid that the limit allows is made; nobody has requested the look that it does not. */
 static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
 {
     bvx_context_options o;

@@ -111,7 +111,7 @@ static void test_threshold_ends_between_floats(void)
     free_volume(&t);
 }
 
-/* What doubles cannot tell apart is told apart all the same. */
+/* What doubles cannot distinguish is reported all the same. */
 static void test_threshold_of_64_bit_ends(void)
 {
     uint64_t const u[4] = {UINT64_MAX, UINT64_MAX - 1, UINT64_C(1) << 63, (UINT64_C(1) << 63) - 1};

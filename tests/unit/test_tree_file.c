@@ -335,7 +335,7 @@ static void test_sealed_damage(void)
         bvx_buffer_free(ctx, &b);
         bvx_octree_free(ctx, tree);
     }
-    TEST_ASSERT_GREATER_THAN(1000, read); /* origins, spacings, outside voxels that are told inside */
+    TEST_ASSERT_GREATER_THAN(1000, read); /* origins, spacings, outside voxels that are reported inside */
     TEST_ASSERT_GREATER_THAN(1000, refused);
 }
 
@@ -398,7 +398,7 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, bvx_read_octree(ctx, b.bytes, 0, &back));
     TEST_ASSERT_NULL(back);
 
-    /* grids and trees have one ending, and are told apart */
+    /* grids and trees have one ending, and are distinguished */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT,
                             bvx_read_grid(ctx, b.bytes, b.size, BVX_FORMAT_BVX, NULL, &no_grid));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "bvx_read_octree"));

@@ -172,7 +172,7 @@ static void test_a_64_bit_index_is_not_cut_short(void)
                              bvx_last_message(ctx));
 }
 
-/* The quick way (packed floats and 32-bit numbers) at sizes round its blocks and rows of lanes. */
+/* The quick way (packed floats and 32-bit numbers) at sizes around its blocks and rows of lanes. */
 static void test_bounds_equal_a_plain_loop_at_every_size(void)
 {
     for (int round = 0; round < 400; round++) {

@@ -217,7 +217,7 @@ static void test_vti_arrays(void)
     check_piece("<PointData>" VTI_ARRAY("p", "UInt8", "1") "</PointData><CellData>" VTI_ARRAY(
         "a", "UInt8", VTI_ASCII_DATA) "</CellData>");
 
-    /* names as VTK writes them, and escaped in one place alone */
+    /* names as VTK writes them, and escaped in one place only */
     check_piece("<CellData Scalars=\"x & <y>\">" VTI_ARRAY("a", "UInt8", VTI_ZEROS)
                     VTI_ARRAY("x &amp; &lt;y&gt;", "UInt8", VTI_ASCII_DATA) "</CellData>");
     check_piece("<CellData Scalars='\"&apos;'>" VTI_ARRAY("a", "UInt8", VTI_ZEROS)
