@@ -114,8 +114,8 @@ BVX_API const char *bvx_status_text(bvx_status status);
     X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite")                                             \
     X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in")                                         \
     X(BVX_REASON_FLOATS_COARSE, 13,                                                                         \
-      "f32 cannot tell neighbouring positions apart; BVX_POSITION_AUTO takes f64")                          \
-    X(BVX_REASON_DOUBLES_COARSE, 14, "doubles cannot tell neighbouring positions apart; a local frame can") \
+      "f32 does not distinguish neighbouring positions; BVX_POSITION_AUTO takes f64")                          \
+    X(BVX_REASON_DOUBLES_COARSE, 14, "doubles do not distinguish neighbouring positions; a local frame does") \
     X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")           \
     X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")            \
     X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                           \

@@ -21,7 +21,7 @@ export type Side = 'x-low' | 'x-high' | 'y-low' | 'y-high' | 'z-low' | 'z-high';
 export interface MeshIn {
     /** x, y, z of each vertex. */
     positions: Float32Array | Float64Array | number[];
-    /** Three vertex numbers a triangle, counter-clockwise seen from outside. */
+    /** Three vertex indices a triangle, counter-clockwise seen from outside. */
     triangles?: Uint32Array | Uint16Array | Int32Array | number[] | undefined;
     /** Red, green, blue, alpha of each vertex. */
     colours?: Uint8Array | Uint8ClampedArray | undefined;

@@ -116,11 +116,11 @@ void cli_print_manual(const cli_command *const *commands)
     put_roff(
         "bitvox turns triangle meshes into bit-packed solids, and solids into closed manifold meshes of several sizes; it converts, "
         "compares and draws both. "
-        "The endings of names tell the formats of files. Results do not depend on the machine or on the number of threads.");
+        "The endings of file names give their formats. Results do not depend on the machine or on the number of threads.");
     putchar('\n');
     put_paragraph(
-        "Options stand anywhere, once each, with their value behind a space or an equals sign; behind -- every word "
-        "is an input. As an input, - is standard input, whose format --format tells.");
+        "Options stand anywhere, once each, with their value after a space or an equals sign; after -- every word "
+        "is an input. As an input, - is standard input, whose format --format gives.");
     put_commands(commands);
     put_section("COMMON OPTIONS");
     put_options(CLI_ALL, 1);
@@ -146,18 +146,18 @@ void cli_print_manual(const cli_command *const *commands)
         "bitvox-PID-N.part",
         "Outputs are written under such a name in their own folder and get their own names when "
         "all is done, all of them or none. A failure or an interrupt removes them, and what stood there before stays as it "
-        "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them behind, to be deleted. Where an "
+        "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them, to be deleted. Where an "
         "output is a pipe or a device it is written in place.");
     put_item(
         "bitvox-PID-N.old",
         "What stood in the place of several outputs, for the moment in which they get their names. Where "
-        "the folder refuses names in just that moment, a message tells which of them holds an older file.");
+        "the folder refuses names in just that moment, a message says which of them holds an older file.");
     put_section("EXIT STATUS");
     put_item("0", "Done.");
     put_item(
         "1",
-        "Bad input or another failure; standard error tells it in one line. Where it is standard output that cannot be "
-        "written, files that were asked for are complete.");
+        "Bad input or another failure; standard error says why in one line. Where it is standard output that cannot be "
+        "written, files that were requested are complete.");
     put_item("2", "Wrong usage.");
     put_item("130", "Interrupted by SIGINT, SIGTERM or SIGHUP.");
     put_examples(commands);

@@ -128,7 +128,7 @@ static const cli_argument arguments[] = {
         CLI_VOXELIZE | CLI_LOD | CLI_RENDER | CLI_CONVERT | CLI_FACES | CLI_REFINE | CLI_FILL | CLI_SECTIONS |
             CLI_SLICE | CLI_REPAIR | CLI_BOOLEAN | CLI_MORPH | CLI_COMPONENTS | CLI_SIMPLIFY,
         output,
-        "where the result goes; the ending tells the format, with .gz behind it\nthe file is packed; - is standard output, with --format"),
+        "where the result goes; its ending gives the format, with .gz after it\nthe file is packed; - is standard output, with --format"),
     FILE_NAME(
         "--output-dir", "DIR", CLI_REPAIR | CLI_SIMPLIFY | CLI_CONVERT | CLI_VOXELIZE, output_dir,
         "in place of -o: a folder, for any number of inputs; each goes to a\nfile of its name there, in --format [its own; voxelize: bvx]"),
@@ -252,7 +252,7 @@ static const cli_argument arguments[] = {
     NUMBER("--base", "H", CLI_VOXELIZE, base,
            "with --fill below: the height that columns stand on [the lattice's\nlow end]"),
     FILE_NAME("--second", "MESH", CLI_VOXELIZE, second,
-              "with --fill below: what lies between IN and this terrain; tells cut\nand fill"),
+              "with --fill below: what lies between IN and this terrain; reports cut\nand fill"),
     CHOICE("--up", "AXIS", CLI_VOXELIZE, up_axis, axis_names, 1, "with --fill below: x, y or z [z]"),
     NUMBER("--level", "V", TAKES_VOLUMES, level,
            "of a volume: set voxels whose sample is V or more (--below: or less)"),
@@ -360,7 +360,7 @@ static const cli_argument arguments[] = {
     LONG("--least-cavity", "N", CLI_REPAIR | CLI_LOD, least_cavity, 0, 1e15,
          "cavities of fewer voxels are filled [0]"),
     FLAG("--if-needed", CLI_REPAIR, if_needed, "copy a mesh that needs nothing, its positions as they are"),
-    FLAG("--measure", CLI_REPAIR, measure, "tell distances between input and result, and overlaps"),
+    FLAG("--measure", CLI_REPAIR, measure, "report distances between input and result, and overlaps"),
     FLAG("--normals", CLI_CONVERT | CLI_REPAIR | MAKES_LEVELS, normals,
          "of a mesh: also write smooth normals of its vertices to .ply and .obj,\n"
          "averaged by area over sharp edges too; .glb always has them"),
@@ -377,7 +377,7 @@ static const cli_argument arguments[] = {
         "--seed", "X,Y,Z", CLI_FILL, seeds, 0, LARGEST_SIDE, 3, 63,
         "empty voxels to fill from, counted from the grid's first one, three\nnumbers each [one in every pocket]"),
     FILE_NAME("--mesh", "MESH", CLI_FILL, mesh,
-              "the mesh behind the surface: pockets outside of it stay empty"),
+              "the mesh that the surface came from: pockets outside of it stay empty"),
     LIST(
         "--seed", "X,Y,Z", CLI_COMPONENTS, seeds, 0, LARGEST_SIDE, 3, 63,
         "keep parts that hold one of these voxels, counted from the grid's\nfirst one, three numbers each [all]"),
@@ -429,7 +429,7 @@ static const cli_argument arguments[] = {
     FLAG("--compare", CLI_RENDER, difference,
          "two inputs in one picture: what the second adds green, what it lacks red"),
     WHOLE("--turntable", "N", CLI_RENDER, turntable, 2, 360,
-          "N pictures once round the axis of --up, to OUT_%d.png"),
+          "N pictures once around the axis of --up, to OUT_%d.png"),
     CHOICE("--format", "NAME", CLI_SECTIONS, format, CONTOUR_FORMAT_NAMES, BVX_FORMAT_CSL,
            "format of standard input, with - as input: csl or csv"),
     CHOICE(

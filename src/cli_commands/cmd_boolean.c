@@ -59,7 +59,8 @@ static int take_operation(cli_run *run, boolean_run *b)
     const char *const word = run->options->input[0];
     for (b->operation = 0; b->operation < 4; b->operation++)
         if (strcmp(word, operation_names[b->operation]) == 0) return CLI_DONE;
-    return cli_usage(run, "'%s' is no operation; union, intersection, difference and xor are", word);
+    return cli_usage(run, "unknown operation '%s'; it is one of union, intersection, difference and xor",
+                     word);
 }
 
 static int check_boolean_options(cli_run *run, boolean_run *b)
@@ -251,7 +252,7 @@ static int check_boolean_mesh(cli_run *run, boolean_run *b)
     int result;
 
     if (b->mesh.triangle_count == 0)
-        return cli_fail(run, "%s and %s: nothing is left by %s, so there is no mesh to write",
+        return cli_fail(run, "%s and %s: nothing remains after %s, so there is no mesh to write",
                         cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
                         operation_names[b->operation]);
 

@@ -252,10 +252,10 @@ const cli_command cli_compare = {
     2,
     "A B [options]",
     "what two grids or two meshes have in common, and how far apart they are",
-    "Grids of one lattice: voxels of both and of one alone, in how many pieces and where.\n"
+    "Grids of one lattice: voxels of both and of only one, in how many pieces and where.\n"
     "Meshes: counts, volumes, whether they are closed, manifold and oriented, and the distances from\n"
     "random points on each to the other. The exit status is 0 whether they differ or not;\n"
-    "--json tells it to programs.",
+    "--json reports it to programs.",
     "bitvox convert fixtures/knot.ply -o knot.stl\n"
     "bitvox compare fixtures/knot.ply knot.stl",
     run_compare};

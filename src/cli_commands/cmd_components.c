@@ -291,7 +291,7 @@ const cli_command cli_components = {
     "GRID [-o OUT] [options]",
     "the connected parts of a grid: listed, kept or dropped, numbered",
     "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
-    "--seed do not keep, fills cavities where asked, and tells of what is left: the largest parts with\n"
+    "--seed do not keep, fills cavities on request, and reports what remains: the largest parts with\n"
     "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
     "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, or\n"
     "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",

@@ -26,7 +26,8 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
         return cli_usage(run, "%s: the name ends in no format that is written (%s)", o->output,
                          *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS ", .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
-        return cli_usage(run, "%s is no octree, and %s would be its leaves: 'bitvox refine' makes octrees",
+        return cli_usage(run,
+                         "%s is not an octree, and %s would be its leaves: 'bitvox refine' makes octrees",
                          cli_input_name(o->input[0]), o->output);
     if (*kind == CLI_MESH && to == CLI_GRID)
         return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
@@ -126,7 +127,7 @@ const cli_command cli_convert = {
     "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
     "their surface half way between set and empty voxels as a mesh.\n"
     "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
-    "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is told\n"
+    "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is said\n"
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
     "bitvox convert fixtures/knot.ply -o knot.glb\n"
     "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",

@@ -36,7 +36,7 @@ static int check_fill_options(cli_run *run, int *kind)
     if (o->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (o->mesh != NULL && o->seeds.count != 0)
-        return cli_usage(run, "--mesh tells which pockets lie inside; with --seed nothing is asked");
+        return cli_usage(run, "--mesh says which pockets lie inside; it has no use with --seed");
     if (o->mesh != NULL) {
         status = cli_input_kind(run, o->mesh, &mesh);
         if (status == CLI_DONE && mesh != CLI_MESH)
@@ -237,7 +237,7 @@ const cli_command cli_fill = {
     "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
     "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
     "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
-    "It also tells what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
+    "It also reports what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
     "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
     "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
     "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",

@@ -305,7 +305,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     if (cli_input_format(run, path) == BVX_FORMAT_RAW)
         return cli_fail(
             run,
-            "%s: a file of samples alone does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
+            "%s: a file of bare samples does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
             "makes a grid of them",
             cli_input_name(path));
     if (run->options->count_crossings && kind != CLI_MESH)
@@ -346,12 +346,12 @@ const cli_command cli_info = {
     1,
     "IN [options]",
     "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
-    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and tells whether it is closed, manifold and\n"
+    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and says whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
-    ".vti .bvx) and tells its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
-    ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and tells what each of\n"
-    "its levels holds; or a cloud of points (.xyz, .ply) and tells how many, and where they lie; or contours\n"
-    "(" CLI_CONTOURS_READ ") and tells their sections, loops, labels and planes.",
+    ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
+    ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each of\n"
+    "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or contours\n"
+    "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json",
     run_info};

@@ -157,7 +157,7 @@ const cli_command cli_refine = {
     1,
     1,
     "IN -o OUT [options]",
-    "voxels of several sizes, small ones at the surface alone",
+    "voxels of several sizes, small ones only at the surface",
     "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those that\n"
     "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
     "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"

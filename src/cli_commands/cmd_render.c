@@ -243,7 +243,7 @@ static int check_turntable(cli_run *run)
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(
             run,
-            "--turntable turns round the axis of --up; seen along it, all frames would be one picture: take another --from");
+            "--turntable turns around the axis of --up; seen along it, all frames would be one picture: take another --from");
     return CLI_DONE;
 }
 

@@ -377,7 +377,7 @@ const cli_command cli_sections = {
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
     "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
-    "second section at one position and a section alone are refused; sections, loops and points are\n"
+    "second section at one position and a single section are refused; sections, loops and points are\n"
     "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
     "edges collapse in the end, and points of contours are no longer vertices.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"

@@ -35,9 +35,9 @@ int cli_check_line(cli_run *run)
         return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
     for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
     if (standard != 0 && o->format == 0)
-        return cli_usage(run, "standard input has no name that tells the format; say it with --format");
+        return cli_usage(run, "standard input has no name that gives the format; give it with --format");
     if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
-        return cli_usage(run, "--format is for standard input and output, '-'; names of files tell theirs");
+        return cli_usage(run, "--format is for standard input and output, '-'; file names give theirs");
     if (o->output_dir != NULL) return check_batch(run);
     if (o->output == NULL && run->command->bit != CLI_COMPONENTS && cli_takes(run, "-o"))
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);

@@ -66,7 +66,7 @@ static int count_solid(cli_run *run, const cli_chain *c)
     return cli_fail(run,
                     c->kind == CLI_GRID
                         ? "%s: no voxel is set; nothing is there to make levels of"
-                        : "%s: no voxel's centre lies inside the mesh; nothing is left to make levels of",
+                        : "%s: no voxel's centre lies inside the mesh; nothing remains to make levels of",
                     cli_input_name(run->options->input[0]));
 }
 

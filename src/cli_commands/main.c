@@ -42,7 +42,7 @@ static void print_overview(FILE *to)
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
                 "usage: bitvox COMMAND IN -o OUT [options]\n\n");
     for (int i = 0; i < COMMANDS; i++) fprintf(to, "  %-11s %s\n", commands[i]->name, commands[i]->does);
-    fprintf(to, "\nbitvox COMMAND --help tells a command's options; bitvox --version tells the version;\n"
+    fprintf(to, "\nbitvox COMMAND --help lists a command's options; bitvox --version prints the version;\n"
                 "bitvox help --man is the manual page, bitvox help --bash-completion a script for bash.\n"
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
 }
@@ -62,8 +62,8 @@ static void print_help(const cli_command *c)
 static int refuse_command(cli_run *run, const char *name)
 {
     const char *const nearest = cli_nearest(name, next_command, NULL);
-    if (nearest != NULL) return cli_usage(run, "'%s' is no command; is '%s' meant?", name, nearest);
-    return cli_usage(run, "'%s' is no command; see 'bitvox help'", name);
+    if (nearest != NULL) return cli_usage(run, "unknown command '%s'; did you mean '%s'?", name, nearest);
+    return cli_usage(run, "unknown command '%s'; see 'bitvox help'", name);
 }
 
 static int help(cli_run *run, int count, char **word)

@@ -54,7 +54,7 @@ void cli_tell_reduction(cli_run *run, const cli_reduction *r)
     cli_say(run,
             "  collapsed   %" PRIu64 " of %" PRIu64
             " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n",
-            r->level.triangles, r->before, r->level.met ? "" : ", more than asked for", r->level.least_angle,
+            r->level.triangles, r->before, r->level.met ? "" : ", more than requested", r->level.least_angle,
             r->level.crossings);
     cli_text_add(t, ", \"simplify\": {\"triangles_before\": %" PRIu64, r->before);
     cli_json_count(t, "triangles", r->level.triangles);

@@ -182,8 +182,8 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
             if (taken == packed->size) return CLI_DONE;
             if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f ||
                 packed->bytes[taken + 1] != 0x8b) {
-                cli_warn(run, "%s: gzip: %" PRIu64 " bytes behind the data are left out",
-                         cli_input_name(path), (uint64_t)(packed->size - taken));
+                cli_warn(run, "%s: gzip: %" PRIu64 " bytes after the data are ignored", cli_input_name(path),
+                         (uint64_t)(packed->size - taken));
                 return CLI_DONE;
             }
             inflateReset(z);

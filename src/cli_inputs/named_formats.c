@@ -65,7 +65,7 @@ int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, 
                             path, size[0], size[1], size[2], VOX_SIDE);
     if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
         return cli_fail(
-            run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds cubic ones alone: take another format",
-            path, l->spacing[0], l->spacing[1], l->spacing[2]);
+            run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds only cubic ones: take another format", path,
+            l->spacing[0], l->spacing[1], l->spacing[2]);
     return CLI_DONE;
 }

@@ -179,7 +179,7 @@ static int unpack_blocks(vti_packed *v, vti_source *s, const unsigned char *head
     for (uint64_t i = 0; i < blocks; i++) {
         uint64_t const n = number_at(v, head + (VTI_HEAD_NUMBERS + i) * step);
         if (n > s->have || packed + n > s->have)
-            return fail_vti(v, "packed blocks go on behind the end of the file");
+            return fail_vti(v, "packed blocks continue after the end of the file");
         packed += n;
     }
     most = packed * VTI_WORST_RATIO + 64;
@@ -273,7 +273,7 @@ static int take_array(vti_packed *v, const char *tag, const char *tag_end, const
     }
     uint64_t const offset = strtoull(value, NULL, 10); /* a quote ends it */
     if (offset > (uint64_t)(v->end - v->appended))
-        return fail_vti(v, "an array is said to stand behind the end of the file");
+        return fail_vti(v, "an array is said to start after the end of the file");
     s.at = (const unsigned char *)v->appended + offset;
     s.have = (size_t)((uint64_t)(v->end - v->appended) - offset);
     s.is_base64 = v->appended_base64;

@@ -31,7 +31,7 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
     if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
     if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
     cli_warn(run,
-             "%s holds these voxels alone: that they are a part of a lattice of %" PRId32 " x %" PRId32
+             "%s holds only these voxels: that they are a part of a lattice of %" PRId32 " x %" PRId32
              " x %" PRId32 " is lost",
              path, d[0], d[1], d[2]);
 }
@@ -82,9 +82,9 @@ void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)
                 g->low[0], g->low[1], g->low[2], l->dims[0], l->dims[1], l->dims[2]);
     cli_say(run, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
     cli_say(run, "  spacing     %.9g, %.9g, %.9g%s\n", l->spacing[0], l->spacing[1], l->spacing[2],
-            placed ? "" : " (taken so: no side-car tells it)");
+            placed ? "" : " (assumed: no side-car says it)");
     cli_say(run, "  origin      %.9g, %.9g, %.9g%s\n", corner[0], corner[1], corner[2],
-            placed ? "" : " (taken so: no side-car tells it)");
+            placed ? "" : " (assumed: no side-car says it)");
     cli_say_parts(run);
 }
 

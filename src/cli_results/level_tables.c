@@ -31,7 +31,7 @@ static int is_length(double diagonal)
     return diagonal > 0.0 && diagonal - diagonal == 0.0;
 }
 
-/* What was asked for: triangles, or a distance in percent of the diagonal. */
+/* What was requested: triangles, or a distance in percent of the diagonal. */
 static void target_text(const bvx_level_report *l, double diagonal, char *text, size_t room)
 {
     if (l->target_error > 0.0 && is_length(diagonal))

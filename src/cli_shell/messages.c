@@ -72,7 +72,7 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room)
         if (run->output[i].begun) cut = run->output[i].path;
         kept += run->output[i].kept;
     }
-    if (kept != 0) snprintf(text, room, "interrupted; what was asked for is written");
+    if (kept != 0) snprintf(text, room, "interrupted; what was requested is written");
     else if (cut != NULL) snprintf(text, room, "interrupted; %s may have got a part of its bytes", cut);
     else snprintf(text, room, "interrupted; nothing was written");
     tame(text);

@@ -212,7 +212,7 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
     int32_t const pieces = bvxi_piece_count(bvxi_grid_rows(g), 1 + PROPAGATE_GRAIN / (uint64_t)g->size[0]);
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the points' numbers", &job->source));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are handed on",
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are passed on",
                         &job->points));
     job->pieces = pieces;
     BVXI_TRY(bvxi_parallel(ctx, "dense field", 0.1, 0.2, job->pieces, propagate_start, job));

@@ -91,7 +91,7 @@ static bvx_status xml_check_attribute(bvxi_xml *x)
             return xml_expected(x, "each attribute once");
         }
     x->p = bvxi_skip_space(x->p, end);
-    if (x->p == end || *x->p != '=') return xml_expected(x, "'=' behind an attribute's name");
+    if (x->p == end || *x->p != '=') return xml_expected(x, "'=' after an attribute's name");
     x->p = bvxi_skip_space(x->p + 1, end);
     if (x->p == end || (*x->p != '"' && *x->p != '\'')) return xml_expected(x, "a value in quotes");
     value.p = x->p + 1;
@@ -187,7 +187,7 @@ bvx_status bvxi_xml_next(bvxi_xml *x)
         else if (xml_starts(x->p, end, "<?")) BVXI_TRY(xml_skip_to(x, "?>"));
         else break;
     }
-    if (xml_starts(x->p, end, "<!")) return xml_expected(x, "elements and comments alone");
+    if (xml_starts(x->p, end, "<!")) return xml_expected(x, "elements and comments only");
     if (!xml_starts(x->p, end, "</")) {
         x->p++;
         return xml_take_open(x);

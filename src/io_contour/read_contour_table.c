@@ -211,7 +211,7 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     if (r->column[TABLE_LABEL] >= 0)
         BVXI_TRY(table_number(r, TABLE_LABEL, "expected a number as the label", &label));
     if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
-        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is no whole number");
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is not a whole number");
     point[2] = position;
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
         !same_word(r->section, r->word[TABLE_SECTION])) {

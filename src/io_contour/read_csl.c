@@ -146,10 +146,10 @@ static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t 
                        &corners));
     if (f->p < f->end && *f->p == 'h') { /* a hole's mark, and the loop that it lies in */
         f->p++;
-        BVXI_TRY(csl_whole(f, "expected the number of the loop round a hole", UINT32_MAX, &index));
+        BVXI_TRY(csl_whole(f, "expected the index of the loop around a hole", UINT32_MAX, &index));
         if (index >= loops)
             return bvxi_contour_fail_number(f, start, "a hole lies in loop ", index,
-                                            ", which this plane has not");
+                                            ", which this plane does not have");
         *around = (uint32_t)index + 1;
     }
     BVXI_TRY(csl_whole(f, "expected a loop's label", INT32_MAX, &label));
@@ -157,7 +157,7 @@ static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t 
     BVXI_TRY(bvxi_contour_add_loop(f, section, (int32_t)label));
     for (uint64_t i = 0; i < corners; i++) {
         csl_skip(f);
-        BVXI_TRY(csl_whole(f, "expected the number of a point", UINT32_MAX, &index));
+        BVXI_TRY(csl_whole(f, "expected the index of a point", UINT32_MAX, &index));
         if (index >= count)
             return bvxi_contour_fail_number(f, f->p, "there is no point ", index, " on this plane");
         BVXI_TRY(bvxi_contour_add_point(f, points + 3 * index));
@@ -247,6 +247,6 @@ bvx_status bvxi_read_csl(bvxi_contour_file *f)
     }
     csl_skip(f);
     if (f->p < f->end)
-        return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "there is more behind the last plane");
+        return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "there is more after the last plane");
     return BVX_OK;
 }

@@ -180,7 +180,7 @@ static bvx_status json_take_three(json_text *t, double *doubles, int32_t *counts
         if (!json_take(t, a == 0 ? '[' : ',')) return json_expected(t, "three numbers between brackets");
         BVXI_TRY(counts != NULL ? json_take_count(t, &counts[a]) : json_take_double(t, &doubles[a]));
     }
-    return json_take(t, ']') ? BVX_OK : json_expected(t, "']' behind three numbers");
+    return json_take(t, ']') ? BVX_OK : json_expected(t, "']' after three numbers");
 }
 
 static bvx_status json_take_exact(json_text *t, const char *wanted, const char *what)

@@ -96,7 +96,7 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
         BVXI_TRY(nrrd_take_double(h, v, &vector[a]));
     }
     bvxi_nrrd_skip_blank(v);
-    if (v->p == v->end || *v->p != ')') return nrrd_expected(h, v, "')' behind three numbers");
+    if (v->p == v->end || *v->p != ')') return nrrd_expected(h, v, "')' after three numbers");
     v->p++;
     return BVX_OK;
 }
@@ -311,7 +311,7 @@ static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
         if (n == 0) return nrrd_expected(h, v, "a kind for each axis");
         return nrrd_unsupported(
             h, v,
-            "an axis of a kind that is no place in space; a grid has three axes [x,y,z] of single "
+            "an axis of a kind that is not a position in space; a grid has three axes [x,y,z] of single "
             "numbers");
     }
     return nrrd_take_end(h, v);

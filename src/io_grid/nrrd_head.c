@@ -77,7 +77,7 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
     }
     if (h->files != NULL) return BVX_OK;
     return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
-                     "NRRD: the file ends in its head: no blank line with samples behind it");
+                     "NRRD: the file ends in its head: no blank line with samples after it");
 }
 
 static bvx_status nrrd_check_head(const nrrd_head *h)
@@ -92,7 +92,7 @@ static bvx_status nrrd_check_head(const nrrd_head *h)
     if (missing != NULL)
         return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: the head has no field '%s'", missing);
     if (h->byte_skip < 0 && h->encoding != NRRD_RAW)
-        return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: byte skip -1 is for encoding raw alone");
+        return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: byte skip -1 requires encoding raw");
     return BVX_OK;
 }
 

@@ -179,10 +179,9 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
     *p = bvxi_skip_space(*p, source->end);
     used = pack_text_number(*p, source->end, value);
     if (*p == source->end)
-        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "%s: line %u: the samples end behind %u of %u x %u x %u", source->format,
-                         bvxi_source_line(source, *p), done, (uint64_t)dims[0], (uint64_t)dims[1],
-                         (uint64_t)dims[2]);
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the samples end after %u of %u x %u x %u",
+                         source->format, bvxi_source_line(source, *p), done, (uint64_t)dims[0],
+                         (uint64_t)dims[1], (uint64_t)dims[2]);
     if (used == 0) return bvxi_fail_expected(source, *p, "a number");
     *p += used;
     return BVX_OK;

@@ -123,7 +123,7 @@ static bvx_status binvox_take_line(binvox_reading *r, int *done)
         if (!binvox_take_double(r, &r->scale) || !binvox_line_ends(r))
             return binvox_fail_line(r, "scale wants one number");
     } else if (binvox_take_word(r, "data")) {
-        if (!binvox_line_ends(r)) return binvox_fail_line(r, "something stands behind data");
+        if (!binvox_line_ends(r)) return binvox_fail_line(r, "something follows data");
         *done = 1;
     }
     return BVX_OK;

@@ -164,7 +164,7 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
         p += BVXI_BVX_SLICE_HEAD + bvxi_load_u64(p + 16, 0);
     }
     if (p != job->source->end)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: %u bytes behind the last slice",
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: %u bytes after the last slice",
                          (uint64_t)(p - job->source->begin), (uint64_t)(job->source->end - p));
     return BVX_OK;
 }

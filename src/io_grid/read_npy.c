@@ -203,8 +203,8 @@ static bvx_status npy_check_size(const bvxi_grid_source *source, const npy_head 
     for (int a = 0; a < 3; a++) n = bvxi_mul(n, h->shape[a], &fits);
     if (fits && n == have) return BVX_OK;
     return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                     "NPY: %u x %u x %u elements of %u bytes, but %u bytes stand behind the head",
-                     h->shape[0], h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
+                     "NPY: %u x %u x %u elements of %u bytes, but %u bytes follow the head", h->shape[0],
+                     h->shape[1], h->shape[2], (uint64_t)bvxi_sample_size(h->kind), have);
 }
 
 bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)

@@ -52,13 +52,13 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
     for (int64_t i = 0; i < h->line_skip; i++) {
         p = bvxi_nrrd_line(p, file_end, &end);
         if (p == NULL)
-            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: fewer than %d lines to skip behind the head",
+            return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: fewer than %d lines to skip after the head",
                              h->line_skip);
     }
     if (h->encoding == NRRD_GZIP && h->byte_skip != 0)
         return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED, "NRRD: bytes to be skipped in packed samples");
     if (h->byte_skip > file_end - p)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: %d bytes to skip, but %d stand behind the head",
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: %d bytes to skip, but %d follow the head",
                          h->byte_skip, (int64_t)(file_end - p));
     if (h->byte_skip > 0) p += h->byte_skip;
     uint64_t const have = (uint64_t)(file_end - p);
@@ -130,7 +130,7 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
                       : h.encoding == NRRD_TEXT ? BVXI_DENSE_TEXT
                                                 : BVXI_DENSE_GZIP;
     dense->end = h.files != NULL ? begin + (size_t)source->volume->data_size : h.source.end;
-    dense->behind = "the end of the file behind the last sample";
+    dense->behind = "the end of the file after the last sample";
     BVXI_TRY(
         nrrd_find_samples(&h, begin, dense->end, h.encoding == NRRD_TEXT ? digits - 1 : size, &dense->begin));
     /* lines are those of the other file */

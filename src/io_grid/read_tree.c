@@ -160,7 +160,7 @@ static bvx_status take_level_heads(tree_reading *job)
         p += job->level[l].size;
     }
     if (p != job->end)
-        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file goes on behind its last level",
+        return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file continues after its last level",
                          (uint64_t)(p - job->begin));
     job->level[0].octets = rows;
     if (job->level[0].words != rows * (uint64_t)job->row_words)

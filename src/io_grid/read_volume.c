@@ -48,7 +48,7 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
                        bvxi_type_size(o->sample_type), &fits);
     if (!fits || o->offset > have || d->size > have - o->offset)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
-                         "RAW: %u x %u x %u samples of %u bytes behind %u others, but the file has %u",
+                         "RAW: %u x %u x %u samples of %u bytes after %u others, but the file has %u",
                          dims[0], dims[1], dims[2], (uint64_t)bvxi_type_size(o->sample_type), o->offset,
                          have);
     d->format = "RAW";

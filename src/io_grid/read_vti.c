@@ -232,7 +232,7 @@ static bvx_status vti_read_head(vti_file *f)
         if (f->xml.event != BVXI_XML_OPEN) continue;
         roots += f->xml.depth == 1;
         if (roots > 1)
-            return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second element behind the file's own");
+            return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second element after the file's own");
         BVXI_TRY(vti_take_element(f));
     }
     if (f->array.rank == VTI_NO_ARRAY)

@@ -199,7 +199,7 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
             return ply_fail_line(s, word, "a coordinate cannot be a list");
         if ((property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP) &&
             property->type >= PLY_F32)
-            return ply_fail_line(s, word, "vertex numbers must be integers");
+            return ply_fail_line(s, word, "vertex indices must be integers");
     }
     h->property_count++;
     e->end++;

@@ -15,7 +15,7 @@ static bvx_status ply_text_corners(ply_file *f, const ply_property *property, ui
 {
     int64_t corner = 0;
     for (int64_t i = 0; i < count; i++) {
-        BVXI_TRY(ply_text_integer(f, "a vertex number", &corner));
+        BVXI_TRY(ply_text_integer(f, "a vertex index", &corner));
         BVXI_TRY(bvxi_ply_take_corner(f, property, f->p, row, corner));
     }
     return BVX_OK;

@@ -168,10 +168,10 @@ static bvx_status off_take_counts(off_file *f)
     BVXI_TRY(off_take_integer(f, "the number of edges", &edges)); /* which nobody counts: any will do */
     uint64_t const line = bvxi_source_line(s, at), left = (uint64_t)(s->end - f->p);
     if (vertices < 0 || faces < 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: %d vertices and %d faces are no counts", line,
-                         vertices, faces);
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: %d vertices and %d faces are not counts",
+                         line, vertices, faces);
     if (vertices == 0 || faces == 0)
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "OFF: line %u: %d vertices and %d faces are no mesh", line,
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "OFF: line %u: %d vertices and %d faces are not a mesh", line,
                          vertices, faces);
     if ((uint64_t)vertices > left / OFF_LEAST_VERTEX ||
         (uint64_t)faces > (left - (uint64_t)vertices * OFF_LEAST_VERTEX) / OFF_LEAST_FACE)
@@ -281,7 +281,7 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
     int const uvs = f->has_uvs ? 2 : 0, colours = words->count - uvs < 4 ? words->count - uvs : 4;
 
     if ((f->has_colours && colours < 3) || colours < 0)
-        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: vertex %i has %d numbers behind it; its %s",
+        return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: vertex %i has %d numbers after it; its %s",
                          bvxi_source_line(s, f->p), vertex, (int64_t)words->count,
                          f->has_colours ? "colour needs three" : "texture coordinates are two");
     for (int i = 0; i < uvs; i++) {
@@ -325,7 +325,7 @@ static bvx_status off_take_vertices(off_file *f)
 static bvx_status off_take_corner(off_file *f, uint64_t face, uint32_t *vertex)
 {
     int64_t v;
-    BVXI_TRY(off_take_integer(f, "a vertex number", &v));
+    BVXI_TRY(off_take_integer(f, "a vertex index", &v));
     if (v < 0 || (uint64_t)v >= f->vertex_count)
         return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                              "OFF: line %u: face %i names vertex %d, but there are %u",

@@ -33,11 +33,11 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type)
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
-            "%s: a mesh that brings arrays needs both positions of the type asked for and triangles",
+            "%s: a mesh that brings arrays needs both positions of the requested type and triangles",
             function);
     if (keys && (mesh->vertex_keys == NULL || mesh->triangle_keys == NULL))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: keys are asked for and the mesh given has no arrays for them", function);
+                             "%s: keys are requested and the given mesh has no arrays for them", function);
     /* they would hold another surface's */
     if (!keys && (mesh->vertex_keys != NULL || mesh->triangle_keys != NULL))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,

@@ -15,7 +15,7 @@ bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bv
     bvxi_view_raw_triangle(view, t, c);
     while (k < 2 && c[k] < view->vertex_count) k++;
     return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
-                         "%s: triangle %i has vertex number %u, but there are %u vertices", function, t, c[k],
+                         "%s: triangle %i has vertex index %u, but there are %u vertices", function, t, c[k],
                          view->vertex_count);
 }
 

@@ -3,7 +3,7 @@
  * Source: Kamel, Faloutsos. On Packing R-trees. 1993: sort by a curve through space, then pack each four
  * neighbours into a node, level by level; no pointers, no recursion, the shape follows from the count only.
  * The curve is Morton's over the centres of the triangles' boxes; equal places keep the order of triangle
- * numbers, or are ordered by a hash of the corners' positions where no numbering may show.
+ * indices, or are ordered by a hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "nearest/closest.h"
 #include "bits/curve.h"

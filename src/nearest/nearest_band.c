@@ -4,8 +4,8 @@
  * for centres within the width: floats decide where they can, the evaluation in doubles where they cannot
  * (nearest_brick.c). The nearest triangles found that way are remembered, so that filling in the values needs
  * no second search.
- * Memory: 16 KiB for each cube that the mesh reaches, until the mesh is closed or another band is asked
- * for. */
+ * Memory: 16 KiB for each cube that the mesh reaches, until the mesh is closed or another band is
+ * requested. */
 #include "nearest/nearest_walk.h"
 
 typedef struct band_work {

@@ -86,16 +86,16 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, con
                              "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: edge_samples belongs to BVX_LOD_EDGE_RATIO alone", lod_name);
+                             "%s: edge_samples requires BVX_LOD_EDGE_RATIO", lod_name);
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
                              lod_name);
     if (o->collapse != 0 && o->target_triangles == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: collapse belongs to target_triangles alone", lod_name);
+                             "%s: collapse requires target_triangles", lod_name);
     if (level_count == 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: no level is asked for", lod_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: no level is requested", lod_name);
     return o->target_triangles != NULL ? BVX_OK : check_resolutions(ctx, solid, o, level_count);
 }
 

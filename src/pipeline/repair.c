@@ -142,7 +142,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     if (low_count == 0)
         return bvxi_fail_for(
             job->ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: at most %u triangles are asked for; resolution %d has %u, and those below keep nothing",
+            "%s: at most %u triangles are requested; resolution %d has %u, and those below keep nothing",
             bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;
     return BVX_OK;
@@ -225,7 +225,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     /* An empty result would look like success. */
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
     if (voxels == 0)
-        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing is left at %d x %d x %d voxels: %s",
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing remains at %d x %d x %d voxels: %s",
                          bvxi_repair_name, (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
                          (int64_t)job->lattice.dims[2],
                          job->report.parts_dropped != 0

@@ -62,7 +62,7 @@ bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int3
 {
     int32_t const all = BVX_STATE_OUTSIDE | BVX_STATE_INSIDE | BVX_STATE_SURFACE;
     if ((states & ~all) == 0) return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: states %d is no set of states",
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: states %d is not a set of states",
                          function, (int64_t)states);
 }
 

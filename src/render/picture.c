@@ -66,7 +66,7 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
     for (int a = 0; a < 3; a++)
         if (!(o->cut_low[a] <= o->cut_high[a]))
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                                 "%s: the cut from %g to %g along %s is no range", function, o->cut_low[a],
+                                 "%s: the cut from %g to %g along %s is not a range", function, o->cut_low[a],
                                  o->cut_high[a], axis[a]);
     return BVX_OK;
 }

@@ -266,7 +266,7 @@ static bvx_status add_turned(const cap_work *w, uint32_t a, uint32_t b, uint32_t
 /* A side of a triangle: the vertices between its corners, which are a
  * stretch of the ring that may go over its loop's end. */
 typedef struct cap_side {
-    uint32_t start, count; /* places behind the first corner */
+    uint32_t start, count; /* places after the first corner */
     uint32_t low, end;     /* of the loop in the ring */
 } cap_side;
 

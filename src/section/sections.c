@@ -178,7 +178,7 @@ static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
 {
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
     if (mended->sections.loop_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing is left of the loops once they are mended",
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
                          sections_name);
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));

@@ -87,13 +87,13 @@ static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, ui
     if (a == b)
         return bvxi_fail_for(
             s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-            "%s: loop %i of section %u (position %g) crosses or touches itself, behind its points %u and %u, near "
+            "%s: loop %i of section %u (position %g) crosses or touches itself, after its points %u and %u, near "
             "(%g, %g, %g)",
             s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
             s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
     return bvxi_fail_for(
         s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-        "%s: loops %i and %u of section %u (position %g) cross or touch, behind their points %u and %u, near "
+        "%s: loops %i and %u of section %u (position %g) cross or touch, after their points %u and %u, near "
         "(%g, %g, %g)",
         s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
         s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);

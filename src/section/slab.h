@@ -16,7 +16,7 @@ typedef struct bvxi_split {
     uint32_t cell, leaf, leaf_count; /* the cell by its key */
 } bvxi_split;
 
-/* A corner of a leaf that is no grid point. */
+/* A corner of a leaf that is not a grid point. */
 typedef struct bvxi_hanging {
     int32_t at[2];
     uint8_t inside[2];

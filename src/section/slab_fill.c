@@ -2,7 +2,7 @@
  * of the grid.
  *
  * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one
- * behind the other. */
+ * after the other. */
 #include "section/slab_fill.h"
 
 static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)

@@ -62,7 +62,7 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
                              s->function, (uint64_t)order[i - 1], (uint64_t)order[i], g->positions[order[i]]);
     if (end - first < 2)
         return bvxi_fail(s->ctx, BVX_ERR_EMPTY,
-                         "%s: the body has loops in one section alone (number %u, at %g); it needs two",
+                         "%s: the body has loops in only one section (index %u, at %g); it needs two",
                          s->function, (uint64_t)order[first], g->positions[order[first]]);
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body",
                              &s->plane));

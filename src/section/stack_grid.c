@@ -68,7 +68,7 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
         if (!(s->step[k] > 0.0) || s->origin[k] + s->step[k] * s->size[k] <= s->high[k] ||
             s->origin[k] >= s->low[k])
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                 "%s: the contours' extent %g is too small beside their coordinates",
+                                 "%s: the contours' extent %g is too small for the size of their coordinates",
                                  s->function, extent);
         if (s->size[k] > most) most = s->size[k];
     }

@@ -64,7 +64,7 @@ bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 }
 
 /* The lines of a body's first and last plane are what a flat cap ends at.
- * from: the loop's place behind the first vertex. */
+ * from: the loop's place after the first vertex. */
 static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t count, uint32_t last)
 {
     bvxi_stack *const s = t->s;

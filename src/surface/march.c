@@ -210,7 +210,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
 
     /* How the work is divided follows from the shape only, never from the number of threads. */
     m->pieces = bvxi_piece_count(m->slot_count, SLOT_GRAIN);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex numbers",
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (m->slot_count + 1) * sizeof *m->slots, "the rows' vertex indices",
                         &m->slots));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
     BVXI_TRY(

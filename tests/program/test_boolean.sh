@@ -102,7 +102,7 @@ for n in 1 3; do "$program" boolean xor "$knot" blocks.ply -o t$n.ply --resoluti
 cmp -s t1.ply t3.ply
 result 'threads do not show' $?
 
-refuses 2 'no operation' join "$knot" blocks.ply -o result.ply
+refuses 2 'unknown operation' join "$knot" blocks.ply -o result.ply
 refuses 2 'lacks an input' union "$knot" -o result.ply
 refuses 1 'No such file' union "$knot" missing.ply -o result.ply
 refuses 2 'no format that is written' union "$knot" blocks.ply -o result.txt
@@ -110,5 +110,5 @@ refuses 2 'brings its own lattice' union "$knot" both.bvx -o result.ply --resolu
 refuses 2 '--sharp is for two meshes' union "$knot" blocks.ply -o result.bvx --sharp
 refuses 2 '--fill is for meshes' union both.bvx common.npy -o result.bvx --fill vote
 refuses 2 '--resample is for two grids' union "$knot" both.bvx -o result.bvx --resample
-refuses 1 'nothing is left' difference "$knot" "$knot" -o result.ply
+refuses 1 'nothing remains' difference "$knot" "$knot" -o result.ply
 counts

@@ -437,7 +437,7 @@ pixels 'frames have one scale' 'tall("t_0.png") == tall("t_1.png") == tall("t_2.
 refuses 2 'need %d' render "$knot" -o x.png --turntable 4
 refuses 2 'has two %d' render "$knot" -o x_%d_%d.png --turntable 4
 refuses 2 'takes one input' render "$knot" "$knot" -o x_%d.png --turntable 4
-refuses 2 'turns round' render "$knot" -o x_%d.png --turntable 4 --from 0,0,2
+refuses 2 'turns around' render "$knot" -o x_%d.png --turntable 4 --from 0,0,2
 refuses 2 'from 2 to 360' render "$knot" -o x_%d.png --turntable 1
 refuses 1 'cannot be written' render "$knot" -o missing/x_%d.png --turntable 4
 mkdir t9_2.png

@@ -130,10 +130,10 @@ run info notes.stl
 if grep -q 'triangles   3 of' out; then ok 'words behind endfacet'; else not_ok 'words behind endfacet' "$(head -3 out)"; fi
 if has gzip && gzip -c mark.ply >tail.ply.gz 2>err; then
     printf 'more' >>tail.ply.gz
-    warns '4 bytes behind the data' info tail.ply.gz
+    warns '4 bytes after the data' info tail.ply.gz
 fi
 refuses 2 'boolean OPERATION A B' boolean union knot.obj -o x.ply
-refuses 1 'a file of samples alone does not say how they lie' info "$root/fixtures/waves.raw"
+refuses 1 'a file of bare samples does not say how they lie' info "$root/fixtures/waves.raw"
 
 # ---- what files hold ----
 
@@ -163,7 +163,7 @@ for option in '--level 16' '--range 1,2' '--label 2' --below '--shape 8,8,8' '--
     done
 done
 refuses 2 'is for volumes' voxelize knot.obj -o x_%d.ply --all-labels
-refuses 2 'is --levels meant?' lod knot.obj -o x_%d.ply --level 16
+refuses 2 'did you mean --levels?' lod knot.obj -o x_%d.ply --level 16
 refuses 2 'it is now called --halvings' refine knot.obj -o x.bvx --levels 3
 refuses 2 '--states is for octrees' render knot.bvx -o x.png --states inside
 refuses 2 '--states is for octrees' render knot.obj -o x.png --states inside

@@ -106,10 +106,10 @@ rm -f bitvox.1 plain.txt lacking examples shown warnings
 
 # ---- wrong usage: status 2 ----
 
-refuses 2 "'render' meant" rendre "$knot"
-refuses 2 "'lod' meant" lods "$knot"
-refuses 2 'is no command' xyzzy
-refuses 2 'is no command' help xyzzy
+refuses 2 "did you mean 'render'" rendre "$knot"
+refuses 2 "did you mean 'lod'" lods "$knot"
+refuses 2 'unknown command' xyzzy
+refuses 2 'unknown command' help xyzzy
 refuses 2 'too many' help lod info
 refuses 2 'did you mean --resolution' lod "$knot" -o x_%d.ply --resolutoin 64
 refuses 2 'did you mean --resolution' lod "$knot" -o x_%d.ply --res 64

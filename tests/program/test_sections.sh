@@ -91,7 +91,7 @@ gives 'another label' 1 'no loop has the label 4' sections prism.csv -o x.ply --
 sed 's/^1,0,2,6,5$/1,0,2,60,5/' prism.csv >crossed.csv
 gives 'loops that cross' 1 'cross or touch' sections crossed.csv -o x.ply
 sed -n '1p;/^1,/p' prism.csv >single.csv
-gives 'a single section' 1 'in one section alone (number 0, at 0)' sections single.csv -o x.ply
+gives 'a single section' 1 'in only one section (index 0, at 0)' sections single.csv -o x.ply
 sed 's/^2,4/2,0/' prism.csv >repeated.csv
 gives 'two sections at one position' 1 'sections 0 and 1 lie at one position, 0' sections repeated.csv -o x.ply
 head -n 1 prism.csv >empty.csv

@@ -40,7 +40,7 @@ gives 'a picture of a volume' 0 'picture.png' render "$waves" -o picture.png --l
 # ---- samples alone ----
 gives 'a raw file' 0 '3643 set' voxelize "$fixtures/waves.raw" -o raw.bvx --shape 48,40,32 --sample-type u8 --voxel-size 1,1,1.25 --level 120
 same 'its grid is that of the head' raw.bvx level.bvx
-gives 'a raw file without shape' 2 'holds samples alone' voxelize "$fixtures/waves.raw" -o raw.bvx --level 120
+gives 'a raw file without shape' 2 'holds bare samples' voxelize "$fixtures/waves.raw" -o raw.bvx --level 120
 gives 'a raw file of another shape' 1 'but the file has 61440' voxelize "$fixtures/waves.raw" -o raw.bvx --shape 48,40,33 --sample-type u8 --level 120
 gives 'options of raw files for others' 2 'is for .raw files' voxelize "$waves" -o raw.bvx --level 120 --skip 5
 

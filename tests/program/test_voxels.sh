@@ -397,7 +397,7 @@ refuses 2 'holds the whole octree' refine "$knot" -o x.bvx --states inside
 refuses 2 'is beyond the last level' convert tree.bvx -o x.npy --expand 4
 refuses 2 'are for octrees' convert fine.bvx -o x.npy --expand 1
 refuses 2 'are for octrees' convert fine.bvx -o x.vtu
-refuses 2 'is no octree' convert box.npy -o x.vtu
+refuses 2 'is not an octree' convert box.npy -o x.vtu
 refuses 2 'is for grids' convert box.obj -o x.ply --expand 1
 refuses 2 'is for octrees' render fine.bvx -o x.png --expand 1
 refuses 2 'is for octrees' render box.obj -o x.png --expand 1
@@ -429,7 +429,7 @@ refuses 1 'seed 0' fill walls.bvx -o x.bvx --seed 999,0,0
 refuses 2 'three numbers a seed' fill walls.bvx -o x.bvx --seed 1,2,3,4
 refuses 2 'is a mesh' fill box.obj -o x.bvx
 refuses 2 '--mesh takes a mesh' fill walls.bvx -o x.bvx --mesh fine.bvx
-refuses 2 'nothing is asked' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
+refuses 2 'no use with --seed' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
 refuses 2 'one of: 6, 18, 26' fill walls.bvx -o x.bvx --connectivity 8
 refuses 2 'no grid format that is written' fill walls.bvx -o x.csl
 

@@ -114,6 +114,11 @@ lists_stand_once() {
     empty "$work/twice.txt" 'a list or wording by hand:'
 }
 
+words_of_the_glossary() {
+    needs python3
+    python3 tests/tools/check_words.py
+}
+
 options_agree() {
     needs python3
     mkdir -p "$work/options"
@@ -288,6 +293,7 @@ check 'every function is one rise of progress' every_function_rises
 check 'no caller reads messages' nobody_reads_messages
 check 'every result can be passed again' every_result_reused
 check 'lists stand once' lists_stand_once
+check 'words of the glossary' words_of_the_glossary
 check 'the contents of the header are its sections' contents_of_the_header
 check 'options agree in header, library, program and package' options_agree
 check 'every function has a fault test, a fuzz target and a golden row' every_function_proven

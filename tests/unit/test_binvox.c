@@ -275,7 +275,7 @@ static void test_binvox_refuses_headers(void)
     check_header_refused("#binvox 1\ndim 2 1 1\nscale 0\ndata\n", format, "the spacing along x is 0");
     check_header_refused("#binvox 1\ndim 2 1 1\nscale -1\ndata\n", format, "the spacing along x is -0.5");
     check_header_refused("#binvox 1\ndim 2 1 1\nscale 1e999\ndata\n", format, "the spacing");
-    check_header_refused("#binvox 1\ndim 2 1 1\ndata x\n", format, "something stands behind data");
+    check_header_refused("#binvox 1\ndim 2 1 1\ndata x\n", format, "something follows data");
     check_header_refused("#binvox 1\nscale 1\ndata\n", format,
                          "line 3: data comes, but no line has said dim");
     check_header_refused("#binvox 1\ndim 2 1 1\n", format, "the file ends before the line that says data");

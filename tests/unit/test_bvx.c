@@ -356,7 +356,7 @@ static void test_bvx_messages(void)
     uint8_t *const longer = malloc(n + 1);
     memcpy(longer, b.bytes, n);
     longer[n] = 0;
-    check_packed_refused(longer, n + 1, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "1 bytes behind the last slice");
+    check_packed_refused(longer, n + 1, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "1 bytes after the last slice");
     check_packed_refused("BVX file", 8, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "does not begin as .bvx files do");
     memcpy(longer + 4, "\n\x1a\n\1\0\0\0", 7); /* \r\n became \n */
     check_packed_refused(longer, n, BVX_FORMAT_BVX, BVX_ERR_FORMAT, "a transfer took the file for text");

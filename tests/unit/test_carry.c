@@ -322,7 +322,7 @@ static void test_carry_refuses_sources(void)
     source = good;
     source.reserved[3] = 1, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.reserved[3]"), source = good;
     source.frame[1] = HUGE_VAL, expect_refusal(BVX_ERR_RANGE, "source: mesh.frame"), source = good;
-    source.vertex_count = 3, expect_refusal(BVX_ERR_RANGE, "source: triangle 1 has vertex number 3"),
+    source.vertex_count = 3, expect_refusal(BVX_ERR_RANGE, "source: triangle 1 has vertex index 3"),
     source = good;
     source.uvs = NULL, expect_refusal(BVX_ERR_ARGUMENT, "uv_triangles is given"), source = good;
     source.uvs = NULL, source.colours = NULL, expect_refusal(BVX_ERR_ARGUMENT, "uv_triangles is given"),

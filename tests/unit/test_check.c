@@ -593,7 +593,7 @@ static void test_check_refuses(void)
     refuse(&v, 0, BVX_ERR_RANGE, "triangle_count");
     v = maker_view(&mesh);
     v.vertex_count = 7;
-    refuse(&v, 0, BVX_ERR_RANGE, "vertex number 7");
+    refuse(&v, 0, BVX_ERR_RANGE, "vertex index 7");
     v = maker_view(&mesh);
     mesh.p[3 * 5 + 1] = NAN;
     refuse(&v, 0, BVX_ERR_RANGE, "vertex 5 has y");

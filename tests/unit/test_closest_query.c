@@ -447,7 +447,7 @@ static void test_closest_refuses(void)
     make_mesh(4);
     good = maker_view(&m);
     v = good, v.triangle_count = 0, expect_no_tree(&v, BVX_ERR_EMPTY, "no triangles");
-    v = good, v.vertex_count = 7, expect_no_tree(&v, BVX_ERR_RANGE, "vertex number 7");
+    v = good, v.vertex_count = 7, expect_no_tree(&v, BVX_ERR_RANGE, "vertex index 7");
     v = good, v.reserved = 1, expect_no_tree(&v, BVX_ERR_ARGUMENT, "reserved");
     m.p[4] = nan("");
     expect_no_tree(&good, BVX_ERR_RANGE, "vertex 1 has y = nan");

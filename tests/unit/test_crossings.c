@@ -321,7 +321,7 @@ static void test_refusals(void)
     refuse(&v, BVX_ERR_ARGUMENT, "position_type");
     v = maker_view(&mesh);
     v.vertex_count = 7;
-    refuse(&v, BVX_ERR_RANGE, "vertex number");
+    refuse(&v, BVX_ERR_RANGE, "vertex index");
     v = maker_view(&mesh);
     mesh.p[3 * 5 + 1] = NAN;
     refuse(&v, BVX_ERR_RANGE, "vertex 5 has y");

@@ -508,7 +508,7 @@ static void test_distance_refuses(void)
     refuse(&va, &vb, 0, BVX_ERR_ARGUMENT, "samples is 0");
     refuse(&va, &vb, UINT64_C(1) << 31, BVX_ERR_ARGUMENT, "samples is 2147483648");
     v = vb, v.triangle_count = 0, refuse(&va, &v, 1, BVX_ERR_EMPTY, "mesh b");
-    v = va, v.vertex_count = 4, refuse(&v, &vb, 1, BVX_ERR_RANGE, "vertex number 4");
+    v = va, v.vertex_count = 4, refuse(&v, &vb, 1, BVX_ERR_RANGE, "vertex index 4");
     v = vb, v.position_type = 9, refuse(&va, &v, 1, BVX_ERR_ARGUMENT, "position_type");
     b.p[4] = HUGE_VAL;
     refuse(&va, &vb, 1, BVX_ERR_RANGE, "vertex 1 has y");

@@ -459,7 +459,7 @@ static void test_meshes_that_cannot_be_measured(void)
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &l, &o, "vertex 1 has y"));
         mesh.p[4] = 2;
         mesh.t[3 * mesh.triangles - 2] = (uint32_t)mesh.vertices;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &l, &o, "vertex number"));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, refused(ctx, &view, &l, &o, "vertex index"));
         mesh.t[3 * mesh.triangles - 2] = 0;
         o.half_width = HUGE_VAL;
         mesh.p[1] = 1e39;

@@ -126,7 +126,7 @@ static void test_drop_nonfinite_refuses(void)
     uint64_t dropped;
 
     arrays.triangles[16] = 6;
-    check_not_dropped(&m, BVX_ERR_RANGE, "triangle 5 has vertex number 6");
+    check_not_dropped(&m, BVX_ERR_RANGE, "triangle 5 has vertex index 6");
     m = make(BVX_F64, 1);
     m.position_type = 3;
     check_not_dropped(&m, BVX_ERR_ARGUMENT, "position_type is 3");

@@ -248,7 +248,7 @@ static void test_grid_refuses_what_is_no_grid(void)
     bvx_grid_free(ctx, &grid);
 }
 
-/* A struct whose size was never set is no grid, even where its array is large enough for the lattice. */
+/* A struct whose size was never set is not a grid, even where its array is large enough for the lattice. */
 static void test_grid_without_a_size_is_refused(void)
 {
     bvx_lattice const l = lattice_of(70, 3, 4);

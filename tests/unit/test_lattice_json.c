@@ -181,7 +181,7 @@ static void test_lattice_refuses(void)
     check_side_car(SIDE_HEAD "\"origin\":[1,2],\"spacing\":[0.5,1,2]," SIDE_DIMS SIDE_WINDOW SIDE_TAIL,
                    BVX_ERR_FORMAT, "three numbers between brackets");
     check_side_car(SIDE_HEAD "\"origin\":[1,2,3,4],\"spacing\":[0.5,1,2]," SIDE_DIMS SIDE_WINDOW SIDE_TAIL,
-                   BVX_ERR_FORMAT, "']' behind three numbers");
+                   BVX_ERR_FORMAT, "']' after three numbers");
     check_side_car(SIDE_GOOD "x", BVX_ERR_FORMAT, "the end of the file");
     check_side_car(SIDE_GOOD "{}", BVX_ERR_FORMAT, "the end of the file");
 }

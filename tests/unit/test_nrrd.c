@@ -209,7 +209,7 @@ static void test_nrrd_text(void)
     }
     make_nrrd_text("uint8", "ascii", "0 1 0 1 0 1 0\n\n   ");
     check_grid_refused(made.bytes, made.size, BVX_FORMAT_NRRD, BVX_ERR_FORMAT,
-                       "line 9: the samples end behind 7 of 2 x 2 x 2");
+                       "line 9: the samples end after 7 of 2 x 2 x 2");
     make_nrrd_text("uint8", "ascii", "0 1 0 1 0 1 0 1 1");
     check_grid_refused(made.bytes, made.size, BVX_FORMAT_NRRD, BVX_ERR_FORMAT,
                        "line 7: expected the end of the file");
@@ -245,7 +245,8 @@ static void test_nrrd_skips(void)
     read_good_grid(made.bytes, made.size, BVX_FORMAT_NRRD, NULL, &g);
     TEST_ASSERT_EQUAL_HEX64(2, g.words[0]);
     bvx_grid_free(ctx, &g);
-    check_nrrd_refused("type: uint8\nencoding: ascii\nbyte skip: -1\n", BVX_ERR_FORMAT, "raw alone");
+    check_nrrd_refused("type: uint8\nencoding: ascii\nbyte skip: -1\n", BVX_ERR_FORMAT,
+                       "requires encoding raw");
     check_nrrd_refused("type: uint8\nencoding: raw\nbyte skip: -2\n", BVX_ERR_FORMAT, "0 bytes or more");
     check_nrrd_refused("type: uint8\nencoding: raw\nbyte skip: 13\n", BVX_ERR_FORMAT,
                        "13 bytes to skip, but 12");
@@ -300,7 +301,7 @@ static void test_nrrd_refuses(void)
     check_nrrd_refused("type: uint8\nencoding: raw\ncenters: cell cell\n", BVX_ERR_FORMAT,
                        "cell, node, none or ???");
     check_nrrd_refused("type: uint8\nencoding: raw\nkinds: RGB-color domain domain\n", BVX_ERR_UNSUPPORTED,
-                       "no place in space");
+                       "not a position in space");
     check_nrrd_refused("type: uint8\nencoding: raw\nkinds: domain domain\n", BVX_ERR_FORMAT,
                        "a kind for each axis");
     made.size = 0;

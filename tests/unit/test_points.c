@@ -305,8 +305,8 @@ static void test_points_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, &fit, NULL), "lattice is NULL");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &fit, &l));
     for (int which = 0; which < 6; which++) {
-        static const char *const words[6] = {"minimum is 0",   "body is 2", "close_gaps is -1",
-                                             "goes with body", "reserved",  "whole lattice"};
+        static const char *const words[6] = {"minimum is 0",  "body is 2", "close_gaps is -1",
+                                             "requires body", "reserved",  "whole lattice"};
         bvx_points_options_init(&o, sizeof o);
         if (which == 0) o.minimum = 0;
         if (which == 1) o.body = 2;

@@ -163,7 +163,7 @@ static void test_npy_dictionaries(void)
     check_npy_dict("{'descr': '|b1', 'fortran_order': True, 'shape': (2, 3, 4), }", 23, BVX_ERR_FORMAT,
                    "2 x 3 x 4 elements of 1 bytes");
     check_npy_dict("{'descr': '|b1', 'fortran_order': True, 'shape': (2, 3, 4), }", 25, BVX_ERR_FORMAT,
-                   "25 bytes stand behind");
+                   "25 bytes follow");
     check_npy_dict("{'descr': '|b1', 'fortran_order': True, 'shape': (2, 12), }", 24, BVX_ERR_UNSUPPORTED,
                    "2 axes");
     check_npy_dict("{'descr': '|b1', 'fortran_order': True, 'shape': (2, 3, 4, 1), }", 24,

@@ -727,9 +727,9 @@ static void test_read_ply_refuses_numbers(void)
     check_refused_text(HEAD "0 0 0\n1 0,5 0\n0 1 0\n3 0 1 2\n", PLY, BVX_ERR_FORMAT,
                        "line 11: expected a coordinate, found '0,5'");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2x\n", PLY, BVX_ERR_FORMAT,
-                       "line 13: expected a vertex number, found '2x'");
+                       "line 13: expected a vertex index, found '2x'");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 2.0\n", PLY, BVX_ERR_FORMAT,
-                       "line 13: expected a vertex number");
+                       "line 13: expected a vertex index");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 99999999999999999999999\n", PLY, BVX_ERR_RANGE,
                        "face 0 (line 13)");
     check_refused_text(HEAD "0 0 0\n1 0 0\n0 1 0\nx 0 1 2\n", PLY, BVX_ERR_FORMAT,
@@ -792,7 +792,7 @@ static void test_read_ply_refuses_headers(void)
          "line 9: a second element"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
          "element face 1\nproperty list uchar float vertex_indices\nend_header\n" ROWS,
-         BVX_ERR_FORMAT, "line 8: vertex numbers must be integers"},
+         BVX_ERR_FORMAT, "line 8: vertex indices must be integers"},
         {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
          "element face 1\nproperty list uchar int other\nend_header\n" ROWS,
          BVX_ERR_FORMAT, "line 7: element face has no list vertex_indices"},

@@ -194,7 +194,7 @@ static void test_csv_refusals(void)
     refuse(HEAD "1,0,1,0,0\n1,0,2,1,0\n1,0,1,1,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
            "have one name in one section");
     refuse("section,position,loop,x,y,label\n1,0,1,0,0,1.5\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
-           "line 2: the label is no whole number");
+           "line 2: the label is not a whole number");
     refuse("section,position,loop,x,y,label\n1,0,1,0,0,1\n1,0,1,1,0,2\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
            "line 3: the loop has another label");
     bvx_read_sections_options_init(&o, sizeof o);

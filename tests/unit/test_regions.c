@@ -328,7 +328,7 @@ static void test_bad_inputs(void)
     memset(&o.window, 0, sizeof o.window);
     o.close_gaps = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &l, &o, &g));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "close_gaps goes with the rule flood alone"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "close_gaps requires the rule flood"));
     o.close_gaps = 0;
     view.triangle_count = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_voxelize_solid(ctx, &view, &l, &o, &g));

@@ -261,7 +261,7 @@ static void test_sheet_without_shells_is_an_error(void)
         bvx_mesh_free(ctx, &out);
         return;
     }
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "nothing is left"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "nothing remains"));
     TEST_ASSERT_NULL(out.positions);
 }
 

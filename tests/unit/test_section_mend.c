@@ -138,7 +138,7 @@ static void test_nothing_is_left(void)
 
     two_sections(xy);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build());
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "nothing is left of the loops"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "nothing remains of the loops"));
     stack.s.loop_count = 2;
     stack.loop[0].point_count = stack.loop[1].point_count = 2;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build());

@@ -680,7 +680,7 @@ static void test_bad_stacks_are_refused(void)
     refuse(BVX_ERR_FORMAT, "sections 0 and 1 lie at one position, 0");
     two_squares();
     stack.loop[1].section = 0;
-    refuse(BVX_ERR_EMPTY, "in one section alone (number 0, at 0)");
+    refuse(BVX_ERR_EMPTY, "in only one section (index 0, at 0)");
     two_squares();
     stack.point[3 * 5 + 2] = 1.01;
     refuse(BVX_ERR_FORMAT, "point 5 of section 1 (position 1) lies 0.01");

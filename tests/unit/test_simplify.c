@@ -796,7 +796,7 @@ static void test_meshes_that_are_not_what_is_needed(void)
     refuse(BVX_ERR_RANGE, &o, 1, "vertex 40 has y");
     make_shape(shape_named("cube"));
     mesh.t[100] = (uint32_t)mesh.vertices;
-    refuse(BVX_ERR_RANGE, &o, 1, "vertex number");
+    refuse(BVX_ERR_RANGE, &o, 1, "vertex index");
 }
 
 /* ---- Memory ---- */

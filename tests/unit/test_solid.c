@@ -287,7 +287,7 @@ static void test_bad_indices_name_the_triangle(void)
     }
     make_random(SOUP, 30000, l.dims, 16); /* of several, one is named, and the same whatever the threads */
     for (size_t t = 29999; t > 400; t -= 997) mesh.t[3 * t] = UINT32_MAX;
-    assert_refused(&l, NULL, BVX_ERR_RANGE, "vertex number 4294967295");
+    assert_refused(&l, NULL, BVX_ERR_RANGE, "vertex index 4294967295");
     {
         bvx_mesh_view const v = maker_view(&mesh);
         for (int32_t threads = 2; threads <= 4; threads++) {

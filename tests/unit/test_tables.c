@@ -280,7 +280,7 @@ static void test_tables_are_one_disc_for_each_loop(void)
                 for (b = a; !(seen >> b & 1); b = next[b]) seen |= 1 << b;
                 TEST_ASSERT_EQUAL_INT(a, b);
             }
-        for (n = 0; n < 12; n++) /* the smallest vertex number spreads over each piece */
+        for (n = 0; n < 12; n++) /* the smallest vertex index spreads over each piece */
             for (a = 0; a < 12; a++)
                 for (b = 0; b < 12; b++)
                     if (edges.count[a][b]) piece[a] = piece[b] = piece[a] < piece[b] ? piece[a] : piece[b];

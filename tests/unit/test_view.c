@@ -168,7 +168,7 @@ static void test_a_64_bit_index_is_not_cut_short(void)
     v.index_type = BVX_U64;
     TEST_ASSERT_FALSE(bvxi_view_triangle(&v, 0, c));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_view_bounds(ctx, "test", &v, low, high));
-    TEST_ASSERT_EQUAL_STRING("test: triangle 0 has vertex number 4294967298, but there are 3 vertices",
+    TEST_ASSERT_EQUAL_STRING("test: triangle 0 has vertex index 4294967298, but there are 3 vertices",
                              bvx_last_message(ctx));
 }
 
@@ -260,7 +260,7 @@ static void test_bounds_name_the_first_triangle_with_a_bad_index(void)
         if (at == m - 1 && round % 3 != 0) triangles[m - 1][0] = 0;
         v = make_view(77, m, round % 2 == 0 ? BVX_F32 : BVX_F64, 0, BVX_U32, 0, 0);
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_view_bounds(ctx, "test", &v, low, high));
-        snprintf(want, sizeof want, "test: triangle %lu has vertex number %lu, but there are 77 vertices",
+        snprintf(want, sizeof want, "test: triangle %lu has vertex index %lu, but there are 77 vertices",
                  (unsigned long)at, (unsigned long)triangles[at][round % 3]);
         TEST_ASSERT_EQUAL_STRING(want, bvx_last_message(ctx));
     }

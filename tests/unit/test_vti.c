@@ -302,7 +302,7 @@ static void test_vti_refuses(void)
     check_vti_refused(
         VTI_OLD, "", good,
         "<CellData><DataArray type=\"UInt8\" format=\"ascii\">1 0 1 0 0 1 0 1 0 1 1      </DataArray></CellData>",
-        BVX_ERR_FORMAT, "the samples end behind 11 of 3 x 2 x 2");
+        BVX_ERR_FORMAT, "the samples end after 11 of 3 x 2 x 2");
     check_vti_refused(VTI_OLD, "", good, VTI_CELLS "</Piece><Piece Extent=\"0 3 0 2 2 4\">",
                       BVX_ERR_UNSUPPORTED, "a second piece");
     check_vti_refused(VTI_OLD, "", good, "", BVX_ERR_FORMAT, "array of cells or points");
@@ -350,7 +350,7 @@ static void test_vti_refuses_bad_xml(void)
                        "a second element");
     check_text_refused("<VTKFile type=\"PolyData\" version=\"1.0\"/>", BVX_ERR_UNSUPPORTED, "not ImageData");
     check_text_refused("<html></html>", BVX_ERR_FORMAT, "not a VTKFile");
-    check_text_refused("<!DOCTYPE a><VTKFile/>", BVX_ERR_FORMAT, "elements and comments alone");
+    check_text_refused("<!DOCTYPE a><VTKFile/>", BVX_ERR_FORMAT, "elements and comments only");
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFiles>", BVX_ERR_FORMAT,
                        "the closing tag");
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"></VTKFile></VTKFile>", BVX_ERR_FORMAT,
@@ -358,7 +358,7 @@ static void test_vti_refuses_bad_xml(void)
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0\"><!-- ", BVX_ERR_FORMAT, "-->");
     check_text_refused("<VTKFile type=\"ImageData\" version=\"1.0>", BVX_ERR_FORMAT, "ends with its quote");
     check_text_refused("<VTKFile type=ImageData>", BVX_ERR_FORMAT, "a value in quotes");
-    check_text_refused("<VTKFile type>", BVX_ERR_FORMAT, "'=' behind");
+    check_text_refused("<VTKFile type>", BVX_ERR_FORMAT, "'=' after");
     check_text_refused("<VTKFile a=\"1\"b=\"2\">", BVX_ERR_FORMAT, "white space before an attribute");
     check_text_refused("<VTKFile / >", BVX_ERR_FORMAT, "'>'");
     check_text_refused("< VTKFile>", BVX_ERR_FORMAT, "an element's name");

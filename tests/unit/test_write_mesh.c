@@ -382,7 +382,7 @@ static void test_write_refuses(void)
         float *const p = m.positions;
         uint32_t bad[6] = {0, 1, 2, 2, 4, 0};
         m.triangles = bad;
-        check_not_written(&m, formats[i], BVX_ERR_RANGE, "triangle 1 has vertex number 4");
+        check_not_written(&m, formats[i], BVX_ERR_RANGE, "triangle 1 has vertex index 4");
         m = square();
         p[7] = HUGE_VALF;
         check_not_written(&m, formats[i], BVX_ERR_RANGE, "vertex 2");

@@ -216,5 +216,5 @@ def test_drop_nonfinite_of_arrays(dtype, order):
     assert np.array_equal(found.faces, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     assert found.colours[:, 0].tolist() == [0, 2, 3, 4] and found.uvs[:, 0].tolist() == [0, 2, 3, 4]
     assert found.check().closed and mesh.n_faces == 6 and np.isnan(mesh.vertices[1, 0])
-    with pytest.raises(bitvox.RangeError, match="vertex number 6"):
+    with pytest.raises(bitvox.RangeError, match="vertex index 6"):
         bitvox.Mesh(v, [[0, 1, 6]]).drop_nonfinite()

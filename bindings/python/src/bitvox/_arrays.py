@@ -169,7 +169,7 @@ def exact_floats(array: Any, what: str) -> Any:
     if kind == "f" and size in (4, 8):
         return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
     if kind in "iu" and size == 8 and array.size and (int(array.max()) > 2**53 or int(array.min()) < -(2**53)):
-        raise RangeError(f"{what}: whole numbers beyond 2**53 cannot be told apart as float64")
+        raise RangeError(f"{what}: whole numbers beyond 2**53 cannot be distinguished as float64")
     return array.astype(np.float64)
 
 
@@ -215,12 +215,12 @@ def faces_in(values: Any, vertex_count: int) -> Any:
 
 
 def refuse_negative(faces: Any) -> None:
-    """Name the first vertex number below 0."""
+    """Name the first vertex index below 0."""
     np = numpy_or_none()
     if np is None or faces is None or not len(faces) or faces.dtype.kind != "i" or faces.min() >= 0:
         return
     row, column = np.argwhere(faces < 0)[0]
-    raise RangeError(f"faces[{row}, {column}] is {faces[row, column]}: vertex numbers start at 0")
+    raise RangeError(f"faces[{row}, {column}] is {faces[row, column]}: vertex indices start at 0")
 
 
 def colours_in(values: Any, count: int) -> Any:
@@ -305,7 +305,7 @@ def _rows_without_numpy(values: Any, what: str, code: str, columns: int = 3) -> 
             raise ArgumentError(f"{what}[{i}] has {len(row)} numbers; it must have {columns}")
         for j, x in enumerate(row):
             if code == "Q" and isinstance(x, int) and x < 0:
-                raise RangeError(f"{what}[{i}, {j}] is {x}: vertex numbers start at 0")
+                raise RangeError(f"{what}[{i}, {j}] is {x}: vertex indices start at 0")
         try:
             flat.extend(row)
         except OverflowError:

@@ -17,7 +17,7 @@ def format_of(path: str, format: str | None) -> str:
     if not ending and os.path.isdir(path):
         raise ArgumentError(f"{path} is a folder; bitvox.read_volume reads the folder of a DICOM series, everything else is in files")
     if not ending:
-        raise ArgumentError(f"{path}: its name has no ending that tells the format; give format=")
+        raise ArgumentError(f"{path}: its name has no ending that gives the format; give format=")
     return ending
 
 

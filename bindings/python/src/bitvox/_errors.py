@@ -56,7 +56,7 @@ class MemoryLimitError(Error, MemoryError):
 
 
 class RangeError(Error, ValueError):
-    """A coordinate, a vertex number or a size is outside what can be represented; the message names it."""
+    """A coordinate, a vertex index or a size is outside what can be represented; the message names it."""
 
     code: int = 5
     name: str = "BVX_ERR_RANGE"

@@ -36,12 +36,12 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
         path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
             each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
             with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
-            tells the lattice.
+            gives the lattice.
         format: one of these endings, in place of the name's own.
         window: of a grid: only these voxels, counted from the file's own first one.
         close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
         drop_nonfinite: of a mesh: leave out triangles with a corner that is NaN or infinite, which are else an error; a warning
-            tells how many.
+            says how many.
 
     Returns:
         A `Mesh`, a `Grid`, an `Octree` or `Sections`.
@@ -223,7 +223,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
 
     Args:
         thing: what `dumps` takes.
-        path: its ending tells the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
+        path: its ending gives the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
         format: the format, in place of the name's ending.
         states: of an octree: which leaves, ("surface", "inside") unless told.
         vectors: of a field: vectors in place of signed distances.

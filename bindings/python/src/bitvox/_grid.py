@@ -351,7 +351,7 @@ class Grid:
 
         Args:
             low: empty voxels put before the first ones along each axis, one number or three.
-            high: behind the last ones; None: as many as ``low``.
+            high: after the last ones; None: as many as ``low``.
         """
         before = triple_of(low, "low")
         behind = before if high is None else triple_of(high, "high")

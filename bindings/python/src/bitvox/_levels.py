@@ -25,13 +25,13 @@ OPENS = names_of("BVX_OPEN_", "BVX_OPEN_X_", "BVX_OPEN_Y_", "BVX_OPEN_Z_")  # si
 OPEN_INPUTS = ("refuse", "keep", "cut")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
-HALVINGS, FEWEST = 4, 20  # levels by halving where none are asked for, and triangles that the last one has at least
+HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
 
 Distance = Union[float, str]
 
 
 class Levels(List[Mesh]):
-    """The meshes of `lod`, finest first as they were asked for: a list.
+    """The meshes of `lod`, finest first as they were requested: a list.
 
     Attributes:
         report: `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
@@ -45,7 +45,7 @@ class Levels(List[Mesh]):
         return "".join(level._repr_html_() for level in self)
 
 
-# ---- what is asked for ----
+# ---- what is requested ----
 
 
 def _many(value: Any) -> bool:
@@ -120,7 +120,7 @@ class _Targets:
 
 
 def _halvings(triangles: int) -> int:
-    """Levels by halving where none are asked for: as many as leave so many triangles, but one at least."""
+    """Levels by halving where none are requested: as many as leave so many triangles, but one at least."""
     levels = 1
     while levels < HALVINGS and triangles >> (levels + 1) >= FEWEST:
         levels += 1
@@ -241,7 +241,7 @@ def _place(name: str, value: Any, names: Sequence[str]) -> int:
 
 
 def _set_common(options: Any, even: float | None, colour_weight: float, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
-    """What simplify_options and levels_options share. Levels by error are measured anyhow: the report tells what decided."""
+    """What simplify_options and levels_options share. Levels by error are measured anyhow: the report says what decided."""
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
@@ -330,7 +330,7 @@ def lod(
             mesh's bounds as ``"0.1%"``.
         error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
         count: so many levels, each with half of the triangles of the one before, the first with half of the source's. Default
-            where no level is asked for: 4, or as many as leave 20 triangles.
+            where no level is requested: 4, or as many as leave 20 triangles.
         method: "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
             only the paper's methods have.
         made_from: "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
@@ -359,7 +359,7 @@ def lod(
         fill, close_gaps, padding: the paper's methods: as for `voxelize`, when the source is a mesh.
         face_rule, local_frame: the paper's methods: as for `surface`.
         carry: give each level the colours and texture coordinates of the nearest points on the mesh.
-        dtype: float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that cannot tell positions apart.
+        dtype: float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
 
     Returns:
         A list of one `Mesh` a level, each with a ``report``, a `bitvox.reports.LevelReport` (``met``, ``certificate``,
@@ -420,7 +420,7 @@ def lod(
 
 
 def _method(method: Method | None, of_voxels: dict[str, Any], of_collapse: list[str], is_grid: bool) -> str:
-    """The method that was asked for, or that the other options ask for."""
+    """The method that was requested, or that the other options require."""
     if method is not None:
         if not isinstance(method, str):
             raise TypeError(f"method must be one of {', '.join(METHODS)}, not {method!r}")

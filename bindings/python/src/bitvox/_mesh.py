@@ -30,7 +30,7 @@ def position_type(dtype: Any) -> int:
 
 
 class Mesh:
-    """Triangles: vertices (n, 3) [world] and faces (m, 3) of vertex numbers, counter-clockwise seen from outside.
+    """Triangles: vertices (n, 3) [world] and faces (m, 3) of vertex indices, counter-clockwise seen from outside.
 
     Arrays that are given are kept, not copied, where the library can read them as they lie in memory: vertices as float32 or
     float64 with any distance between rows, faces as 16- to 64-bit whole numbers. Other types are copied: whole numbers
@@ -45,7 +45,7 @@ class Mesh:
 
     Raises:
         ArgumentError: shapes that do not fit. TypeError: values that are no numbers.
-        RangeError: whole numbers that would lose digits; vertex numbers below 0 or beyond the vertices (by the call that
+        RangeError: whole numbers that would lose digits; vertex indices below 0 or beyond the vertices (by the call that
             uses them).
     """
 
@@ -132,7 +132,7 @@ class Mesh:
 
     @property
     def faces(self) -> Array:
-        """(m, 3) vertex numbers, uint32 where the library made them."""
+        """(m, 3) vertex indices, uint32 where the library made them."""
         if self._faces is None:
             np = arrays.numpy("numbering vertices")
             self._faces = np.arange(len(self._vertices), dtype=np.uint32).reshape(-1, 3)
@@ -155,7 +155,7 @@ class Mesh:
 
     @property
     def keys(self) -> tuple[Any, Any] | None:
-        """Canonical keys of vertices and of triangles' cells, uint64, where they were asked for; else None."""
+        """Canonical keys of vertices and of triangles' cells, uint64, where they were requested; else None."""
         return self._keys
 
     @property
@@ -199,13 +199,13 @@ class Mesh:
         refuses; ``mesh.n_faces`` less that of the copy is how many went.
 
         Raises:
-            RangeError: a vertex number beyond the vertices.
+            RangeError: a vertex index beyond the vertices.
         """
         np = arrays.numpy("drop_nonfinite")
         faces = np.asarray(self.faces)
         arrays.refuse_negative(faces)
         if faces.size and int(faces.max()) >= self.n_vertices:
-            raise RangeError(f"vertex number {faces.max()}, but there are {self.n_vertices} vertices")
+            raise RangeError(f"vertex index {faces.max()}, but there are {self.n_vertices} vertices")
         other = Mesh(np.array(self._vertices, order="C"), np.array(faces, np.uint32, order="C"), frame=self.frame)
         if self._colours is not None:
             other._colours = np.array(self._colours)
@@ -256,7 +256,7 @@ class Mesh:
             positions = np.ascontiguousarray(positions)
             arrays.refuse_negative(faces)
             if faces.dtype.itemsize > 4 and faces.size and int(faces.max()) >= 2**32:
-                raise RangeError(f"vertex number {faces.max()} does not fit 32 bits")
+                raise RangeError(f"vertex index {faces.max()} does not fit 32 bits")
             faces = np.ascontiguousarray(faces, np.uint32)
         elif faces.itemsize != 4:
             faces = memoryview(plain_array("I", [i for row in faces.tolist() for i in row]))
@@ -510,7 +510,7 @@ def new_mesh() -> Any:
 
 
 def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
-    """A mesh in the type asked for; None: float32, or float64 where float32 cannot tell neighbouring positions apart."""
+    """A mesh in the requested type; None: float32, or float64 where float32 does not distinguish neighbouring positions."""
     with Run(**limits) as run:
         options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
         made = new_mesh()

@@ -95,7 +95,7 @@ def voxelize_points(
         A `Grid`; ``grid.report`` is a `bitvox.reports.PointsReport`, whose ``pockets`` are 0 when gaps let the flood in everywhere.
 
     Raises:
-        EmptyError: no points. RangeError: a point that is not finite, with its number.
+        EmptyError: no points. RangeError: a point that is not finite, with its index.
     """
     held = points_of(points)
     if lattice is None:
@@ -120,6 +120,6 @@ def voxelize_points(
     found = record(report)
     if body and found.pockets == 0:
         wider = max(1, 2 * options.close_gaps)
-        warnings.warn(f"no body: the flood reaches everything behind the points; try close_gaps={wider} with padding={wider}, or a lower resolution",
+        warnings.warn(f"no body: the flood reaches everything around the points; try close_gaps={wider} with padding={wider}, or a lower resolution",
                       stacklevel=2)
     return Grid._made(made, found)

@@ -34,7 +34,7 @@ class Loop(NamedTuple):
 class Sections:
     """Closed contours on parallel planes: what .csl, .csv, .dxf and DICOM RTSTRUCT files hold, and `slice_mesh` makes.
 
-    ``positions`` are the planes, ascending: point . normal [world]; ``section_of`` tells the plane of each of ``loops``.
+    ``positions`` are the planes, ascending: point . normal [world]; ``section_of`` gives the plane of each of ``loops``.
 
     Loops inside loops are holes, in these islands, and so on; in any order and direction.
 

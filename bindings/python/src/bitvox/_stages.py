@@ -79,7 +79,7 @@ def voxelize(
 
     Raises:
         ArgumentError: options that contradict each other, or that the mode or the rule does not take.
-        EmptyError: no triangles. RangeError: coordinates or vertex numbers, the first one named. MemoryLimitError.
+        EmptyError: no triangles. RangeError: coordinates or vertex indices, the first one named. MemoryLimitError.
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice, corner)
@@ -378,7 +378,7 @@ def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_l
         A `bitvox.reports.Certificate`.
 
     Raises:
-        RangeError: a coordinate that is not finite, a vertex number that is not there: the first one is named.
+        RangeError: a coordinate that is not finite, a vertex index that is not there: the first one is named.
     """
     return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
 
@@ -511,7 +511,7 @@ def repair(
         face_rule, dtype, local_frame: as for `surface`.
 
     Returns:
-        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) tells what was found and done: ``holes``, ``hole_length``
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``hole_length``
         [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
         With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
         the surface before it.
@@ -579,7 +579,7 @@ def level_target(triangles: Any, error: Any, error_kind: ErrorKind | None) -> di
 
 
 def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Mesh:
-    """A closed mesh that a stage made, with fewer triangles where they are asked for."""
+    """A closed mesh that a stage made, with fewer triangles where they are requested."""
     if not targets or made.n_faces == 0:
         return made
     return call("simplify", made, **targets, **limits)

@@ -346,7 +346,7 @@ class Volume:
                 collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
 
         Returns:
-            A `Mesh` with uint32 faces, in the world; ``report`` of the volume tells what was counted.
+            A `Mesh` with uint32 faces, in the world; ``report`` of the volume says what was counted.
         """
         targets = level_target(triangles, error, error_kind)
         if self._turn is not None and (keys or open_sides):
@@ -491,7 +491,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
             before the first.
         spacing, corner: the lattice of files that tell none (.raw, .npy) [world].
         frame: the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
-            the file; ``volume.frame`` tells which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
+            the file; ``volume.frame`` says which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
 
     Returns:
         A `Volume`. Use `Volume.threshold`, `Volume.surface` and `Volume.labels` to make something of it.
@@ -501,11 +501,11 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
-            raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
+            raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
         return _in_frame(call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path), frame, path)
     if kind in BY_LIBRARIES:
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
-            raise ArgumentError(f"{path}: the file tells shape, dtype, spacing and corner itself")
+            raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
         return _in_frame(call("read_by_library", path, kind), frame, path)
     if kind not in VOLUME_FORMATS:
         raise ArgumentError(f"{path}: format {kind!r} is not read; volumes are {', '.join((*VOLUME_FORMATS, 'nii', 'dcm', *BY_LIBRARIES))}")
@@ -546,7 +546,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     memory = arrays.memory(view.samples, step * size[0] * size[1] * size[2], (volume, data, beside)).toreadonly()
     array = np.ndarray(size, np.dtype(code), buffer=memory, strides=strides)
     if (spacing is not None or corner is not None) and volume.placed:
-        raise ArgumentError(f"{path}: the file tells its lattice itself")
+        raise ArgumentError(f"{path}: the file says its lattice itself")
     lattice = Lattice._of(view.lattice) if spacing is None and corner is None else Lattice(size, 1.0 if spacing is None else spacing,
                                                                                         corner or (0.0, 0.0, 0.0))
     return _in_frame(Volume(array, lattice=lattice, frame=_frame_told(data) if kind in ("nrrd", "nhdr") else None), frame, path)

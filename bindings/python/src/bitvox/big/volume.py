@@ -21,7 +21,7 @@ from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
 
 class Volume:
-    """A grid in chunks, nothing of it computed before it is asked for.
+    """A grid in chunks, nothing of it computed before it is requested.
 
     Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`). All
     methods give the bits and numbers of a single run, whatever the chunks are.
@@ -144,7 +144,7 @@ class Volume:
         Args:
             function: takes a chunk with a halo, a `Grid` of a larger window; what it returns is cut to the chunk.
             margin: voxels of the halo on either side, one number or three; the lattice's own sides end it.
-            arguments: handed on as they are.
+            arguments: passed on as they are.
         """
         made, halo = need("dask", "big").delayed(_around, pure=True), _margin(margin)
         return Volume(self.chunks, {i: made(function, arguments, self.lattice, self.chunks.grown(i, halo), self.chunks.window(i),
@@ -193,7 +193,7 @@ class Volume:
         numbers for a while.
 
         Args:
-            limit: largest distance that is told apart; above 0, and infinite only where one task may see the whole [world].
+            limit: largest distance that is distinguished; above 0, and infinite only where one task may see the whole [world].
             side, beyond, dtype: as for `Grid.distance`; ``beyond`` the lattice, that is. "signed": from -limit to limit.
         """
         if not limit > 0:

@@ -22,7 +22,7 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
         path: .amf, plain, zipped or packed as .gz.
 
     Raises:
-        FormatError: damaged XML, numbers that are none, vertex numbers that are not there.
+        FormatError: damaged XML, numbers that are none, vertex indices that are not there.
     """
     with open(path, "rb") as file:
         data = file.read()

@@ -26,7 +26,7 @@ def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series
     """A grid from a DICOM series.
 
     Args:
-        source, series: as for `read_dicom_volume`, which also tells what is refused.
+        source, series: as for `read_dicom_volume`, which also says what is refused.
         threshold: values above it are set; (low, high): from low to high.
         labels: values that are set. Without either, all values other than 0.
     """

@@ -45,7 +45,7 @@ def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: A
     """A grid from a NIfTI volume or mask.
 
     Args:
-        path, index: as for `read_nifti_volume`, which also tells what is refused.
+        path, index: as for `read_nifti_volume`, which also says what is refused.
         threshold: values above it are set; (low, high): from low to high. labels: values (one or several) that are set.
             Without either, all values other than 0.
     """

@@ -1,4 +1,4 @@
-"""Files that bitvox.read hands on: AMF, and meshes that trimesh reads."""
+"""Files that bitvox.read passes on: AMF, and meshes that trimesh reads."""
 
 from __future__ import annotations
 
