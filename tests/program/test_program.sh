@@ -153,7 +153,7 @@ refuses 2 'no picture format' render "$knot" -o x.jpg
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 100
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 0x100
 refuses 2 'points nowhere' render "$knot" -o x.png --from 0,0,0
-refuses 2 'say it with --format' info -
+refuses 2 'give it with --format' info -
 refuses 2 'is for standard input' info "$knot" --format ply
 refuses 2 'takes one of: stl, obj' info - --format png
 refuses 2 'only once' render - - --format ply -o x.png

@@ -105,7 +105,7 @@ gives 'planes that are not parallel' 1 'line 6: the plane is not parallel to the
 gives 'no polylines in .csl' 2 '--close-gap is for .csv' sections off.csl -o x.ply --close-gap 1
 "$program" sections - --format csv -o piped.ply <prism.csv >out 2>err
 if [ $? = 0 ] && grep -q 'standard input' out; then ok 'contours from standard input'; else not_ok 'contours from standard input' "$(cat out)"; fi
-gives 'standard input without a format' 2 'say it with --format' sections - -o x.ply
+gives 'standard input without a format' 2 'give it with --format' sections - -o x.ply
 if [ -e x.ply ] || [ -e b.csv ]; then not_ok 'refusals leave no file' 'x.ply or b.csv is there'; else ok 'refusals leave no file'; fi
 
 gives 'slice' 0 'planes' slice "$knot" -o knot.csl --spacing 0.05
