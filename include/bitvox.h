@@ -99,39 +99,40 @@ enum { BVX_STATUS_LIST(BVX_LIST_ENUM) BVX_STATUS_COUNT = 12 };
 BVX_API const char *bvx_status_text(bvx_status status);
 
 /** Why a call failed, for programs: the reason, its frozen value and its text. */
-#define BVX_REASON_LIST(X)                                                                                  \
-    X(BVX_REASON_NONE, 0, "no call has failed")                                                             \
-    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more")                                              \
-    X(BVX_REASON_NULL, 2, "an argument is NULL")                                                            \
-    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0")                                                  \
-    X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know")   \
-    X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are")                     \
-    X(BVX_REASON_MEMORY, 6, "the allocator returned nothing")                                               \
-    X(BVX_REASON_BUDGET, 7, "the memory limit does not allow it")                                           \
-    X(BVX_REASON_CAPACITY, 8, "an array given by the caller is too small")                                  \
-    X(BVX_REASON_LATTICE, 9, "the grids do not share one lattice or window")                                \
-    X(BVX_REASON_CANCELLED, 10, "the progress callback asked to stop")                                      \
-    X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite")                                             \
-    X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in")                                         \
-    X(BVX_REASON_FLOATS_COARSE, 13,                                                                         \
-      "f32 does not distinguish neighbouring positions; BVX_POSITION_AUTO takes f64")                          \
-    X(BVX_REASON_DOUBLES_COARSE, 14, "doubles do not distinguish neighbouring positions; a local frame does") \
-    X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")           \
-    X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")            \
-    X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                           \
-    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")             \
-    X(BVX_REASON_RANGE, 19, "an option is outside its range")                                               \
-    X(BVX_REASON_CONTRADICTION, 20, "arguments or options exclude or need each other")                      \
-    X(BVX_REASON_INVALID, 21, "an argument's sizes, counts or arrays do not describe what it should be")    \
-    X(BVX_REASON_NOT_EMPTY, 22, "an output brings arrays of its own, which are not used")                   \
-    X(BVX_REASON_OVERLAP, 23, "an output's memory is an input's")                                           \
-    X(BVX_REASON_TOPOLOGY, 24, "the mesh is not closed, manifold or oriented as the call needs it")         \
-    X(BVX_REASON_TOO_FAR, 25, "a coordinate or a length is beyond what numbers or a format represent")      \
-    X(BVX_REASON_TOO_MANY, 26, "there are more elements than an index, a format or a machine counts")       \
-    X(BVX_REASON_TARGET, 27, "a target of triangles or of error cannot be kept")                            \
-    X(BVX_REASON_EMPTY, 28, "the input holds nothing to work on")                                           \
-    X(BVX_REASON_DAMAGED, 29, "the data is damaged or not of the stated format")                            \
-    X(BVX_REASON_UNSUPPORTED, 30, "the build or the format has no such thing")                              \
+#define BVX_REASON_LIST(X)                                                                                \
+    X(BVX_REASON_NONE, 0, "no call has failed")                                                           \
+    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more")                                            \
+    X(BVX_REASON_NULL, 2, "an argument is NULL")                                                          \
+    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0")                                                \
+    X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know") \
+    X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are")                   \
+    X(BVX_REASON_MEMORY, 6, "the allocator returned nothing")                                             \
+    X(BVX_REASON_BUDGET, 7, "the memory limit does not allow it")                                         \
+    X(BVX_REASON_CAPACITY, 8, "an array given by the caller is too small")                                \
+    X(BVX_REASON_LATTICE, 9, "the grids do not share one lattice or window")                              \
+    X(BVX_REASON_CANCELLED, 10, "the progress callback asked to stop")                                    \
+    X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite")                                           \
+    X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in")                                       \
+    X(BVX_REASON_FLOATS_COARSE, 13,                                                                       \
+      "f32 does not distinguish neighbouring positions; BVX_POSITION_AUTO takes f64")                     \
+    X(BVX_REASON_DOUBLES_COARSE, 14,                                                                      \
+      "doubles do not distinguish neighbouring positions; a local frame does")                            \
+    X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")         \
+    X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")          \
+    X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                         \
+    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")           \
+    X(BVX_REASON_RANGE, 19, "an option is outside its range")                                             \
+    X(BVX_REASON_CONTRADICTION, 20, "arguments or options exclude or need each other")                    \
+    X(BVX_REASON_INVALID, 21, "an argument's sizes, counts or arrays do not describe what it should be")  \
+    X(BVX_REASON_NOT_EMPTY, 22, "an output brings arrays of its own, which are not used")                 \
+    X(BVX_REASON_OVERLAP, 23, "an output's memory is an input's")                                         \
+    X(BVX_REASON_TOPOLOGY, 24, "the mesh is not closed, manifold or oriented as the call needs it")       \
+    X(BVX_REASON_TOO_FAR, 25, "a coordinate or a length is beyond what numbers or a format represent")    \
+    X(BVX_REASON_TOO_MANY, 26, "there are more elements than an index, a format or a machine counts")     \
+    X(BVX_REASON_TARGET, 27, "a target of triangles or of error cannot be kept")                          \
+    X(BVX_REASON_EMPTY, 28, "the input holds nothing to work on")                                         \
+    X(BVX_REASON_DAMAGED, 29, "the data is damaged or not of the stated format")                          \
+    X(BVX_REASON_UNSUPPORTED, 30, "the build or the format has no such thing")                            \
     X(BVX_REASON_VERSION, 31, "the header and the library are of different major versions")
 enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 32 };
 
@@ -1560,8 +1561,8 @@ typedef struct bvx_field_surface_options {
                                 0..1] [Default: 0] */
     int32_t sharp;         /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to
                                 the closest triangles' planes where the field has triangles and the mesh is
-                                given; -1: where the mesh, which must be given, has sharp edges
-                                [Limit: -1..1] [Default: 0] */
+                                given; -1: where the mesh, which must be given, has sharp edges [Limit:
+                                -1..1] [Default: 0] */
     int32_t reserved;
     double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the
                              angle between their normals] [Limit: -1..1] [Default: 0.8] */

@@ -201,7 +201,7 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
     return status;
 }
 
-/* What stays of a voxel of this distance; that of one without is more than any that is asked for. */
+/* What stays of a voxel of this distance; that of one without is more than any that is requested. */
 static int stays(const cli_run *run, const morph_job *job, int solid, double distance)
 {
     if (job->action == DILATE) return solid || distance <= run->options->radius;

@@ -47,7 +47,7 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     status = bvx_measure_field(run->context, &view, l, &o, field);
     if (status != BVX_OK) return status;
 
-    /* What is inside is known already, by the rule that was asked for. */
+    /* What is inside is known already, by the rule that was requested. */
     field->inside = *solid;
     field->inside.owned = 0;
     field->sign = BVX_SIGN_EXACT;

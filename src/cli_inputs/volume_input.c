@@ -77,8 +77,8 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
     const char *const meant = cli_mistaken_for(run, option);
 
     return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
-                     cli_input_name(path), kind, meant != NULL ? "; did you mean " : "", meant != NULL ? meant : "",
-                     meant != NULL ? "?" : "");
+                     cli_input_name(path), kind, meant != NULL ? "; did you mean " : "",
+                     meant != NULL ? meant : "", meant != NULL ? "?" : "");
 }
 
 int cli_check_volume_options(cli_run *run)

@@ -14,7 +14,7 @@ typedef struct cli_made {
     int (*write)(cli_run *run, void *writer); /* NULL: the grid or field is written as it is */
     void *writer;
     uint64_t set;        /* voxels, or values */
-    int placed;          /* 0: nothing tells where the voxels lie */
+    int placed;          /* 0: nothing says where the voxels lie */
     cli_text head, text; /* lines for people, before the voxels' own and after them */
     cli_text members;    /* of the JSON report, each with ", " before it */
     cli_text warnings;   /* one a line */

@@ -6,7 +6,7 @@
 #include "context.h"
 
 typedef struct block_header {
-    uint64_t used, serial; /* of scratch: bytes that were asked for, its number */
+    uint64_t used, serial; /* of scratch: bytes that were requested, its number */
     size_t payload;        /* bytes of the block, rounded up to the alignment */
     size_t previous;       /* payload of the neighbour towards the arena's end that this block grew from */
     size_t is_free;

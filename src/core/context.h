@@ -56,7 +56,7 @@ struct bvx_context {
 
 void *bvxi_arena_alloc(bvxi_arena *arena, int kind, size_t size, uint64_t serial);
 void bvxi_arena_free(bvxi_arena *arena, void *block);
-/* The bytes that a block of scratch was asked for. */
+/* The bytes that a block of scratch was requested. */
 uint64_t bvxi_arena_size(const bvxi_arena *arena, const void *block);
 /* The scratch taken last since a mark, and its size; NULL: none. All of that lives on. */
 void *bvxi_arena_since(const bvxi_arena *arena, uint64_t mark, uint64_t *size);

@@ -23,8 +23,8 @@ void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
 
 static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const char *rule)
 {
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                         "%s: %s requires the rule %s", solid_name, option, rule);
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: %s requires the rule %s",
+                         solid_name, option, rule);
 }
 
 static const bvxi_option voxelize_rows[] = {

@@ -128,8 +128,8 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
     if (o->close_gaps != 0 && !o->body)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: close_gaps requires body", points_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
+                             points_name);
     BVXI_TRY(bvxi_lattice_check(ctx, points_name, lattice));
     BVXI_TRY(bvxi_window_take(ctx, points_name, lattice, &o->window, window));
     for (int32_t a = 0; a < 3 && o->body; a++)

@@ -12,7 +12,7 @@ static inline uint32_t bvxi_type_size(int32_t type)
     return type >= 1 && type <= 10 ? size[type] : 0;
 }
 
-/* Refuse a view that is none, naming the field; stride becomes its strides, packed ones written out. */
+/* Refuse an invalid view, naming the field; stride becomes its strides, packed ones written out. */
 bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
                              int64_t stride[3]);
 

@@ -18,7 +18,7 @@ from .volume import Volume
 
 
 class Samples:
-    """A volume of samples in chunks, nothing of it computed before it is asked for: what `bitvox.Volume` is for one machine.
+    """A volume of samples in chunks, nothing of it computed before it is requested: what `bitvox.Volume` is for one machine.
 
     Attributes:
         array: a Dask array [x, y, z] of whole numbers or floats.
