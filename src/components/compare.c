@@ -102,15 +102,14 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     const bvx_grid *const a = w->grid[0];
     uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
     int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
-    bvx_status status;
 
     w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
     uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
-    status = bvxi_parallel(ctx, "compare", 0.0, 0.5, w->pieces, compare_piece, w);
-    if (status == BVX_OK) add_compare_sums(w, all);
+    BVXI_TRY(bvxi_parallel(ctx, "compare", 0.0, 0.5, w->pieces, compare_piece, w));
+    add_compare_sums(w, all);
     bvxi_drop(ctx, w->sums);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- The pieces of what only one grid has ---- */

@@ -354,7 +354,6 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     static const char *const function = "bvx_grid_cast";
     bvxi_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
     cast_work w = {grid, &bricks, rays, hits, t_max, count, bvxi_piece_count(count, CAST_GRAIN)};
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -369,9 +368,9 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     BVXI_TRY(check_cast_rays(context, function, rays, count));
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
         BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));
-    status = bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w);
+    BVXI_TRY(bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w));
     bvxi_bricks_free(context, &bricks);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,

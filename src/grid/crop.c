@@ -74,7 +74,6 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
 {
     static const char *const function = "bvx_grid_content";
     content_job job;
-    bvx_status status;
     uint64_t bytes;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -85,10 +84,10 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
     job.pieces = crop_pieces(grid);
     bytes = (uint64_t)job.pieces * sizeof *job.box;
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the parts' boxes", &job.box));
-    status = bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job);
-    if (status == BVX_OK) join_content(&job, window);
+    BVXI_TRY(bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job));
+    join_content(&job, window);
     bvxi_drop(context, job.box);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)

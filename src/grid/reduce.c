@@ -201,7 +201,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     static const char *const function = "bvx_grid_downsample";
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
     reduce_job job;
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
@@ -209,10 +208,10 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function,
                              (int64_t)rule);
     job.rule = rule;
-    status = bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks);
-    if (status == BVX_OK) status = reduce_grid(context, function, &job, result);
+    BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks));
+    BVXI_TRY(reduce_grid(context, function, &job, result));
     bvxi_blocks_close(context, &job.blocks);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

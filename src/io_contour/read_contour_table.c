@@ -282,16 +282,15 @@ static bvx_status read_table_lines(table_reader *r)
 bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
 {
     table_reader r;
-    bvx_status status;
 
     memset(&r, 0, sizeof r);
     r.f = f;
     r.close_gap = close_gap;
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
-    status = read_table_lines(&r);
+    BVXI_TRY(read_table_lines(&r));
     bvxi_drop(f->ctx, r.loop_hash);
     bvxi_drop(f->ctx, r.section_hash);
     bvxi_key_tree_close(f->ctx, &r.sections);
-    return status;
+    return BVX_OK;
 }

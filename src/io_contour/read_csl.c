@@ -211,7 +211,6 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     uint64_t const first = f->sections.point_count;
     double equation[4], position = 0.0, *at = NULL;
     const char *start;
-    bvx_status status;
 
     csl_skip(f);
     start = f->p;
@@ -221,13 +220,13 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
     BVXI_TRY(csl_plane_normal(f, start, equation, section == 0, &position));
-    status = bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at);
-    if (status == BVX_OK) status = csl_points(f, start, at, points, position);
-    if (status == BVX_OK) status = bvxi_contour_add_section(f, position);
-    if (status == BVX_OK) status = csl_loops(f, at, points, section, loops);
-    if (status == BVX_OK) csl_settle_position(f, first, &f->sections.positions[section]);
+    BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
+    BVXI_TRY(csl_points(f, start, at, points, position));
+    BVXI_TRY(bvxi_contour_add_section(f, position));
+    BVXI_TRY(csl_loops(f, at, points, section, loops));
+    csl_settle_position(f, first, &f->sections.positions[section]);
     bvxi_drop(f->ctx, at);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_read_csl(bvxi_contour_file *f)

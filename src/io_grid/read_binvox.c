@@ -318,7 +318,6 @@ static bvx_status binvox_fill(binvox_reading *r)
     const bvx_grid *const g = r->grid;
     uint64_t size;
     int fits = 1;
-    bvx_status status;
 
     r->tasks = g->words_per_row < BINVOX_MAX_TASKS ? g->words_per_row : BINVOX_MAX_TASKS;
     r->buffers = bvxi_threads(ctx) < r->tasks ? bvxi_threads(ctx) : r->tasks;
@@ -328,9 +327,9 @@ static bvx_status binvox_fill(binvox_reading *r)
     if (!fits) size = UINT64_MAX; /* refused by the allocation */
     binvox_find_marks(r);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "layers along y", &r->layers));
-    status = bvxi_parallel(ctx, "read", 0.0, 1.0, r->tasks, binvox_layers_task, r);
+    BVXI_TRY(bvxi_parallel(ctx, "read", 0.0, 1.0, r->tasks, binvox_layers_task, r));
     bvxi_drop(ctx, r->layers);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)

@@ -341,7 +341,6 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 {
     uint64_t const least = BVXI_BVX_SLICE_HEAD + 1, size = (uint64_t)(source->end - source->begin);
     bvx_unpacking job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.source = source;
@@ -354,7 +353,7 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
                         "the places of slices", &job.place));
-    status = bvx_unpack(&job, grid);
+    BVXI_TRY(bvx_unpack(&job, grid));
     bvxi_drop(source->ctx, job.place);
-    return status;
+    return BVX_OK;
 }

@@ -280,7 +280,6 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     binvox_writing job = {0};
     double corner[3], scale = 0;
     int fits = 1;
-    bvx_status status;
 
     BVXI_TRY(binvox_place(ctx, grid, corner, &scale));
     job.grid = grid;
@@ -290,9 +289,9 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     turned = bvxi_mul(bvxi_mul(job.worker_words, (uint64_t)job.buffers, &fits), 8, &fits);
     if (!fits) turned = UINT64_MAX; /* refused by the allocation */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, columns, "the columns' runs", &job.layers));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, turned, "layers along y", &job.turned);
-    if (status == BVX_OK) status = binvox_pack(ctx, &job, corner, scale, file);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, turned, "layers along y", &job.turned));
+    BVXI_TRY(binvox_pack(ctx, &job, corner, scale, file));
     bvxi_drop(ctx, job.turned);
     bvxi_drop(ctx, job.layers);
-    return status;
+    return BVX_OK;
 }

@@ -155,7 +155,6 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     vtu_leaves v = {0};
-    bvx_status status;
 
     v.ctx = ctx;
     v.tree = tree;
@@ -177,18 +176,15 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     if (v.count >= (uint64_t)1 << 28)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u leaves; VTU is written up to 2^28 - 1", vtu_name, v.count);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, v.count * sizeof *v.leaf, "the octree's leaves", &v.leaf);
-    if (status == BVX_OK)
-        status = bvxi_octree_leaves(ctx, vtu_name, 0.1, 0.3, tree, states, v.leaf, v.count, &v.count);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 64, "the leaves' corners", &v.place);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner);
-    if (status == BVX_OK) status = write_vtu_file(&v, file);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * sizeof *v.leaf, "the octree's leaves", &v.leaf));
+    BVXI_TRY(bvxi_octree_leaves(ctx, vtu_name, 0.1, 0.3, tree, states, v.leaf, v.count, &v.count));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 64, "the leaves' corners", &v.place));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner));
+    BVXI_TRY(write_vtu_file(&v, file));
     bvxi_drop(ctx, v.corner);
     bvxi_drop(ctx, v.place);
     bvxi_drop(ctx, v.leaf);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states,

@@ -333,7 +333,6 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 {
     bvx_context *const ctx = source->ctx;
     obj_file f = {0};
-    bvx_status status;
 
     f.source = source;
     f.mesh = mesh;
@@ -342,9 +341,9 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end
                      ? '\r'
                      : '\n';
-    status = obj_read(&f);
+    BVXI_TRY(obj_read(&f));
     bvxi_drop(ctx, f.fans);
     bvxi_drop(ctx, f.colours);
     bvxi_drop(ctx, f.pieces);
-    return status;
+    return BVX_OK;
 }

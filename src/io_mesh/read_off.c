@@ -422,14 +422,13 @@ static bvx_status off_take_faces(off_file *f)
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 {
     off_file f = {0};
-    bvx_status status;
 
     f.source = source;
     f.mesh = mesh;
-    status = off_take_keyword(&f);
-    if (status == BVX_OK) status = off_take_counts(&f);
-    if (status == BVX_OK) status = off_take_vertices(&f);
-    if (status == BVX_OK) status = off_take_faces(&f);
+    BVXI_TRY(off_take_keyword(&f));
+    BVXI_TRY(off_take_counts(&f));
+    BVXI_TRY(off_take_vertices(&f));
+    BVXI_TRY(off_take_faces(&f));
     bvxi_drop(source->ctx, f.fans);
-    return status;
+    return BVX_OK;
 }

@@ -85,7 +85,6 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
     bvx_mesh_view view;
     double low[3], high[3], *sum;
     bvxi_written what = {mesh, NULL};
-    bvx_status status;
 
     /* Text and doubles hold coordinates whose products leave the range of doubles. */
     bvx_mesh_view_of(mesh, &view);
@@ -94,9 +93,9 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
     BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
 
     what.normal = sum;
-    status = write(ctx, &what, file);
+    BVXI_TRY(write(ctx, &what, file));
     bvxi_drop(ctx, sum);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- rounding ---- */
@@ -222,13 +221,12 @@ static void put_file_positions(const bvx_mesh *mesh, int rounded, const double c
 static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, uint64_t *different)
 {
     uint32_t *representative;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
                         "the vertices' positions", &representative));
-    status = bvxi_weld(ctx, view, representative, different);
+    BVXI_TRY(bvxi_weld(ctx, view, representative, different));
     bvxi_drop(ctx, representative);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *file,
@@ -255,7 +253,6 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     bvxi_rounding rounding = {0};
     bvx_mesh_view view, file;
     double *positions = NULL;
-    bvx_status status;
 
     BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
     bvx_mesh_view_of(mesh, &view);
@@ -282,9 +279,9 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
         file.position_type = BVX_F64;
         file.position_stride = 0;
     }
-    status = check_file_view(ctx, &view, &file, format, rounded, report);
+    BVXI_TRY(check_file_view(ctx, &view, &file, format, rounded, report));
     bvxi_drop(ctx, positions);
-    return status;
+    return BVX_OK;
 }
 
 /* What messages about one of several meshes begin with. */

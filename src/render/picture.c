@@ -152,16 +152,15 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
     int32_t const bands = (p->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
     picture_work work = {p, NULL};
     bvxi_shade *shade = NULL;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
     BVXI_TRY(bvxi_parallel(ctx, "render", 0.2, 0.5, bands, draw_picture_band, &work));
     BVXI_TRY(bvxi_shade_open(ctx, p, &shade));
     work.shade = shade;
-    status = bvxi_parallel(ctx, "render", 0.5, 1.0, bands, shade_picture_band, &work);
+    BVXI_TRY(bvxi_parallel(ctx, "render", 0.5, 1.0, bands, shade_picture_band, &work));
     bvxi_shade_close(ctx, shade);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)

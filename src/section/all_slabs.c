@@ -190,14 +190,14 @@ static bvx_status fill_in_job(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
     uint64_t const rooms = (uint64_t)job->count * 16;
-    bvx_status status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again));
 
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room);
-    if (status == BVX_OK) status = fill_side_by_side(job);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
+    BVXI_TRY(fill_side_by_side(job));
     bvxi_drop(s->ctx, job->worker);
     bvxi_drop(s->ctx, job->room);
     bvxi_drop(s->ctx, job->again);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- one after the other ---- */
@@ -301,7 +301,6 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
 {
     uint64_t const firsts = (uint64_t)count * 8;
     slabs_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.s = s;
@@ -309,11 +308,10 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     job.count = count;
     job.pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
     job.mesh = mesh;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle);
-    if (status == BVX_OK) status = join_in_job(&job);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
+    BVXI_TRY(join_in_job(&job));
     bvxi_drop(s->ctx, job.triangle);
     bvxi_drop(s->ctx, job.vertex);
-    return status;
+    return BVX_OK;
 }

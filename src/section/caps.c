@@ -375,7 +375,6 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
     uint32_t *owner = NULL;
     cap_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
     w.s = s;
@@ -383,20 +382,15 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     w.side = side;
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap",
-                        &owner);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge,
-                            "the bridges of a cap", &w.bridge);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut);
-    if (status == BVX_OK) status = fill_regions(&w, owner);
+    BVXI_TRY(
+        bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge,
+                        "the bridges of a cap", &w.bridge));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
+    BVXI_TRY(fill_regions(&w, owner));
     bvxi_polygon_free(&w.polygon);
     bvxi_drop(s->ctx, w.cut);
     bvxi_drop(s->ctx, w.at);
@@ -404,7 +398,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     bvxi_drop(s->ctx, w.corner);
     bvxi_drop(s->ctx, w.after);
     bvxi_drop(s->ctx, owner);
-    return status;
+    return BVX_OK;
 }
 
 double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)

@@ -86,15 +86,14 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     bvxi_vertex_map map = {NULL, NULL, 0, 0};
     bvxi_mend_work w;
     uint64_t most = 1;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
     w.s = s;
     w.map = &map;
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed);
-    if (status == BVX_OK) status = mend_planes(&w, m);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
+    BVXI_TRY(mend_planes(&w, m));
     bvxi_drop(s->ctx, w.active);
     bvxi_drop(s->ctx, w.order);
     bvxi_drop(s->ctx, w.key);
@@ -104,7 +103,7 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     bvxi_drop(s->ctx, w.node);
     bvxi_drop(s->ctx, w.changed);
     bvxi_map_free(s, &map);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,

@@ -242,7 +242,6 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     uint64_t *key;
     uint32_t *order, *stays;
     mend_trace t;
-    bvx_status status;
 
     memset(&t, 0, sizeof t);
     t.w = w;
@@ -263,7 +262,7 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
 
-    status = mend_trace_in(&t, key, order, narrowest, stays);
+    BVXI_TRY(mend_trace_in(&t, key, order, narrowest, stays));
     bvxi_drop(w->s->ctx, block);
-    return status;
+    return BVX_OK;
 }

@@ -166,7 +166,6 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     uint32_t *pairs = NULL;
     uint64_t count, room;
     bvx_mesh_view view;
-    bvx_status status;
 
     if (m->triangles == 0) return BVX_OK;
     memset(&view, 0, sizeof view); /* corner by corner: vertices at one place are one there */
@@ -179,10 +178,10 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     if (count == 0) return BVX_OK;
     room = count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
-    status = BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room));
-    if (status == BVX_OK) nest_mark_pairs(m, pairs, count, found);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room)));
+    nest_mark_pairs(m, pairs, count, found);
     bvxi_drop(ctx, pairs);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, uint32_t *found)

@@ -160,7 +160,6 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     bvxi_nesting *const n = &s->nesting;
     uint64_t most = 0;
     uint32_t *part = NULL;
-    bvx_status status;
 
     if (n->count == NULL) return BVX_OK;
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -169,12 +168,12 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     }
     if (n->plane_room == 0) return BVX_OK;
 
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops",
-                        &n->plane);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part);
-    if (status == BVX_OK) status = nest_make_levels(s, part);
+    BVXI_TRY(
+        bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
+    BVXI_TRY(nest_make_levels(s, part));
     bvxi_drop(s->ctx, part);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_nesting_refresh(bvxi_plane *p)

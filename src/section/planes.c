@@ -73,19 +73,18 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
     planes_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.s = s;
     job.view = *s;
     job.view.fixed = 1;
     job.pieces = plane_pieces(s);
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure);
-    if (status == BVX_OK) status = place_in_job(&job);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
+    BVXI_TRY(place_in_job(&job));
     bvxi_drop(s->ctx, job.unsure);
     bvxi_drop(s->ctx, job.bounds);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- fixed point ---- */
@@ -249,33 +248,29 @@ static bvx_status snap_planes(planes_job *job)
 {
     bvxi_stack *const s = job->s;
     planes_block block = {NULL, 0};
-    bvx_status status = open_snap_scratch(job, &block);
-    if (status == BVX_OK)
-        status = bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job);
-    if (status == BVX_OK) status = settle_planes(job);
+    BVXI_TRY(open_snap_scratch(job, &block));
+    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job));
+    BVXI_TRY(settle_planes(job));
     bvxi_drop(s->ctx, block.block);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status cut_planes(planes_job *job)
 {
     bvxi_stack *const s = job->s;
     planes_block block = {NULL, 0};
-    bvx_status status;
 
     BVXI_TRY(open_cuts(job));
-    status = open_cut_scratch(job, &block);
-    if (status == BVX_OK)
-        status = bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
+    BVXI_TRY(open_cut_scratch(job, &block));
+    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job));
     bvxi_drop(s->ctx, block.block);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
     planes_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.s = s;
@@ -289,15 +284,14 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
     }
     BVXI_TRY(open_trees(s));
-    status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch,
-                             "the sections' scratch", &job.scratch);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count);
-    if (status == BVX_OK) status = snap_planes(&job);
-    if (status == BVX_OK) status = cut_planes(&job);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch,
+                             "the sections' scratch", &job.scratch));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count));
+    BVXI_TRY(snap_planes(&job));
+    BVXI_TRY(cut_planes(&job));
     bvxi_drop(s->ctx, job.count);
     bvxi_drop(s->ctx, job.unsure);
     bvxi_drop(s->ctx, job.scratch);
-    return status;
+    return BVX_OK;
 }

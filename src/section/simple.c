@@ -142,16 +142,15 @@ bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
 {
     simple_work w = {NULL, NULL, NULL, NULL};
     uint64_t const n = p->point_count;
-    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
 
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place);
-    if (status == BVX_OK) status = check_pairs(s, p, &w);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place));
+    BVXI_TRY(check_pairs(s, p, &w));
     bvxi_drop(s->ctx, w.place);
     bvxi_drop(s->ctx, w.active);
     bvxi_drop(s->ctx, w.order);
     bvxi_drop(s->ctx, w.key);
-    return status;
+    return BVX_OK;
 }

@@ -196,17 +196,17 @@ static bvx_status gather_planes(bvxi_stack *s)
     uint64_t const n = s->given->section_count;
     uint32_t *loops = NULL, *plane_of = NULL;
     uint64_t *points = NULL, *key = NULL;
-    bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops));
 
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key);
-    if (status == BVX_OK) status = gather(s, loops, points, plane_of, key);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key));
+    BVXI_TRY(gather(s, loops, points, plane_of, key));
     bvxi_drop(s->ctx, key);
     bvxi_drop(s->ctx, points);
     bvxi_drop(s->ctx, plane_of);
     bvxi_drop(s->ctx, loops);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- directions ---- */
