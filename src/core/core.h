@@ -134,6 +134,29 @@ bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
 /* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 
+/* Whose step this is, and its part of the work's progress: what steps hand on to those below them. */
+typedef struct bvxi_call {
+    bvx_context *ctx;
+    const char *function,
+        *stage; /* for messages and progress; function may be NULL where nothing is refused */
+    double from, to;
+} bvxi_call;
+
+static inline bvxi_call bvxi_call_of(bvx_context *ctx, const char *function, const char *stage, double from,
+                                     double to)
+{
+    bvxi_call const call = {ctx, function, stage, from, to};
+    return call;
+}
+
+/* The same step with another part of the progress. */
+static inline bvxi_call bvxi_call_part(bvxi_call call, double from, double to)
+{
+    call.from = from;
+    call.to = to;
+    return call;
+}
+
 /* Piece i of n of a range of count items: [*begin, *end). */
 static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *begin, uint64_t *end)
 {

@@ -242,16 +242,16 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     return status;
 }
 
-bvx_status bvxi_carry_signs(bvx_context *ctx, const char *function, const char *stage, double at,
-                            const bvx_grid *band, bvx_grid *inside)
+bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8;
     uint64_t *open = NULL, mixed = 0;
     bvx_status status;
 
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
-    status = settle_spaces(ctx, function, band, inside->words, open, &mixed);
-    if (status == BVX_OK && mixed != 0) status = meet_in_spaces(ctx, stage, at, band, open, inside->words);
-    bvxi_drop(ctx, open);
+    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
+    status = settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed);
+    if (status == BVX_OK && mixed != 0)
+        status = meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words);
+    bvxi_drop(call.ctx, open);
     return status;
 }

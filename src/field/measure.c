@@ -149,8 +149,8 @@ static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measur
 
     /* Infinity less itself is NaN: the test for a finite width without a library call. */
     if (f->half_width - f->half_width == 0.0)
-        BVXI_TRY(bvxi_nearest_band(ctx, measure_stage, 0.15, 0.8, job->nearest, f->half_width, &f->band,
-                                   f->row_values));
+        BVXI_TRY(bvxi_nearest_band(bvxi_call_of(ctx, NULL, measure_stage, 0.15, 0.8), job->nearest,
+                                   f->half_width, &f->band, f->row_values));
     else take_every_centre(f);
     return BVX_OK;
 }
@@ -197,8 +197,8 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
     values.distances = f->distances;
     values.triangles = job->triangles;
     values.features = job->features;
-    return bvxi_nearest_fill(ctx, measure_stage, 0.8, 0.9, job->nearest, HUGE_VAL, &f->band, f->row_values,
-                             &values);
+    return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
+                             &f->band, f->row_values, &values);
 }
 
 /* ---- inside ---- */
@@ -216,8 +216,8 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
     sides.first = f->row_values;
     sides.triangles = job->triangles;
     sides.features = job->features;
-    return bvxi_sign_features(ctx, measure_name, measure_stage, 0.9, 0.97, job->nearest, f->half_width,
-                              &sides, f->sign, &f->inside);
+    return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
+                              f->half_width, &sides, f->sign, &f->inside);
 }
 
 typedef struct negate_job {
@@ -261,8 +261,8 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
 
 static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
-    BVXI_TRY(
-        bvxi_nearest_open(ctx, measure_name, measure_stage, 0.0, 0.15, job->mesh, lattice, &job->nearest));
+    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, measure_name, measure_stage, 0.0, 0.15), job->mesh, lattice,
+                               &job->nearest));
     BVXI_TRY(make_band(ctx, lattice, job));
     return make_values(ctx, job);
 }

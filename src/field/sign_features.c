@@ -9,11 +9,10 @@
 
 #include <math.h>
 
-static bvx_status sign_band(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                            const bvxi_sides *sides, int32_t sign, bvx_grid *inside)
+static bvx_status sign_band(bvxi_call call, const bvxi_sides *sides, int32_t sign, bvx_grid *inside)
 {
-    return sign == BVX_SIGN_NORMAL ? bvxi_sign_normal(ctx, function, stage, from, to, sides, inside)
-                                   : bvxi_sign_pseudonormal(ctx, function, stage, from, to, sides, inside);
+    return sign == BVX_SIGN_NORMAL ? bvxi_sign_normal(call, sides, inside)
+                                   : bvxi_sign_pseudonormal(call, sides, inside);
 }
 
 static uint64_t grid_voxels(const bvx_grid *grid)
@@ -31,9 +30,8 @@ static void set_every_voxel(bvx_grid *grid)
 }
 
 /* All of inside's window as the first centre of the lattice. */
-static bvx_status sign_by_first_centre(bvx_context *ctx, const char *function, const char *stage, double at,
-                                       const bvxi_nearest *nearest, const bvxi_sides *sides, int32_t sign,
-                                       bvx_grid *inside)
+static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvxi_sides *sides,
+                                       int32_t sign, bvx_grid *inside)
 {
     uint64_t word = 1, set = 0, first[2] = {0, 1};
     uint32_t triangle = 0;
@@ -55,8 +53,9 @@ static bvx_status sign_by_first_centre(bvx_context *ctx, const char *function, c
     of_one.first = first;
     of_one.triangles = &triangle;
     of_one.features = &feature;
-    BVXI_TRY(bvxi_nearest_fill(ctx, stage, at, at, nearest, HUGE_VAL, &one, first, &values));
-    BVXI_TRY(sign_band(ctx, function, stage, at, at, &of_one, sign, &its_side));
+    BVXI_TRY(bvxi_nearest_fill(bvxi_call_part(call, call.from, call.from), nearest, HUGE_VAL, &one, first,
+                               &values));
+    BVXI_TRY(sign_band(bvxi_call_part(call, call.from, call.from), &of_one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
     if (set != 0) set_every_voxel(inside);
     return BVX_OK;
@@ -81,24 +80,24 @@ static void whole_band_free(bvx_context *ctx, whole_band *w)
     bvxi_drop(ctx, w->band.words);
 }
 
-static bvx_status whole_band_measure(bvx_context *ctx, const char *stage, double from, double to,
-                                     const bvxi_nearest *nearest, double width, whole_band *w)
+static bvx_status whole_band_measure(bvxi_call call, const bvxi_nearest *nearest, double width, whole_band *w)
 {
-    double const middle = from + (to - from) * 0.4;
+    double const middle = call.from + (call.to - call.from) * 0.4;
     uint64_t const rows = bvxi_grid_rows(&w->band);
     bvxi_nearest_values values = {BVX_F32, NULL, NULL, NULL, NULL};
 
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bvxi_grid_words(&w->band) * 16, "the lattice's band",
+    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&w->band) * 16, "the lattice's band",
                              &w->band.words));
     w->inside.words = w->band.words + bvxi_grid_words(&w->band);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &w->first));
-    BVXI_TRY(bvxi_nearest_band(ctx, stage, from, middle, nearest, width, &w->band, w->first));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &w->first));
+    BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &w->band, w->first));
     w->values = w->first[rows];
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->values * 4, "the band's triangles", &w->triangles));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->values, "the band's features", &w->features));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, w->values * 4, "the band's triangles", &w->triangles));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, w->values, "the band's features", &w->features));
     values.triangles = w->triangles;
     values.features = w->features;
-    return bvxi_nearest_fill(ctx, stage, middle, to, nearest, HUGE_VAL, &w->band, w->first, &values);
+    return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, &w->band, w->first,
+                             &values);
 }
 
 /* The bits of whole in the window of part. */
@@ -122,8 +121,7 @@ static void cut_window(const bvx_grid *whole, bvx_grid *part)
         }
 }
 
-static bvx_status sign_whole_band(bvx_context *ctx, const char *function, const char *stage, double from,
-                                  double to, const bvxi_nearest *nearest, const bvxi_sides *part,
+static bvx_status sign_whole_band(bvxi_call call, const bvxi_nearest *nearest, const bvxi_sides *part,
                                   int32_t sign, whole_band *w, bvx_grid *inside)
 {
     bvxi_sides sides;
@@ -133,18 +131,18 @@ static bvx_status sign_whole_band(bvx_context *ctx, const char *function, const 
     sides.first = w->first;
     sides.triangles = w->triangles;
     sides.features = w->features;
-    if (w->values == 0) return sign_by_first_centre(ctx, function, stage, from, nearest, part, sign, inside);
-    BVXI_TRY(sign_band(ctx, function, stage, from, to, &sides, sign, &w->inside));
-    BVXI_TRY(bvxi_carry_signs(ctx, function, stage, to, &w->band, &w->inside));
+    if (w->values == 0)
+        return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, part, sign, inside);
+    BVXI_TRY(sign_band(call, &sides, sign, &w->inside));
+    BVXI_TRY(bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &w->band, &w->inside));
     cut_window(&w->inside, inside);
     return BVX_OK;
 }
 
-static bvx_status sign_as_whole(bvx_context *ctx, const char *function, const char *stage, double from,
-                                double to, const bvxi_nearest *nearest, double width, const bvxi_sides *part,
-                                int32_t sign, bvx_grid *inside)
+static bvx_status sign_as_whole(bvxi_call call, const bvxi_nearest *nearest, double width,
+                                const bvxi_sides *part, int32_t sign, bvx_grid *inside)
 {
-    double const middle = from + (to - from) * 0.7;
+    double const middle = call.from + (call.to - call.from) * 0.7;
     whole_band w = {0};
     bvx_status status;
 
@@ -153,25 +151,24 @@ static bvx_status sign_as_whole(bvx_context *ctx, const char *function, const ch
     w.band.words_per_row = bvxi_row_words(w.band.size[0]);
     w.band.word_capacity = bvxi_grid_words(&w.band);
     w.inside = w.band;
-    status = whole_band_measure(ctx, stage, from, middle, nearest, width, &w);
+    status = whole_band_measure(bvxi_call_part(call, call.from, middle), nearest, width, &w);
     if (status == BVX_OK)
-        status = sign_whole_band(ctx, function, stage, middle, to, nearest, part, sign, &w, inside);
-    whole_band_free(ctx, &w);
+        status = sign_whole_band(bvxi_call_part(call, middle, call.to), nearest, part, sign, &w, inside);
+    whole_band_free(call.ctx, &w);
     return status;
 }
 
-bvx_status bvxi_sign_features(bvx_context *ctx, const char *function, const char *stage, double from,
-                              double to, const bvxi_nearest *nearest, double width, const bvxi_sides *sides,
-                              int32_t sign, bvx_grid *inside)
+bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, double width,
+                              const bvxi_sides *sides, int32_t sign, bvx_grid *inside)
 {
     uint64_t const values = sides->first[bvxi_grid_rows(sides->band)];
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
 
-    if (values == grid_voxels(inside)) return sign_band(ctx, function, stage, from, to, sides, sign, inside);
-    if (!whole || width < voxel)
-        return sign_as_whole(ctx, function, stage, from, to, nearest, enough, sides, sign, inside);
-    if (values == 0) return sign_by_first_centre(ctx, function, stage, from, nearest, sides, sign, inside);
-    BVXI_TRY(sign_band(ctx, function, stage, from, to, sides, sign, inside));
-    return bvxi_carry_signs(ctx, function, stage, to, sides->band, inside);
+    if (values == grid_voxels(inside)) return sign_band(call, sides, sign, inside);
+    if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, sides, sign, inside);
+    if (values == 0)
+        return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, sides, sign, inside);
+    BVXI_TRY(sign_band(call, sides, sign, inside));
+    return bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), sides->band, inside);
 }

@@ -29,13 +29,12 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     bvxi_facet_normal((const double(*)[3])t, outwards);
 }
 
-bvx_status bvxi_sign_normal(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                            const bvxi_sides *sides, bvx_grid *inside)
+bvx_status bvxi_sign_normal(bvxi_call call, const bvxi_sides *sides, bvx_grid *inside)
 {
     normal_rule rule;
     double low[3], high[3];
-    BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, sides->mesh, low, high));
     rule.mesh = sides->mesh;
     rule.scale = bvxi_unit_scale(low, high);
-    return bvxi_sign_side(ctx, function, stage, from, to, sides, outwards_of_facet, &rule, inside);
+    return bvxi_sign_side(call, sides, outwards_of_facet, &rule, inside);
 }

@@ -96,9 +96,8 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvxi_
     return BVX_OK;
 }
 
-bvx_status bvxi_sign_side(bvx_context *ctx, const char *function, const char *stage, double from, double to,
-                          const bvxi_sides *sides, bvxi_outwards_fn *outwards, const void *rule,
-                          bvx_grid *inside)
+bvx_status bvxi_sign_side(bvxi_call call, const bvxi_sides *sides, bvxi_outwards_fn *outwards,
+                          const void *rule, bvx_grid *inside)
 {
     uint64_t const rows = bvxi_grid_rows(sides->band), each = sides->first[rows] / rows;
     side_job job;
@@ -107,7 +106,7 @@ bvx_status bvxi_sign_side(bvx_context *ctx, const char *function, const char *st
     job.outwards = outwards;
     job.rule = rule;
     job.inside = inside;
-    BVXI_TRY(side_scale(ctx, function, sides, &job.scale));
+    BVXI_TRY(side_scale(call.ctx, call.function, sides, &job.scale));
     job.pieces = bvxi_piece_count(rows, 1 + SIDE_GRAIN / (1 + each));
-    return bvxi_parallel(ctx, stage, from, to, job.pieces, decide_sides, &job);
+    return bvxi_parallel(call.ctx, call.stage, call.from, call.to, job.pieces, decide_sides, &job);
 }

@@ -340,8 +340,8 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
     BVXI_TRY(order_triangles_nearby(t));
     bound_triangles_nearby(t, low, high);
-    return bvxi_closest_build(ctx, "thin", 0.3, 0.4, &t->near, low, high, bvxi_unit_scale(low, high),
-                              &t->closest.tree);
+    return bvxi_closest_build(bvxi_call_of(ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
+                              bvxi_unit_scale(low, high), &t->closest.tree);
 }
 
 /* ---- What the mesh is like at a centre ---- */

@@ -219,7 +219,7 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     BVXI_TRY(check_target(context, "bvx_mesh_carry, target", target, &w));
     if (source->colours == NULL && source->uvs == NULL && source->uv_triangles == NULL) return BVX_OK;
 
-    BVXI_TRY(bvxi_closest_open(context, of_source, "carry", 0.0, 0.3, &w.from, &w.closest));
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, of_source, "carry", 0.0, 0.3), &w.from, &w.closest));
     status = carry_with_tree(context, of_source, &w, target);
     bvxi_closest_shut(context, &w.closest);
     return status;

@@ -39,14 +39,12 @@ typedef struct bvxi_closest {
 /* Build over a checked view with at least one triangle; low and high are its bounds, scale is the power of
  * two by which coordinates are multiplied (see bvxi_unit_scale), stage, from and to are for progress.
  * Memory: 72 bytes a triangle of floats, 108 of doubles, no more while it is built. */
-bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to,
-                              const bvx_mesh_view *view, const double low[3], const double high[3],
-                              double scale, bvxi_closest_tree *tree);
+bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],
+                              const double high[3], double scale, bvxi_closest_tree *tree);
 /* The same, but from the triangles' positions alone: their order, their corners' and the vertices' numbers do
  * not show in a bit. Triangles are numbered along the curve. */
-bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to,
-                                         const bvx_mesh_view *view, const double low[3], const double high[3],
-                                         double scale, bvxi_closest_tree *tree);
+bvx_status bvxi_closest_build_unnumbered(bvxi_call call, const bvx_mesh_view *view, const double low[3],
+                                         const double high[3], double scale, bvxi_closest_tree *tree);
 void bvxi_closest_free(bvx_context *ctx, bvxi_closest_tree *tree);
 
 /* The least (distance2, triangle) over all triangles, as bvxi_closest_on_triangle

@@ -232,70 +232,65 @@ static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
     return tree->triangle_count * (tree->position_type == BVX_F32 ? 36 : 72);
 }
 
-static bvx_status sort_along_curve(bvx_context *ctx, const char *stage, double from, double to,
-                                   closest_builder *b)
+static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
     bvx_status status;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
-    status = bvxi_parallel(ctx, stage, from, to, b->pieces, make_curve_keys, b);
-    if (status == BVX_OK) status = bvxi_radix_sort(ctx, b->keys, b->tree->order, n);
-    if (status == BVX_OK && b->unnumbered) status = order_by_positions(ctx, b);
-    bvxi_drop(ctx, b->keys);
+    status = bvxi_parallel(call.ctx, call.stage, call.from, call.to, b->pieces, make_curve_keys, b);
+    if (status == BVX_OK) status = bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n);
+    if (status == BVX_OK && b->unnumbered) status = order_by_positions(call.ctx, b);
+    bvxi_drop(call.ctx, b->keys);
     return status;
 }
 
-static bvx_status build_closest_tree(bvx_context *ctx, const char *stage, double from, double to,
-                                     closest_builder *b)
+static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
 {
     bvxi_closest_tree *const tree = b->tree;
-    double const middle = (from + to) * 0.5;
+    double const middle = (call.from + call.to) * 0.5;
     uint64_t const order_bytes = tree->triangle_count * sizeof *tree->order;
     uint64_t const node_bytes = tree->node_count * sizeof *tree->nodes;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
-    BVXI_TRY(sort_along_curve(ctx, stage, from, middle, b));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
+    BVXI_TRY(sort_along_curve(bvxi_call_part(call, call.from, middle), b));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
                         &tree->corners));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
     b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_lowest_boxes, b));
+    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, middle, call.to, b->pieces, fill_lowest_boxes, b));
     for (int32_t l = 1; l < tree->level_count; l++)
         fill_box_level(tree, l, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2]);
     return BVX_OK;
 }
 
-static bvx_status build_or_free(bvx_context *ctx, const char *stage, double from, double to,
-                                closest_builder *b)
+static bvx_status build_or_free(bvxi_call call, closest_builder *b)
 {
-    bvx_status const status = build_closest_tree(ctx, stage, from, to, b);
+    bvx_status const status = build_closest_tree(call, b);
 
-    if (status != BVX_OK) bvxi_closest_free(ctx, b->tree);
+    if (status != BVX_OK) bvxi_closest_free(call.ctx, b->tree);
     return status;
 }
 
-bvx_status bvxi_closest_build(bvx_context *ctx, const char *stage, double from, double to,
-                              const bvx_mesh_view *view, const double low[3], const double high[3],
-                              double scale, bvxi_closest_tree *tree)
+bvx_status bvxi_closest_build(bvxi_call call, const bvx_mesh_view *view, const double low[3],
+                              const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view};
 
     plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
-    return build_or_free(ctx, stage, from, to, &b);
+    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
+    return build_or_free(call, &b);
 }
 
-bvx_status bvxi_closest_build_unnumbered(bvx_context *ctx, const char *stage, double from, double to,
-                                         const bvx_mesh_view *view, const double low[3], const double high[3],
-                                         double scale, bvxi_closest_tree *tree)
+bvx_status bvxi_closest_build_unnumbered(bvxi_call call, const bvx_mesh_view *view, const double low[3],
+                                         const double high[3], double scale, bvxi_closest_tree *tree)
 {
     closest_builder b = {.tree = tree, .view = view, .unnumbered = 1};
 
     plan_closest_tree(view, low, high, scale, tree);
-    tree->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
-    BVXI_TRY(build_or_free(ctx, stage, from, to, &b));
+    tree->fast = bvxi_cpu(call.ctx) == BVX_CPU_AVX2;
+    BVXI_TRY(build_or_free(call, &b));
 
     /* Of equally near triangles the one that comes first along the curve counts. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) tree->order[i] = (uint32_t)i;

@@ -132,14 +132,12 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
 
 /* ---- Made ready and released ---- */
 
-bvx_status bvxi_closest_open(bvx_context *ctx, const char *function, const char *stage, double from,
-                             double to, const bvx_mesh_view *mesh, bvx_closest *closest)
+bvx_status bvxi_closest_open(bvxi_call call, const bvx_mesh_view *mesh, bvx_closest *closest)
 {
     double low[3], high[3];
-    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
-    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    return bvxi_closest_build(ctx, stage, from, to, mesh, low, high, bvxi_unit_scale(low, high),
-                              &closest->tree);
+    BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
+    return bvxi_closest_build(call, mesh, low, high, bvxi_unit_scale(low, high), &closest->tree);
 }
 
 void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest)
@@ -158,7 +156,7 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
     *closest = NULL;
     mark = bvxi_scratch_begin(context);
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the search tree's head", &made));
-    BVXI_TRY(bvxi_closest_open(context, function, "search tree", 0.0, 1.0, mesh, made));
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, function, "search tree", 0.0, 1.0), mesh, made));
     bvxi_scratch_adopt(context, mark);
     *closest = made;
     return BVX_OK;

@@ -11,8 +11,7 @@ struct bvx_closest {
 
 /* Check a mesh and build its search tree, in place; stage, from and to are
  * for progress. The view may go afterwards. On failure nothing is held. */
-bvx_status bvxi_closest_open(bvx_context *ctx, const char *function, const char *stage, double from,
-                             double to, const bvx_mesh_view *mesh, bvx_closest *closest);
+bvx_status bvxi_closest_open(bvxi_call call, const bvx_mesh_view *mesh, bvx_closest *closest);
 void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
 
 /* The nearest point of a finite point. *hint is any number at first and then best left alone from point to

@@ -352,8 +352,8 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     job.view = mesh;
     job.representative = representative;
 
-    status = bvxi_closest_build(ctx, "crossings", 0.0, 0.3, mesh, low, high, bvxi_unit_scale(low, high),
-                                &job.tree);
+    status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh, low, high,
+                                bvxi_unit_scale(low, high), &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
 
     free_crossings(ctx, &job);

@@ -206,8 +206,8 @@ static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, doub
 {
     if (kept->built && kept->tree.scale == scale) return BVX_OK;
     bvxi_distance_forget(ctx, kept);
-    BVXI_TRY(bvxi_closest_build_unnumbered(ctx, "distance", 0.0, 0.1, a->view, a->low, a->high, scale,
-                                           &kept->tree));
+    BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.0, 0.1), a->view, a->low,
+                                           a->high, scale, &kept->tree));
     kept->built = 1;
     return BVX_OK;
 }
@@ -222,8 +222,8 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_si
     distance_way ab, ba;
 
     BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
-    BVXI_TRY(
-        bvxi_closest_build_unnumbered(ctx, "distance", 0.1, 0.2, b->view, b->low, b->high, scale, &tree_b));
+    BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.1, 0.2), b->view, b->low,
+                                           b->high, scale, &tree_b));
     BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
     BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
     make_distance_report(&ab, &ba, samples, seed, report);

@@ -93,22 +93,21 @@ static bvx_status open_near(bvx_context *ctx, const char *function, const char *
     return BVX_OK;
 }
 
-bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char *stage, double from,
-                             double to, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                              bvxi_nearest **nearest)
 {
     bvxi_nearest *n = NULL;
     bvx_status status;
 
     *nearest = NULL;
-    BVXI_TRY(bvxi_view_check(ctx, function, mesh));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *n, "the search tree's head", &n));
+    BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
+    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n, "the search tree's head", &n));
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;
-    status = open_near(ctx, function, stage, from, to, n);
+    status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
     if (status == BVX_OK) *nearest = n;
-    else bvxi_nearest_close(ctx, n);
+    else bvxi_nearest_close(call.ctx, n);
     return status;
 }
 

@@ -22,8 +22,7 @@ typedef struct bvxi_nearest_values {
 
 /* Check the view (finite, indices in range, at least one triangle of area) and that doubles hold all centres
  * and distances (BVX_ERR_RANGE), and make it ready. */
-bvx_status bvxi_nearest_open(bvx_context *ctx, const char *function, const char *stage, double from,
-                             double to, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                              bvxi_nearest **nearest);
 void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);
 
@@ -38,15 +37,14 @@ void bvxi_nearest_prefer_planes(bvxi_nearest *nearest);
  * the row [Size: rows + 1]. What was found is remembered, so filling in the values of centres of the band
  * costs no second search. Memory: 16 KiB for each 16 x 16 x 16 centres that the band reaches into, until
  * bvxi_nearest_close or the next band. */
-bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, double to,
-                             const bvxi_nearest *nearest, double width, bvx_grid *band, uint64_t *first);
+bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double width, bvx_grid *band,
+                             uint64_t *first);
 
 /* The closest points of the set voxels of where, any set: the least (distance squared, triangle index) of
  * the evaluation that bvx_closest_find makes at the centre. guess: most centres lie no further than it from
  * the mesh [Units: world]; infinity where nothing is known. It changes the time only. Memory: 110 KiB a
  * worker. */
-bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to,
-                             const bvxi_nearest *nearest, double guess, const bvx_grid *where,
+bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess, const bvx_grid *where,
                              const uint64_t *first, const bvxi_nearest_values *values);
 
 #endif

@@ -181,18 +181,18 @@ bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_wo
     return BVX_OK;
 }
 
-bvx_status bvxi_nearest_band(bvx_context *ctx, const char *stage, double from, double to,
-                             const bvxi_nearest *nearest, double width, bvx_grid *band, uint64_t *first)
+bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double width, bvx_grid *band,
+                             uint64_t *first)
 {
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
-    bvx_status status = bvxi_near_workers(ctx, 1, &w.workers);
+    bvx_status status = bvxi_near_workers(call.ctx, 1, &w.workers);
 
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);
-    if (status == BVX_OK) status = make_near_band(ctx, stage, from, to, &w);
-    bvxi_drop(ctx, w.reached);
-    bvxi_drop(ctx, w.workers);
-    if (status != BVX_OK) bvxi_near_forget(ctx, nearest->memo);
+        status = bvxi_alloc(call.ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);
+    if (status == BVX_OK) status = make_near_band(call.ctx, call.stage, call.from, call.to, &w);
+    bvxi_drop(call.ctx, w.reached);
+    bvxi_drop(call.ctx, w.workers);
+    if (status != BVX_OK) bvxi_near_forget(call.ctx, nearest->memo);
     return status;
 }

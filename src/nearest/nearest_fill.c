@@ -190,19 +190,19 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_nearest_fill(bvx_context *ctx, const char *stage, double from, double to,
-                             const bvxi_nearest *nearest, double guess, const bvx_grid *where,
+bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess, const bvx_grid *where,
                              const uint64_t *first, const bvxi_nearest_values *values)
 {
     fill_work w = {nearest, where, first, values, guess, 1.0 / nearest->scale, bvxi_near_plan_of(where),
                    NULL,    0,     0};
     const bvxi_near_memo *const m = nearest->memo;
-    bvx_status status = bvxi_near_workers(ctx, 0, &w.workers);
+    bvx_status status = bvxi_near_workers(call.ctx, 0, &w.workers);
 
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 &&
                    memcmp(m->size, where->size, sizeof m->size) == 0;
-    if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, to, w.pieces, fill_near_runs, &w);
-    bvxi_drop(ctx, w.workers);
+    if (status == BVX_OK)
+        status = bvxi_parallel(call.ctx, call.stage, call.from, call.to, w.pieces, fill_near_runs, &w);
+    bvxi_drop(call.ctx, w.workers);
     return status;
 }

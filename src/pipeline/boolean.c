@@ -356,9 +356,11 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     out.vectors = b->vectors;
     out.distances = b->distances;
     out.triangles = b->triangles;
-    BVXI_TRY(bvxi_nearest_open(ctx, boolean_name, "measure", from, part, b->mesh, &job->lattice, &nearest));
+    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
+                               &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(ctx, "measure", part, 1.0, nearest, guess, &b->where, b->first, &out);
+    status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->where,
+                               b->first, &out);
     bvxi_nearest_close(ctx, nearest);
     if (status == BVX_OK) bvxi_thin_values(&b->thin, &b->where, b->first, b->vectors, b->distances);
     return status;

@@ -214,7 +214,8 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, double *distanc
     bvx_closest closest;
     uint32_t hint = 0;
 
-    BVXI_TRY(bvxi_closest_open(job->ctx, job->function, "crumbs", 0.0, 1.0, job->source[s].mesh, &closest));
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), job->source[s].mesh,
+                               &closest));
     for (uint64_t n = 0; n < job->spaces.count; n++)
         if (job->part[n].small) ask_nearest_piece(job, s, &closest, &job->part[n], &hint, &distance[n]);
     bvxi_closest_shut(job->ctx, &closest);

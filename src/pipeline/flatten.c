@@ -451,7 +451,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     f->asked = body;
 
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
-    BVXI_TRY(bvxi_closest_open(f->ctx, f->function, "thin", from, from + (to - from) / 3,
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(f->ctx, f->function, "thin", from, from + (to - from) / 3),
                                &f->bodies[body].thin->mesh, &f->closest));
     status = bvxi_parallel(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
     bvxi_closest_shut(f->ctx, &f->closest);

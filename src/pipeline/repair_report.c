@@ -76,7 +76,8 @@ static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *r
     bvx_closest closest;
     uint32_t hint = 0;
 
-    BVXI_TRY(bvxi_closest_open(job->ctx, bvxi_repair_name, "measure", 0.0, 0.1, &job->mesh, &closest));
+    BVXI_TRY(bvxi_closest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", 0.0, 0.1), &job->mesh,
+                               &closest));
     for (uint64_t v = 0; v < result->vertex_count; v++) {
         bvx_closest_point found;
         double p[3];

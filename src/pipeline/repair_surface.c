@@ -40,10 +40,11 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, con
     out.vectors = vectors;
     out.distances = distances;
     out.triangles = triangles;
-    BVXI_TRY(
-        bvxi_nearest_open(job->ctx, bvxi_repair_name, "measure", from, part, mesh, &job->lattice, &nearest));
+    BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", from, part), mesh,
+                               &job->lattice, &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(job->ctx, "measure", part, to, nearest, guess, &v->where, v->first, &out);
+    status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess, &v->where,
+                               v->first, &out);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }

@@ -77,7 +77,8 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     level.level = o->level;
     m.function = function;
     m.level = &level;
-    status = bvxi_threshold(ctx, "threshold", 0.0, 1.0, volume, stride, &range, report, inside);
+    status = bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range, report,
+                            inside);
     if (status == BVX_OK) status = bvxi_march_open(ctx, &m, inside, &extract);
     if (status == BVX_OK && m.options.position_type == BVX_F64)
         status = bvxi_check_f64(ctx, function, inside, m.origin);

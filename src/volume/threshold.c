@@ -105,9 +105,8 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
     report->greatest = greatest + 0.0;
 }
 
-bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, double to,
-                          const bvx_volume_view *volume, const int64_t stride[3], const bvxi_range *range,
-                          bvx_volume_report *report, bvx_grid *grid)
+bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
+                          const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid)
 {
     bvxi_sample_walk walk = {0};
     bvxi_range_tally *tally = NULL;
@@ -115,21 +114,22 @@ bvx_status bvxi_threshold(bvx_context *ctx, const char *stage, double from, doub
 
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
-    walk.run = bvxi_range_run_for(ctx, volume->sample_type);
+    walk.run = bvxi_range_run_for(call.ctx, volume->sample_type);
     walk.rule = range;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);
     uint64_t const bytes = report != NULL ? (uint64_t)walk.pieces * sizeof *tally : 0;
-    if (report != NULL) status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally);
+    if (report != NULL)
+        status = bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally);
     for (int32_t p = 0; p < walk.pieces && tally != NULL; p++) {
         tally[p].least = THRESHOLD_F64_MAX;
         tally[p].greatest = -THRESHOLD_F64_MAX;
     }
     walk.tallies = tally;
     walk.tally_size = sizeof *tally;
-    if (status == BVX_OK) status = bvxi_samples_to_bits(ctx, stage, from, to, &walk);
+    if (status == BVX_OK) status = bvxi_samples_to_bits(call.ctx, call.stage, call.from, call.to, &walk);
     if (status == BVX_OK && report != NULL) report_range(tally, walk.pieces, report);
-    bvxi_drop(ctx, tally);
+    bvxi_drop(call.ctx, tally);
     return status;
 }
 
@@ -158,7 +158,7 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
-    status = bvxi_threshold(context, "threshold", 0, 1, volume, stride, &range,
+    status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
                             report != NULL ? &counts : NULL, &made);
     if (status != BVX_OK) {
         if (made.words != grid->words) bvx_grid_free(context, &made);

@@ -46,7 +46,8 @@ static bvx_status fill(bvx_context *ctx, double from, double to, const bvxi_near
                        const bvx_grid *g, found *f)
 {
     bvxi_nearest_values const v = {BVX_F32, f->vectors, NULL, f->triangles, NULL};
-    bvx_status const status = bvxi_nearest_fill(ctx, "test", from, to, nearest, HUGE_VAL, g, f->first, &v);
+    bvx_status const status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "test", from, to), nearest, HUGE_VAL,
+                                                g, f->first, &v);
     uint64_t const n = f->first[32 * 30];
     if (status == BVX_OK) f->mark = bvx_hash(f->vectors, n * 12, bvx_hash(f->triangles, n * 4, f->mark));
     return status;
@@ -58,7 +59,8 @@ static bvx_status measure(bvx_context *ctx, const bvxi_nearest *nearest, found *
     uint64_t n = 0;
     bvx_status status = bvx_grid_create(ctx, &lattice, NULL, &band);
 
-    if (status == BVX_OK) status = bvxi_nearest_band(ctx, "test", 0.25, 0.5, nearest, 2.0, &band, f->first);
+    if (status == BVX_OK)
+        status = bvxi_nearest_band(bvxi_call_of(ctx, NULL, "test", 0.25, 0.5), nearest, 2.0, &band, f->first);
     if (status == BVX_OK) status = fill(ctx, 0.5, 0.75, nearest, &band, f);
     if (status == BVX_OK) {
         for (uint64_t r = 0; r < 32 * 30; r++) {
@@ -84,7 +86,7 @@ static bvx_status run(void *user, bvx_context *ctx)
 
     (void)user;
     f.mark = 0;
-    status = bvxi_nearest_open(ctx, "test", "test", 0.0, 0.25, &view, &lattice, &nearest);
+    status = bvxi_nearest_open(bvxi_call_of(ctx, "test", "test", 0.0, 0.25), &view, &lattice, &nearest);
     if (status == BVX_OK) status = measure(ctx, nearest, &f);
     else if (nearest != NULL) differs = 1;
     bvxi_nearest_close(ctx, nearest);

@@ -119,7 +119,8 @@ static void expect_closest(const maker_mesh *m, uint32_t type, const double *poi
     v.position_type = type;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_view_bounds(ctx, "test", &v, low, high));
     scale = bvxi_unit_scale(low, high);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_closest_build(ctx, "test", 0, 1, &v, low, high, scale, &tree));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_closest_build(bvxi_call_of(ctx, NULL, "test", 0, 1), &v, low, high, scale, &tree));
     for (int i = 0; i < count; i++) {
         double p[3], best = HUGE_VAL, best_point[3] = {0, 0, 0};
         uint32_t best_triangle = UINT32_MAX;

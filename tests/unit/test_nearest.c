@@ -107,8 +107,8 @@ static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type
     v.distances = a->distances;
     v.triangles = a->triangles;
     v.features = a->features;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvxi_nearest_fill(c, "test", 0, 1, nearest, HUGE_VAL, &a->band, a->first, &v));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(bvxi_call_of(c, NULL, "test", 0, 1), nearest, HUGE_VAL,
+                                                      &a->band, a->first, &v));
     TEST_ASSERT_EQUAL_UINT8(0x77, ((uint8_t *)a->distances)[a->count * a->size]);
     TEST_ASSERT_EQUAL_UINT8(0x77, a->features[a->count]);
 }
@@ -119,14 +119,14 @@ static void ask(bvx_context *c, const asked *q, answer *a)
 
     memset(a, 0, sizeof *a);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(
-        BVX_OK, bvxi_nearest_open(c, "test", "test", 0, 1, &q->view, &q->lattice, &nearest),
+        BVX_OK, bvxi_nearest_open(bvxi_call_of(c, "test", "test", 0, 1), &q->view, &q->lattice, &nearest),
         bvx_last_message(c));
     TEST_ASSERT_EQUAL_INT32(BVX_OK,
                             bvx_grid_create(c, &q->lattice, q->window.size[0] ? &q->window : NULL, &a->band));
     a->first = room((bvxi_grid_rows(&a->band) + 1) * 8);
     if (q->width < HUGE_VAL) {
-        TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                                bvxi_nearest_band(c, "test", 0, 1, nearest, q->width, &a->band, a->first));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_band(bvxi_call_of(c, NULL, "test", 0, 1), nearest,
+                                                          q->width, &a->band, a->first));
     } else {
         for (uint64_t r = 0; r < bvxi_grid_rows(&a->band); r++)
             bvxi_set_run(a->band.words + r * (uint64_t)a->band.words_per_row, 0, a->band.size[0]);
@@ -461,13 +461,14 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
 
     make_mesh(3);
     asked q = question(view_as(BVX_F32), lattice_of(origin, spacing, 50, 40, 46), HUGE_VAL);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvxi_nearest_open(other, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &fresh));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_nearest_open(bvxi_call_of(other, "test", "test", 0, 1), &q.view, &q.lattice, &nearest));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_nearest_open(bvxi_call_of(ctx, "test", "test", 0, 1), &q.view, &q.lattice, &fresh));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(other, &q.lattice, NULL, &band));
     uint64_t *const first = room((bvxi_grid_rows(&band) + 1) * 8);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_band(other, "test", 0, 1, nearest, 1.0, &band, first));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_nearest_band(bvxi_call_of(other, NULL, "test", 0, 1), nearest, 1.0, &band, first));
     for (int i = 0; i < 4; i++) {
         answer a, b;
         memset(&a, 0, sizeof a);
@@ -509,8 +510,8 @@ static void test_nearest_fills_single_arrays(void)
     q.value_type = BVX_F32;
     answer a;
     ask(ctx, &q, &a);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvxi_nearest_open(ctx, "test", "test", 0, 1, &q.view, &q.lattice, &nearest));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvxi_nearest_open(bvxi_call_of(ctx, "test", "test", 0, 1), &q.view, &q.lattice, &nearest));
     for (int i = 0; i < 4; i++) {
         uint64_t const bytes = a.count * (i == 0 ? 12 : i == 3 ? 1 : 4);
         void *const got = room(bytes);
@@ -519,8 +520,8 @@ static void test_nearest_fills_single_arrays(void)
         if (i == 1) v.distances = got;
         if (i == 2) v.triangles = got;
         if (i == 3) v.features = got;
-        TEST_ASSERT_EQUAL_INT32(
-            BVX_OK, bvxi_nearest_fill(ctx, "test", 0, 1, nearest, guess[i], &a.band, a.first, &v));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "test", 0, 1), nearest,
+                                                          guess[i], &a.band, a.first, &v));
         TEST_ASSERT_EQUAL_INT(0, memcmp(got,
                                         i == 0   ? a.vectors
                                         : i == 1 ? a.distances
@@ -637,30 +638,37 @@ static void test_nearest_refuses(void)
     make_mesh(0);
     bvx_mesh_view v = maker_view(&m);
     v.triangle_count = 0;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &l, &nearest));
     TEST_ASSERT_NULL(nearest);
     v = maker_view(&m);
     m.t[7] = 4000;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &l, &nearest));
     m.t[7] = 0;
     m.p[10] = HUGE_VAL;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &l, &nearest));
     for (size_t i = 0; i < 3 * m.vertices; i++) m.p[i] = (double)(i / 3); /* all on one line */
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &l, &nearest));
     TEST_ASSERT_EQUAL_STRING("f: no triangle has an area", bvx_last_message(ctx));
     bvx_lattice wide = l;
     make_mesh(0);
     v = maker_view(&m);
     wide.spacing[1] = 0x1p1021; /* 2^1024 is no double */
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &wide, &nearest));
     TEST_ASSERT_EQUAL_STRING("f: the lattice's last voxel has no finite place along y",
                              bvx_last_message(ctx));
     wide.origin[1] = -0x1p1022;
     wide.spacing[1] = 0x1p1020;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &wide, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &wide, &nearest));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "along y lattice and mesh reach from"));
     v.index_type = 9;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvxi_nearest_open(ctx, "f", "test", 0, 1, &v, &l, &nearest));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvxi_nearest_open(bvxi_call_of(ctx, "f", "test", 0, 1), &v, &l, &nearest));
     TEST_ASSERT_NULL(nearest);
 }
 
