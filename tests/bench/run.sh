@@ -14,6 +14,7 @@
 #     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
 #     BENCH_ONLY=components parts of grids alone
 #     BENCH_ONLY=levels     levels of detail beside other libraries alone
+#     BENCH_ONLY=calls      the smallest call of each kind, and no more than that; in Python too where BENCH_PYTHON has the package
 #     BENCH_ONLY=progress   shares of the bar beside shares of the time of each call, and no more than that
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
@@ -128,6 +129,11 @@ measure_levels() {
 
 if [ "$BENCH_ONLY" = progress ]; then
     "$BENCHES/bench_progress" "$MESHES" | tee "$out/progress.md"
+    exit 0
+fi
+if [ "$BENCH_ONLY" = calls ]; then
+    "$BENCHES/bench_calls" | tee "$out/calls.md"
+    if [ -n "$BENCH_PYTHON" ]; then "$BENCH_PYTHON" tests/bench/calls.py | tee -a "$out/calls.md"; fi
     exit 0
 fi
 find_python
