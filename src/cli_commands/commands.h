@@ -15,7 +15,8 @@ void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measur
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
-/* The mesh of an input becomes its solid. */
+/* The mesh of an input becomes its solid, on this lattice, or on that of the options in a stage of its own. */
+int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in);
 int cli_fill_input(cli_run *run, cli_input *in);
 
 /* --fill and its options; second and the report are the caller's. */

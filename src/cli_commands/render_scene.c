@@ -22,27 +22,6 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
 }
 
-static int voxelize_input(cli_run *run, const bvx_lattice *lattice, cli_input *in)
-{
-    bvx_voxelize_options v;
-    bvx_mesh_view view;
-    bvx_solid_report report;
-    bvx_status status;
-
-    memset(&report, 0, sizeof report);
-    bvx_voxelize_options_init(&v, sizeof v);
-    cli_take_fill(run, &v);
-    v.report = &report;
-    bvx_mesh_view_of(&in->mesh, &view);
-    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
-    bvx_mesh_free(run->context, &in->mesh);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
-    cli_warn_of_solid(run, &in->grid, &report);
-    in->kind = CLI_GRID;
-    in->placed = 1;
-    return CLI_DONE;
-}
-
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 {
     int32_t const resolution = run->options->voxels != 0 ? run->options->voxels : COMPARED_RESOLUTION;
@@ -52,8 +31,11 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     cli_stage_begin(run, "voxelize");
     bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
-    for (int i = 0; i < count && status == CLI_DONE; i++)
-        status = voxelize_input(run, &lattice, &s->input[i]);
+    for (int i = 0; i < count && status == CLI_DONE; i++) {
+        status = cli_fill_on(run, &lattice, &s->input[i]);
+        s->input[i].kind = CLI_GRID;
+        s->input[i].placed = 1;
+    }
     cli_stage_end(run);
     return status;
 }

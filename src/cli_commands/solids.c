@@ -123,31 +123,40 @@ void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_repor
     cli_warn_lines(run, &warnings);
 }
 
-int cli_fill_input(cli_run *run, cli_input *in)
+int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 {
     bvx_solid_report report;
     bvx_voxelize_options v;
     bvx_mesh_view view;
-    bvx_lattice lattice;
     bvx_status status;
-    int far;
 
     memset(&report, 0, sizeof report);
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
-    cli_stage_begin(run, "voxelize");
-    status = cli_make_lattice(run, &view, &lattice);
-    far = status == BVX_OK ? cli_check_far(run, in->path, &view, 0, &lattice) : CLI_DONE;
-    if (status == BVX_OK && far == CLI_DONE)
-        status = bvx_voxelize_solid(run->context, &view, &lattice, &v, &in->grid);
-    cli_stage_end(run);
+    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     if (run->command->bit != CLI_MORPH || !cli_makes_mesh(run)) bvx_mesh_free(run->context, &in->mesh);
-    if (far != CLI_DONE) return far;
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
     cli_warn_of_solid(run, &in->grid, &report);
     return CLI_DONE;
+}
+
+int cli_fill_input(cli_run *run, cli_input *in)
+{
+    bvx_mesh_view view;
+    bvx_lattice lattice;
+    bvx_status status;
+    int result;
+
+    bvx_mesh_view_of(&in->mesh, &view);
+    cli_stage_begin(run, "voxelize");
+    status = cli_make_lattice(run, &view, &lattice);
+    result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
+                              : cli_check_far(run, in->path, &view, 0, &lattice);
+    if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
+    cli_stage_end(run);
+    return result;
 }
 
 /* In the order of BVX_FILL_REASON_... */

@@ -21,33 +21,15 @@ void cli_choose_field_padding(cli_run *run)
         o->padding = width < FIELD_MOST_PADDING ? (int32_t)ceil(width) : FIELD_HALF_WIDTH;
 }
 
-static int write_field_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
-{
-    int const result = status == BVX_OK ? cli_write_output(run, number, file)
-                                        : cli_fail_status(run, status, run->options->output);
-    bvx_buffer_free(run->context, file);
-    return result;
-}
-
 int cli_write_field(cli_run *run, const bvx_field *field)
 {
     int32_t const format = bvx_format_of_name(run->options->output);
     bvx_buffer file = {0};
-    bvx_status status;
-    int result;
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = bvx_write_field(run->context, field, run->options->vectors, format, &file);
-    result = write_field_buffer(run, 0, status, &file);
-    if (result == CLI_DONE && cli_needs_sidecar(format)) {
-        status = bvx_write_lattice(run->context, &field->band, &file);
-        result = write_field_buffer(run, 1, status, &file);
-    }
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage_end(run);
-    if (result == CLI_DONE) cli_warn_of_window(run, run->options->output, &field->band);
-    return result;
+    return cli_finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),
+                             &file, &field->band);
 }
 
 static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside, cli_made *made)

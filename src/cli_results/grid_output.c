@@ -44,26 +44,30 @@ static int write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer 
     return result;
 }
 
-int cli_write_grid(cli_run *run, const bvx_grid *grid)
+int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid)
 {
     const char *const path = run->options->output;
-    int32_t const format = bvx_format_of_name(path);
-    bvx_buffer file = {0};
-    bvx_status status;
-    int result;
+    int result = write_buffer(run, 0, status, file);
 
-    cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
-    status = bvx_write_grid(run->context, grid, format, &file);
-    result = write_buffer(run, 0, status, &file);
-    if (result == CLI_DONE && cli_needs_sidecar(format)) {
-        status = bvx_write_lattice(run->context, grid, &file);
-        result = write_buffer(run, 1, status, &file);
+    if (result == CLI_DONE && cli_needs_sidecar(bvx_format_of_name(path))) {
+        status = bvx_write_lattice(run->context, grid, file);
+        result = write_buffer(run, 1, status, file);
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
     if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
     return result;
+}
+
+int cli_write_grid(cli_run *run, const bvx_grid *grid)
+{
+    bvx_buffer file = {0};
+
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    return cli_finish_voxels(
+        run, bvx_write_grid(run->context, grid, bvx_format_of_name(run->options->output), &file), &file,
+        grid);
 }
 
 void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)

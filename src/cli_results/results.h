@@ -65,6 +65,9 @@ int cli_check_grid_name(cli_run *run, const char *path);
 /* Open the outputs of a grid, write it as run->options.output and keep it. */
 int cli_open_grid_output(cli_run *run, const char *path);
 int cli_write_grid(cli_run *run, const bvx_grid *grid);
+/* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the caller began:
+ * written and kept, where a call of the library made it. Frees it. */
+int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
 void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
 /* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
