@@ -4,7 +4,7 @@
  * their nearest points of the mesh, but for a small part of the way, so that no two come to one place where
  * many have one nearest point. Then crossing triangles, those without area and vertices at one place are
  * looked for; vertices of such go back half of the way, or all of it, until there are none: the surface
- * before had none, so that ends.
+ * before had none, so that ends. Each time only what lies beside vertices that went back is looked at.
  * Guarantee: that of the surface before, as every step is checked on the coordinates as written. Threads do
  * not show. */
 #include "nearest/closest_query.h"
@@ -28,6 +28,7 @@ typedef struct flatten_vertex {
     double distance;       /* to the nearest point of a mesh that was asked already; below 0: none was */
     uint32_t vertex;
     uint8_t step, back; /* FLATTEN_...; back: 1 when it must go back further */
+    uint8_t changed;    /* 1: it has gone since triangles were looked at */
 } flatten_vertex;
 
 typedef struct flatten_job {
@@ -45,12 +46,15 @@ typedef struct flatten_job {
     /* the triangles that can meet moved ones, with vertices of their own */
     uint8_t *blocks;
     int32_t block_size[3];
+    uint64_t block_count;
     double block_origin[3], block_scale[3]; /* [Units: world, less the mesh's frame] */
     uint32_t *local;                        /* of each vertex among theirs, plus 1 [Size: vertices] */
     uint32_t *vertex;                       /* of each of theirs in the mesh [Size: near.vertex_count] */
     uint32_t *corner;                       /* [Size: near.triangle_count * 3] */
     double *position;                       /* as written [Size: near.vertex_count * 3] */
     bvx_mesh_view near;
+    uint32_t *part, *part_corner; /* those of them that can meet what has changed; their corners */
+    bvx_mesh_view around_change;
     bvx_closest closest; /* a search among the triangles that thin walls were found with */
 } flatten_job;
 
@@ -291,9 +295,9 @@ static bvx_status open_around(flatten_job *f)
 {
     bvx_context *const ctx = f->ctx;
     const bvx_grid *const g = f->window;
-    uint64_t bytes = 1;
     bvx_mesh_view all;
     bvx_status status;
+    uint64_t bytes = 1;
 
     for (int a = 0; a < 3; a++) {
         f->block_size[a] = g->size[a] / FLATTEN_BLOCK + 1;
@@ -302,6 +306,7 @@ static bvx_status open_around(flatten_job *f)
         f->block_scale[a] = 1.0 / (g->lattice.spacing[a] * FLATTEN_BLOCK);
         bytes *= (uint64_t)f->block_size[a];
     }
+    f->block_count = bytes;
     bvx_mesh_view_of(f->mesh, &all);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin walls", &f->blocks));
     mark_blocks_around(f, &all);
@@ -314,12 +319,16 @@ static bvx_status open_around(flatten_job *f)
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24,
                             "the places of vertices at thin walls", &f->position);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 4, "the triangles that change",
+                            &f->part);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles that change",
+                            &f->part_corner);
     if (status == BVX_OK) {
         take_around(f, &all);
         number_around(f, all.vertex_count);
     }
-    bvxi_drop(ctx, f->blocks);
-    f->blocks = NULL;
     return status;
 }
 
@@ -366,6 +375,56 @@ static void mark_triangle(flatten_job *f, uint64_t t)
     for (int k = 0; k < 3; k++) mark_vertex(f, f->corner[3 * t + (uint64_t)k]);
 }
 
+/* The blocks that a triangle reaches where it is now. t: among those around. */
+static int reach_of_triangle(const flatten_job *f, uint64_t t, int32_t low[3], int32_t high[3])
+{
+    int changed = 0;
+
+    for (int k = 0; k < 3; k++) {
+        uint32_t const v = f->corner[3 * t + (uint64_t)k], number = f->number[f->vertex[v]];
+
+        changed |= number != 0 && f->moved[number - 1].changed;
+        for (int a = 0; a < 3; a++) {
+            int32_t const at = block_along(f, a, f->position[3 * (uint64_t)v + (uint64_t)a]);
+
+            if (k == 0 || at < low[a]) low[a] = at;
+            if (k == 0 || at > high[a]) high[a] = at;
+        }
+    }
+    return changed;
+}
+
+static int reaches_marked_block(const flatten_job *f, const int32_t low[3], const int32_t high[3])
+{
+    for (int32_t z = low[2]; z <= high[2]; z++)
+        for (int32_t y = low[1]; y <= high[1]; y++)
+            for (int32_t x = low[0]; x <= high[0]; x++)
+                if (*flatten_blocks(f, x, y, z) != 0) return 1;
+    return 0;
+}
+
+/* Triangles that meet what has changed lie in a block with it. Others met nothing before, or nothing that
+ * could go back, and so it is still. */
+static void take_changed(flatten_job *f)
+{
+    int32_t low[3], high[3];
+    uint64_t count = 0;
+
+    memset(f->blocks, 0, (size_t)f->block_count);
+    for (uint64_t t = 0; t < f->near.triangle_count; t++)
+        if (reach_of_triangle(f, t, low, high)) mark_block_range(f, low, high, 0, FLATTEN_REACHED);
+    for (uint64_t t = 0; t < f->near.triangle_count; t++) {
+        (void)reach_of_triangle(f, t, low, high);
+        if (!reaches_marked_block(f, low, high)) continue;
+        f->part[count] = (uint32_t)t;
+        memcpy(f->part_corner + 3 * count++, f->corner + 3 * t, 12);
+    }
+    f->around_change = f->near;
+    f->around_change.indices = f->part_corner;
+    f->around_change.triangle_count = count;
+    for (uint64_t n = 0; n < f->count; n++) f->moved[n].changed = 0;
+}
+
 static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
 {
     bvx_context *const ctx = f->ctx;
@@ -378,7 +437,7 @@ static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
     room = count; /* a call that fails leaves no count */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
     status = bvx_mesh_crossings(ctx, view, &count, pairs, room);
-    for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, pairs[n]);
+    for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
     bvxi_drop(ctx, pairs);
     return status;
 }
@@ -392,7 +451,7 @@ static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
 
         bvxi_view_triangle(view, t, c);
         for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
-        if (!bvxi_has_area(corner)) mark_triangle(f, t);
+        if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
     }
 }
 
@@ -420,6 +479,7 @@ static void step_back(flatten_job *f, int32_t round)
     for (uint64_t n = 0; n < f->count; n++) {
         flatten_vertex *const m = &f->moved[n];
 
+        m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
         if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
         else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
         m->back = 0;
@@ -433,9 +493,10 @@ static bvx_status move_vertices(flatten_job *f)
         for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
         if (round > FLATTEN_ROUNDS) return BVX_OK;
         read_positions(f);
-        mark_flat(f, &f->near);
+        take_changed(f);
+        mark_flat(f, &f->around_change);
         BVXI_TRY(mark_common_places(f, &f->near));
-        BVXI_TRY(mark_crossings(f, &f->near));
+        BVXI_TRY(mark_crossings(f, &f->around_change));
         if (f->marked == 0) return BVX_OK;
         step_back(f, round);
     }
@@ -465,7 +526,10 @@ static bvx_status aim_vertices(flatten_job *f)
     f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
     BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->count * sizeof *f->moved, "the vertices of thin walls",
                              &f->moved));
-    for (uint64_t n = 0; n < f->count; n++) f->moved[n].distance = -1;
+    for (uint64_t n = 0; n < f->count; n++) {
+        f->moved[n].distance = -1;
+        f->moved[n].changed = 1;
+    }
     for (int32_t b = 0; b < f->body_count; b++) BVXI_TRY(aim_at_body(f, b));
     return BVX_OK;
 }
@@ -494,9 +558,12 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
     if (status == BVX_OK && f.count != 0) status = open_around(&f);
     if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
+    bvxi_drop(ctx, f.part_corner);
+    bvxi_drop(ctx, f.part);
     bvxi_drop(ctx, f.position);
     bvxi_drop(ctx, f.vertex);
     bvxi_drop(ctx, f.corner);
+    bvxi_drop(ctx, f.blocks);
     bvxi_drop(ctx, f.local);
     bvxi_drop(ctx, f.moved);
     bvxi_drop(ctx, f.number);
