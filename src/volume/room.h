@@ -41,7 +41,7 @@ static inline double bvxi_sample_value(const uint8_t *p, int32_t type)
 #undef BVXI_VALUE_CASE
 }
 
-/* n numbers, stride bytes apart, to (n + 63) / 64 words; bits behind the
+/* n numbers, stride bytes apart, to (n + 63) / 64 words; bits after the
  * last are 0. tally is the piece's own. */
 typedef void bvxi_bits_fn(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
                           uint64_t *words);
