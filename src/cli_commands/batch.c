@@ -1,4 +1,4 @@
-/* batch.c - --output-dir: one command over several inputs, each to a file of its name in a folder.
+/* batch.c - one command over several inputs: with --output-dir each to a file of its name in a folder; info tells of each.
  *
  * Each input is a run of its own, with its own context, report and output; what one of them meets does not
  * stop the others. All names are known before the first one, so that two inputs never go to one file, and no
@@ -81,7 +81,7 @@ static int name_outputs(cli_run *run, batch *b)
     b->path = calloc((size_t)o->inputs, sizeof *b->path);
     if (b->path == NULL) return cli_fail(run, "no memory for %d files' names", o->inputs);
 
-    for (int i = 0; i < o->inputs; i++) {
+    for (int i = 0; i < o->inputs && o->output_dir != NULL; i++) {
         b->path[i] = path_in_folder(o->output_dir, o->input[i], ending_of_outputs(run));
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         for (int k = 0; k < i; k++)
@@ -89,7 +89,7 @@ static int name_outputs(cli_run *run, batch *b)
                 return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
                                  o->input[i], b->path[i]);
     }
-    for (int i = 0; i < o->inputs; i++)
+    for (int i = 0; i < o->inputs && o->output_dir != NULL; i++)
         for (int k = 0; k < o->inputs; k++)
             if (cli_are_one_file(b->path[i], o->input[k]))
                 return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir",
@@ -148,8 +148,10 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_report_text(run, status, 0, &text);
     cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
     cli_json_string(t, run->options->input[0]);
-    cli_text_add(t, ", \"output\": ");
-    cli_json_string(t, run->options->output);
+    if (run->options->output != NULL) {
+        cli_text_add(t, ", \"output\": ");
+        cli_json_string(t, run->options->output);
+    }
     /* less its { and line end */
     if (text.size > 2) cli_text_add(t, ", %.*s", (int)(text.size - 2), text.bytes + 1);
     if (text.failed) t->failed = 1;
@@ -183,10 +185,13 @@ int cli_run_batch(cli_run *run)
 
     b.asked = *run->options;
     status = name_outputs(run, &b);
-    if (status == CLI_DONE) status = make_folder(run, b.asked.output_dir);
+    if (status == CLI_DONE && b.asked.output_dir != NULL) status = make_folder(run, b.asked.output_dir);
     if (status != CLI_DONE) return cli_end_of_run(run, status);
 
-    for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) run_file(run, &b, i);
+    for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) {
+        if (i != 0 && b.asked.output_dir == NULL) cli_say(run, "\n");
+        run_file(run, &b, i);
+    }
 
     if (b.asked.general.json) {
         cli_lock();
@@ -200,6 +205,7 @@ int cli_run_batch(cli_run *run)
         run->report.batch.failed |= b.reports.failed;
         cli_unlock();
     }
-    cli_say(run, "%d of %d files written to %s\n", b.done, b.asked.inputs, b.asked.output_dir);
+    if (b.asked.output_dir != NULL)
+        cli_say(run, "%d of %d files written to %s\n", b.done, b.asked.inputs, b.asked.output_dir);
     return cli_end_of_run(run, b.status);
 }

@@ -302,12 +302,6 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
-    if (cli_input_format(run, path) == BVX_FORMAT_RAW)
-        return cli_fail(
-            run,
-            "%s: a file of bare samples does not say how they lie; 'bitvox convert' with --shape, --sample-type and --level, --range or --label "
-            "makes a grid of them",
-            cli_input_name(path));
     if (run->options->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
@@ -329,6 +323,7 @@ static int run_info(cli_run *run)
             return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
         return cli_tell_sections(run, path);
     }
+    if (cli_input_format(run, path) == BVX_FORMAT_RAW) return cli_tell_samples(run, path);
     status = read_for_info(run, &in, &cloud);
     if (status == CLI_DONE && cloud) status = info_of_cloud(run, &in.mesh, in.path);
     else if (status == CLI_DONE)
@@ -343,15 +338,16 @@ const cli_command cli_info = {
     "info",
     CLI_INFO,
     1,
-    1,
-    "IN [options]",
+    CLI_MAX_FILES,
+    "IN... [options]",
     "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
     "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and says whether it is closed, manifold and\n"
     "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
     ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
     ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each of\n"
     "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or contours\n"
-    "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes.",
+    "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes; or bare samples\n"
+    "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json lists them.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json",
     run_info};

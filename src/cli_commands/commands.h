@@ -131,7 +131,7 @@ int cli_check_line(cli_run *run);
 /* What options contradict each other or the names of inputs and output. */
 int cli_check_options(cli_run *run);
 
-/* ---- batch.c: --output-dir ---- */
+/* ---- batch.c: --output-dir, and info of several files ---- */
 
 /* Run the command on each input. */
 int cli_run_batch(cli_run *run);

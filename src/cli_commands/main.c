@@ -100,7 +100,8 @@ static int run_command(cli_run *run, int count, char **word)
         run->start = cli_seconds();
         run->progress.row = -1;
         cli_watch_run(run, &leaving);
-        if (run->options->output_dir != NULL) return cli_run_batch(run);
+        if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
+            return cli_run_batch(run);
         status = run->command->run(run);
         cli_progress_end(run, status);
         cli_note_peak(run, 0);

@@ -120,13 +120,15 @@ static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_fact
         cli_say(run, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar,
                 "########################################", f->bin[i]);
     }
-    cli_say(run, "\nvoxels whose sample is not 0\n");
+    if (cli_input_format(run, run->options->input[0]) != BVX_FORMAT_RAW)
+        cli_say(run, "\nvoxels whose sample is not 0\n");
 }
 
 int cli_tell_samples(cli_run *run, const char *path)
 {
     cli_volume v;
     volume_facts f;
+    int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
     int status = cli_read_volume(run, path, NULL, &v);
 
     memset(&f, 0, sizeof f);
@@ -138,7 +140,10 @@ int cli_tell_samples(cli_run *run, const char *path)
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;
         cli_stage_end(run);
         /* else bits */
-        if (v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) tell_facts(run, &v.view, &f);
+        if (raw || v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) {
+            if (raw) cli_say(run, "%s\n", cli_input_name(path));
+            tell_facts(run, &v.view, &f);
+        }
     }
     cli_free_volume(run, &v);
     return status;

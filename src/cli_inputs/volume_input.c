@@ -87,7 +87,7 @@ int cli_check_volume_options(cli_run *run)
     const cli_options *const o = run->options;
     int volumes = 0, raw = 0;
 
-    if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
+    if ((run->command->bit & (CLI_VOXELIZE | CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT | CLI_INFO)) == 0)
         return CLI_DONE;
     for (int i = 0; i < o->inputs; i++) {
         int32_t const format = cli_input_format(run, o->input[i]);

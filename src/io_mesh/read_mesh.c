@@ -2,6 +2,15 @@
 #include "io_mesh/mesh_formats.h"
 #include "mesh/finite.h"
 
+/* Text of two bytes a letter, of which readers would find no word; a byte order mark is before its first letter. */
+static int is_utf16(const bvxi_source *source)
+{
+    const unsigned char *const b = (const unsigned char *)source->begin;
+
+    if (source->end - source->begin < 4) return 0;
+    return (b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0);
+}
+
 static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
 {
     source->format = format == BVX_FORMAT_STL   ? "STL"
@@ -10,6 +19,9 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
                                                 : "OFF";
     if (source->begin == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
+    if (format != BVX_FORMAT_STL && is_utf16(source))
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: the file is text in UTF-16; save it as UTF-8",
+                         source->format);
     bvxi_source_pass(source, 0, 1);
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);

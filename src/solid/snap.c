@@ -134,7 +134,9 @@ bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lat
     for (int32_t a = 0; a < 3; a++) {
         scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
         if (!(scale[a] - scale[a] == 0.0))
-            return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: the lattice's spacing of %g is too small to divide by",
+            return bvxi_fail(ctx, BVX_ERR_RANGE,
+                             "%s: the lattice's spacing of %g is too small to divide by; scale the "
+                             "coordinates up",
                              function, lattice->spacing[a]);
     }
     return BVX_OK;

@@ -454,7 +454,7 @@ ln -s link_0.ply link_1.ply
 refuses 1 'link_0.ply and link_1.ply are one file' lod "$knot" -o 'link_%d.ply' --levels 10,5 --samples 0
 rm -f link_0.ply link_1.ply
 printf 'v 0 0 0\nv 1e-310 0 0\nv 0 1e-310 0\nv 0 0 1e-310\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >tiny.obj
-refuses 1 'too small to divide by' lod tiny.obj -o 'tiny_%d.ply' --levels 8
+refuses 1 'too small to divide by; scale the coordinates up' lod tiny.obj -o 'tiny_%d.ply' --levels 8
 sed 's/e-310/e308/g' tiny.obj >huge.obj
 run lod huge.obj -o huge.ply --levels 8 --quiet
 run lod huge.obj -o huge.ply --levels 8

@@ -133,7 +133,7 @@ if has gzip && gzip -c mark.ply >tail.ply.gz 2>err; then
     warns '4 bytes after the data' info tail.ply.gz
 fi
 refuses 2 'boolean OPERATION A B' boolean union knot.obj -o x.ply
-refuses 1 'a file of bare samples does not say how they lie' info "$root/fixtures/waves.raw"
+refuses 2 'holds samples alone: --shape X,Y,Z and --sample-type tell what they are' info "$root/fixtures/waves.raw"
 
 # ---- what files hold ----
 
@@ -201,4 +201,13 @@ done
 printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >none.obj
 refuses 1 'each of the 1 triangles has a corner that is not finite' repair none.obj -o x.ply
 
+printf '\377\376v\0 \0001\0' >wide.obj
+refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
+printf '\376\377\0v\0 \0001' >wide.off
+refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.off
+too_wide=0
+for command in info voxelize lod render convert compare faces refine fill sections slice repair boolean morph components simplify; do
+    too_wide=$((too_wide + $("$program" $command --help | awk 'length($0) > 110 { n++ } END { print n + 0 }')))
+done
+holds 'help fits 110 columns' [ $too_wide = 0 ]
 counts

@@ -122,7 +122,7 @@ refuses 2 'has no use for --smooth' lod "$knot" -o x_%d.ply --smooth
 refuses 2 'has no use for --levels' render "$knot" -o x.png --levels 3
 refuses 2 'lacks its input' info
 refuses 2 'lacks -o' lod "$knot"
-refuses 2 'too many' info "$knot" "$knot"
+refuses 2 'too many' compare "$knot" "$knot" "$knot" "$knot"
 refuses 2 'lacks its value' info "$knot" --threads
 refuses 2 'given twice' info "$knot" --threads 1 --threads=2
 refuses 2 'takes no value' info "$knot" --quiet=1

@@ -201,4 +201,15 @@ else
     skip 'the CT head from its slices' "no $volumes/vtk_headsq_quarter.tar.gz"
 fi
 
+# ---- info of several files, and of samples alone ----
+
+gives 'samples alone' 0 'u8, from 0 to 184; 13225 are 0' info "$fixtures/waves.raw" --shape 48,40,32 --sample-type u8
+gives 'of another shape' 1 'but the file has 61440' info "$fixtures/waves.raw" --shape 48,40,33 --sample-type u8
+gives '--shape of a mesh' 2 'is for volumes' info "$knot" --shape 4,4,4
+gives 'two files' 0 'dims        48 x 40 x 32' info "$knot" "$waves"
+holds 'the first of them too' grep -q 'triangles ' out
+run info "$knot" lost.ply "$waves" --json
+if [ $status = 1 ] && grep -q '"done": 2, "failed": 1, "files": \[{"input": ' out; then ok 'a list of reports, one of a failure'
+else not_ok 'a list of reports, one of a failure' "status $status: $(cut -c 1-120 out)"; fi
+
 counts
