@@ -141,7 +141,7 @@ refuses 2 'whole number from 1' lod "$knot" -o x_%d.ply --resolution 64,64,64
 refuses 2 'need %d' lod "$knot" -o x.ply
 refuses 2 'has two %d' lod "$knot" -o x_%d_%d.ply
 refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.npy
-refuses 2 'no grid format that is written' voxelize "$knot" -o x.ply
+refuses 2 'no grid format that is written' voxelize "$knot" -o x.csl
 refuses 2 'exclude each other' voxelize "$knot" -o x.npy --resolution 9 --spacing 1
 refuses 2 'one whole number or three' voxelize "$knot" -o x.npy --resolution 9,9
 refuses 2 'needs --spacing' voxelize "$knot" -o x.npy --origin 0,0,0
@@ -539,7 +539,7 @@ P
     holds 'such a name: one line of text without control bytes' sh -c "test \$(wc -l <err) = 1 && ! tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'"
     run info "missing $strange"
     holds 'such a name: likewise without --json' sh -c "test \$(wc -l <err) = 1 && ! tr -d '\n' <err | LC_ALL=C grep -q '[[:cntrl:]]'"
-    run info -- "$knot" --json
+    run info -- --json
     holds '--json behind -- is a name' test ! -s out
     rm -f x* cut.ply ./*.json "$strange"
 
