@@ -31,9 +31,9 @@ static const cli_rule selection_rules[] = {
 
 static const cli_rule raw_rules[] = {
     {.lacking = "--shape",
-     .message = "%w holds samples alone: --shape X,Y,Z and --sample-type tell what they are"},
+     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type tell what they are"},
     {.lacking = "--sample-type",
-     .message = "%w holds samples alone: --shape X,Y,Z and --sample-type tell what they are"},
+     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type tell what they are"},
     {0}};
 
 static int may_be_volume(int32_t format)
