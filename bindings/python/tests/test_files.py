@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -218,3 +219,25 @@ def test_drop_nonfinite_of_arrays(dtype, order):
     assert found.check().closed and mesh.n_faces == 6 and np.isnan(mesh.vertices[1, 0])
     with pytest.raises(bitvox.RangeError, match="vertex index 6"):
         bitvox.Mesh(v, [[0, 1, 6]]).drop_nonfinite()
+
+
+def test_text_of_utf_16_is_read():
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    for coding in ("utf-16-le", "utf-16-be"):
+        mark = "\ufeff".encode(coding)
+        assert bitvox.loads(mark + text.encode(coding), "obj") == bitvox.loads(text.encode(), "obj")
+    with pytest.raises(bitvox.FormatError, match="UTF-16"):
+        bitvox.loads(b"\xff\xfe" + b"v 0 0 0", "obj")
+
+
+def test_notes_in_a_ply_head_are_passed_over():
+    """As a file of assimp's has them: without the word comment."""
+    mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    right = bitvox.dumps(mesh, "ply")
+    odd = right.replace(b"element vertex", b"Created by hand, element of nothing\nelement vertex", 1)
+    with pytest.warns(UserWarning, match="1 lines of the head.*Created by hand"):
+        assert bitvox.loads(odd, "ply") == bitvox.loads(right, "ply")
+    for wrong in (right.replace(b"property", b"properties"), right.replace(b"end_header", b"end_of_head")):
+        with pytest.raises(bitvox.FormatError), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            bitvox.loads(wrong, "ply")

@@ -13,6 +13,7 @@ from ._field import Field
 from ._grid import Grid, new_grid
 from ._image import Image
 from ._lattice import WindowLike, set_window
+from ._mended import mended
 from ._mesh import Mesh, new_mesh, subtract
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
@@ -76,7 +77,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
         FormatError: what is wrong with which byte or line. UnsupportedError: no such format.
     """
     kind = format.lower().lstrip(".")
-    held = ffi.from_buffer(without_blocks(data, memory_limit) if kind == "vti" else data)
+    held = ffi.from_buffer(without_blocks(data, memory_limit) if kind == "vti" else mended(data, kind))
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
     if drop_nonfinite and kind not in MESH_FORMATS:
