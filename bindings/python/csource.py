@@ -172,8 +172,8 @@ def reports(header: Path) -> str:
              "if TYPE_CHECKING:", "    from ._lattice import Lattice", ""]
     for name, body in wanted:
         members = _members(body)
-        lines += ["", f"class {classes[name]}(NamedTuple):", f'    """``{name}`` of the C header.', "", "    Attributes:"]
-        lines += [f"        {member}: {_note(note, sizes)}".rstrip() for _, member, sizes, note in members]
+        lines += ["", f"class {classes[name]}(NamedTuple):", f'    """``{name}`` of the C header.', "", "    Attributes", "    ----------"]
+        lines += [line for _, member, sizes, note in members for line in (f"    {member}", f"        {_note(note, sizes)}".rstrip()) if line.strip()]
         lines += ['    """', ""]
         lines += [f"    {member}: {_annotation(kind, member, sizes, note, classes)}" for kind, member, sizes, note in members]
         lines.append("")

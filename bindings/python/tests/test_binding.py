@@ -132,7 +132,7 @@ def test_reports_are_the_headers(csource):
     assert (PACKAGE / "reports.py").read_text(encoding="utf-8") == csource.reports(header)
     for name, made in reports.BY_STRUCT.items():
         fields = [field for field, _ in ffi.typeof(name).fields if not field.startswith("reserved")]
-        assert list(made._fields) == fields and all(f"\n        {field}:" in made.__doc__ for field in fields), name
+        assert list(made._fields) == fields and all(f"\n    {field}\n" in made.__doc__ for field in fields), name
     found = bitvox.check(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     assert type(found) is reports.Certificate and found.closed is False and found.oriented is True
 

@@ -1,9 +1,9 @@
 """bitvox: shapes to bit-packed voxels and voxels to closed meshes, exactly.
 
     >>> import bitvox
-    >>> solid = bitvox.voxelize("dragon.ply", resolution=256)      # or (vertices, faces), trimesh, PyVista, Open3D, meshio
+    >>> solid = bitvox.voxelize("knot.ply", resolution=256)      # or (vertices, faces), trimesh, PyVista, Open3D, meshio
     >>> mesh = solid.surface()                                     # closed, manifold, oriented
-    >>> fine, coarse = bitvox.lod("dragon.ply", triangles=(20000, 2000))
+    >>> fine, coarse = bitvox.lod("knot.ply", triangles=(20000, 2000))
 
 Coordinates are (x, y, z), world units are those of the mesh, voxel (i, j, k) is the box from ``corner + ijk * spacing`` to
 ``corner + (ijk + 1) * spacing``. Results are the same bits on every machine and for any number of threads. The interpreter's

@@ -9,12 +9,25 @@ from typing import Any
 class Error(Exception):
     """Something that the library refused or could not do.
 
-    Attributes:
-        code: the library's status, a whole number that never changes its meaning.
-        name: the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
-        reason: why, finer than the status and as fixed as it: a name of the C header's BVX_REASON_LIST, such as
-            ``"BVX_REASON_FLOATS_COARSE"``. Where Python finds it before the library does, the one of the status.
-        index: of the vertex, triangle, level, loop or other element that the message names first; None: it names none.
+    Attributes
+    ----------
+    code
+        the library's status, a whole number that never changes its meaning.
+    name
+        the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
+    reason
+        why, finer than the status and as fixed as it: a name of the C header's BVX_REASON_LIST, such as
+        ``"BVX_REASON_FLOATS_COARSE"``. Where Python finds it before the library does, the one of the status.
+    index
+        of the vertex, triangle, level, loop or other element that the message names first; None: it names none.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.voxelize('knot.ply', resolution=0)
+    ... except bitvox.Error as error:
+    ...     print(error.reason)
+    BVX_REASON_RANGE
     """
 
     code: int = 0
@@ -24,7 +37,16 @@ class Error(Exception):
 
 
 class ArgumentError(Error, ValueError):
-    """An argument is out of range or contradicts another."""
+    """An argument is out of range or contradicts another.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.voxelize('knot.ply', fill='partiy')
+    ... except bitvox.ArgumentError as error:
+    ...     print(str(error)[:43])
+    fill is 'partiy'; it must be one of parity,
+    """
 
     code: int = 1
     name: str = "BVX_ERR_ARGUMENT"
@@ -32,7 +54,13 @@ class ArgumentError(Error, ValueError):
 
 
 class VersionError(Error, RuntimeError):
-    """Binding and library do not belong together."""
+    """Binding and library do not belong together.
+
+    Examples
+    --------
+    >>> issubclass(bitvox.VersionError, bitvox.Error)
+    True
+    """
 
     code: int = 2
     name: str = "BVX_ERR_VERSION"
@@ -40,7 +68,13 @@ class VersionError(Error, RuntimeError):
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """The machine gave no more memory."""
+    """The machine gave no more memory.
+
+    Examples
+    --------
+    >>> issubclass(bitvox.OutOfMemoryError, MemoryError)
+    True
+    """
 
     code: int = 3
     name: str = "BVX_ERR_MEMORY"
@@ -48,7 +82,16 @@ class OutOfMemoryError(Error, MemoryError):
 
 
 class MemoryLimitError(Error, MemoryError):
-    """The option ``memory_limit`` does not allow it."""
+    """The option ``memory_limit`` does not allow it.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.voxelize('knot.ply', resolution=64, memory_limit=1000)
+    ... except MemoryError as error:
+    ...     print(type(error).__name__)
+    MemoryLimitError
+    """
 
     code: int = 4
     name: str = "BVX_ERR_BUDGET"
@@ -56,7 +99,16 @@ class MemoryLimitError(Error, MemoryError):
 
 
 class RangeError(Error, ValueError):
-    """A coordinate, a vertex index or a size is outside what can be represented; the message names it."""
+    """A coordinate, a vertex index or a size is outside what can be represented; the message names it.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.voxelize(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]]), resolution=8)
+    ... except bitvox.RangeError as error:
+    ...     print(error.index)
+    0
+    """
 
     code: int = 5
     name: str = "BVX_ERR_RANGE"
@@ -65,13 +117,31 @@ class RangeError(Error, ValueError):
 
 class OptionRangeError(ArgumentError, RangeError):
     """An option is a number outside its range: the library's BVX_ERR_ARGUMENT with BVX_REASON_RANGE, whether Python finds it or the
-    library. Both ``ArgumentError`` and ``RangeError`` catch it."""
+    library. Both ``ArgumentError`` and ``RangeError`` catch it.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.voxelize('knot.ply', resolution=0)
+    ... except bitvox.OptionRangeError as error:
+    ...     print(error.reason)
+    BVX_REASON_RANGE
+    """
 
     reason: str = "BVX_REASON_RANGE"
 
 
 class EmptyError(Error, ValueError):
-    """The input holds nothing to work on."""
+    """The input holds nothing to work on.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.from_sections([])
+    ... except bitvox.EmptyError as error:
+    ...     print(type(error).__name__)
+    EmptyError
+    """
 
     code: int = 6
     name: str = "BVX_ERR_EMPTY"
@@ -79,7 +149,16 @@ class EmptyError(Error, ValueError):
 
 
 class FormatError(Error, ValueError):
-    """A file is damaged or not of the stated format; the message says at which byte or line."""
+    """A file is damaged or not of the stated format; the message says at which byte or line.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.loads(b'solid nothing', 'ply')
+    ... except bitvox.FormatError as error:
+    ...     print(type(error).__name__)
+    FormatError
+    """
 
     code: int = 7
     name: str = "BVX_ERR_FORMAT"
@@ -87,7 +166,16 @@ class FormatError(Error, ValueError):
 
 
 class UnsupportedError(Error, NotImplementedError):
-    """A valid request that this build or this format cannot serve."""
+    """A valid request that this build or this format cannot serve.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.loads(b'', 'doc')
+    ... except bitvox.UnsupportedError as error:
+    ...     print(type(error).__name__)
+    UnsupportedError
+    """
 
     code: int = 8
     name: str = "BVX_ERR_UNSUPPORTED"
@@ -95,7 +183,13 @@ class UnsupportedError(Error, NotImplementedError):
 
 
 class CapacityError(Error, ValueError):
-    """An array is too small."""
+    """An array is too small.
+
+    Examples
+    --------
+    >>> issubclass(bitvox.CapacityError, bitvox.Error)
+    True
+    """
 
     code: int = 9
     name: str = "BVX_ERR_CAPACITY"
@@ -103,7 +197,17 @@ class CapacityError(Error, ValueError):
 
 
 class LatticeError(Error, ValueError):
-    """Grids do not share one lattice or window."""
+    """Grids do not share one lattice or window.
+
+    Examples
+    --------
+    >>> a, b = (bitvox.Grid(bitvox.Lattice((n, n, n))) for n in (3, 4))
+    >>> try:
+    ...     a | b
+    ... except bitvox.LatticeError as error:
+    ...     print(type(error).__name__)
+    LatticeError
+    """
 
     code: int = 10
     name: str = "BVX_ERR_LATTICE"
@@ -111,7 +215,16 @@ class LatticeError(Error, ValueError):
 
 
 class Cancelled(Error):
-    """The progress callable returned False, 0 or another false value that is not None."""
+    """The progress callable returned False, 0 or another false value that is not None.
+
+    Examples
+    --------
+    >>> try:
+    ...     bitvox.repair('knot.ply', resolution=64, progress=lambda stage, fraction: fraction < 0.1)
+    ... except bitvox.Cancelled as error:
+    ...     print(type(error).__name__)
+    Cancelled
+    """
 
     code: int = 11
     name: str = "BVX_CANCELLED"
@@ -119,7 +232,13 @@ class Cancelled(Error):
 
 
 class MissingExtraError(Error, ImportError):
-    """A package that this function needs is not installed; the message says how to install it."""
+    """A package that this function needs is not installed; the message says how to install it.
+
+    Examples
+    --------
+    >>> issubclass(bitvox.MissingExtraError, ImportError)
+    True
+    """
 
     code: int = 8
     name: str = "BVX_ERR_UNSUPPORTED"

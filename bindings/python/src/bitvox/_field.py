@@ -24,6 +24,12 @@ class Field:
     """Distances from the centres of voxels to a mesh; made by `bitvox.field`.
 
     Value number n is that of set voxel number n of ``band``, in the order of its bits (z, y, x): that of ``band.voxels()``.
+
+    Examples
+    --------
+    >>> field = bitvox.field('knot.ply', resolution=24)
+    >>> bool(field.distances.min() < 0 < field.distances.max())
+    True
     """
 
     __slots__ = ("_c", "_mesh", "__weakref__")
@@ -114,10 +120,19 @@ class Field:
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Every centre of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
-        Args:
-            vectors: the vectors, with one more axis of three, in place of signed distances.
-            far: where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbours;
-                needs a field measured with ``features=True``).
+        Parameters
+        ----------
+        vectors
+            the vectors, with one more axis of three, in place of signed distances.
+        far
+            where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbours;
+            needs a field measured with ``features=True``).
+
+        Examples
+        --------
+        >>> field = bitvox.field('knot.ply', resolution=24)
+        >>> field.to_numpy().shape == field.shape
+        True
         """
         np = arrays.numpy("Field.to_numpy")
         if order not in ("xyz", "zyx"):
@@ -149,19 +164,33 @@ class Field:
     ) -> Mesh:
         """The closed surface between inside and outside centres, with vertices where the field has it.
 
-        Args:
-            interpolation: "tangent" (by the planes at the closest points, nearest to the mesh), "vector" (by the line through
-                these points), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
-            face_rule, dtype, local_frame: as for `bitvox.surface`.
-            sharp: cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges
-                are sharp; ``sharp_angle`` is the cosine between facets that still count as smooth (default 0.8).
-            grid: other voxels of the field's window, whose surface is wanted in place of that of ``inside``: where both are the
-                same, vertices are the mesh's, elsewhere those of ``offset``, or in the middle between set and empty ones.
-            offset: with ``grid``: where this distance to the mesh, negative inside, lies between a set and an empty centre, the
-                surface passes there: ``-t`` for the inner wall of a hollow body of thickness t [world].
+        Parameters
+        ----------
+        interpolation
+            "tangent" (by the planes at the closest points, nearest to the mesh), "vector" (by the line through
+            these points), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
+        face_rule, dtype, local_frame
+            as for `bitvox.surface`.
+        sharp
+            cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges
+            are sharp; ``sharp_angle`` is the cosine between facets that still count as smooth (default 0.8).
+        grid
+            other voxels of the field's window, whose surface is wanted in place of that of ``inside``: where both are the
+            same, vertices are the mesh's, elsewhere those of ``offset``, or in the middle between set and empty ones.
+        offset
+            with ``grid``: where this distance to the mesh, negative inside, lies between a set and an empty centre, the
+            surface passes there: ``-t`` for the inner wall of a hollow body of thickness t [world].
 
-        Returns:
+        Returns
+        -------
+        Mesh
             A `Mesh`; ``mesh.report`` is a `bitvox.reports.FieldSurfaceReport`.
+
+        Examples
+        --------
+        >>> field = bitvox.field('knot.ply', resolution=24)
+        >>> field.surface(sharp=True).check().closed
+        True
         """
         options = options_of("field_surface_options")
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
@@ -195,7 +224,13 @@ class Field:
         return image
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, vectors: bool = False) -> None:
-        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending)."""
+        """Write signed distances, or ``vectors``, to ``path`` as .npy, .nrrd or .vti (or ``format``, in place of the ending).
+
+        Examples
+        --------
+        >>> field = bitvox.field('knot.ply', resolution=24)
+        >>> field.save('distance.vti')
+        """
         call("write", self, path, format=format, vectors=vectors)
 
     def _repr_html_(self) -> str:
@@ -279,25 +314,47 @@ def field(
 ) -> Field:
     """Measure the distance from the centres of voxels to a mesh.
 
-    Args:
-        mesh: what `Mesh.of` takes.
-        resolution, spacing, corner: as for `voxelize`; or a ``lattice``.
-        padding: empty voxels added on every side. Default: the half-width, so that the band fits (3 without a band; 0 with a
-            ``corner``).
-        half_width: of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
-        sign: what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
-            and flipped triangles), "pseudonormal", "normal" (the side of the closest place or triangle), "none", or "auto":
-            inside is what fill "auto" has inside.
-        dtype: of the values, float32 or float64 (the program's ``--value-type``).
-        vectors: keep the vectors to the closest points, which `Field.surface` uses.
-        features: keep the closest triangles and where on them the points lie.
-        window: only this box of the lattice.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    resolution, spacing, corner
+        as for `voxelize`; or a ``lattice``.
+    padding
+        empty voxels added on every side. Default: the half-width, so that the band fits (3 without a band; 0 with a
+        ``corner``).
+    half_width
+        of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
+    sign
+        what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
+        and flipped triangles), "pseudonormal", "normal" (the side of the closest place or triangle), "none", or "auto":
+        inside is what fill "auto" has inside.
+    dtype
+        of the values, float32 or float64 (the program's ``--value-type``).
+    vectors
+        keep the vectors to the closest points, which `Field.surface` uses.
+    features
+        keep the closest triangles and where on them the points lie.
+    window
+        only this box of the lattice.
 
-    Returns:
+    Returns
+    -------
+    Field
         A `Field`.
 
-    Raises:
-        ArgumentError: options that contradict each other. EmptyError: no triangle of area. RangeError, MemoryLimitError.
+    Raises
+    ------
+    ArgumentError
+        options that contradict each other.
+    EmptyError
+        no triangle of area.
+    RangeError, MemoryLimitError
+
+    Examples
+    --------
+    >>> bitvox.field('knot.ply', resolution=24, half_width=2).surface().check().closed
+    True
     """
     measure = function("bvx_measure_field")
     options = options_of("field_options")

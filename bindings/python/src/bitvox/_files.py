@@ -33,23 +33,43 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
          drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid.
 
-    Args:
-        path: .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
-            each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
-            with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
-            gives the lattice.
-        format: one of these endings, in place of the name's own.
-        window: of a grid: only these voxels, counted from the file's own first one.
-        close_gap: of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
-        drop_nonfinite: of a mesh: leave out triangles with a corner that is NaN or infinite, which are else an error; a warning
-            says how many.
+    Parameters
+    ----------
+    path
+        .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+        each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
+        with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
+        gives the lattice.
+    format
+        one of these endings, in place of the name's own.
+    window
+        of a grid: only these voxels, counted from the file's own first one.
+    close_gap
+        of .csv: refuse loops whose ends lie further apart than this [world]; None closes every loop.
+    drop_nonfinite
+        of a mesh: leave out triangles with a corner that is NaN or infinite, which are else an error; a warning
+        says how many.
 
-    Returns:
+    Returns
+    -------
+    Any
         A `Mesh`, a `Grid`, an `Octree` or `Sections`.
 
-    Raises:
-        FormatError: what is wrong with which byte or line. UnsupportedError: no such format, or one that needs more options
-        (`bitvox.formats`). MissingExtraError: which extra reads it. OSError: as `open`.
+    Raises
+    ------
+    FormatError
+        what is wrong with which byte or line.
+    UnsupportedError
+        no such format, or one that needs more options (`bitvox.formats`).
+    MissingExtraError
+        which extra reads it.
+    OSError
+        as `open`.
+
+    Examples
+    --------
+    >>> bitvox.read('knot.ply').n_faces > 1000
+    True
     """
     path = os.fspath(path)
     kind = format_of(path, format)
@@ -68,13 +88,28 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
           memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh, a grid, an octree or sections from the bytes of a file.
 
-    Args:
-        data: the bytes. format: an ending, such as "ply".
-        window, close_gap, drop_nonfinite: as for `read`.
-        lattice: the bytes of the FILE.json beside .npy and .vox.
+    Parameters
+    ----------
+    data
+        the bytes.
+    format
+        an ending, such as "ply".
+    window, close_gap, drop_nonfinite
+        as for `read`.
+    lattice
+        the bytes of the FILE.json beside .npy and .vox.
 
-    Raises:
-        FormatError: what is wrong with which byte or line. UnsupportedError: no such format.
+    Raises
+    ------
+    FormatError
+        what is wrong with which byte or line.
+    UnsupportedError
+        no such format.
+
+    Examples
+    --------
+    >>> bitvox.loads(bitvox.dumps(bitvox.read('knot.ply'), 'off'), 'off').n_faces > 1000
+    True
     """
     kind = format.lower().lstrip(".")
     held = ffi.from_buffer(without_blocks(data, memory_limit) if kind == "vti" else mended(data, kind))
@@ -125,19 +160,36 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
           progress: Progress = None) -> bytes:
     """The bytes of a file.
 
-    Args:
-        thing: a mesh. format: stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha or nii; a `Volume`: nrrd, mha or nii; an `Octree`: vtu or bvx; a
-            `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
-        states: of an octree's vtu: which leaves, ("surface", "inside") unless told.
-        vectors: of a field: vectors in place of signed distances.
-        normals: of a mesh's ply or obj: also smooth normals of the vertices, averaged by area over sharp edges too; glb has them
-            always, stl and off are refused.
-        origin: of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
-        allow_rounding: of a mesh: write stl or glb even where rounding to 32-bit floats spoils it; see `Mesh.check_written`.
+    Parameters
+    ----------
+    thing
+        a mesh.
+    format
+        stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha or nii; a `Volume`: nrrd, mha or nii; an `Octree`: vtu or bvx; a
+        `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
+    states
+        of an octree's vtu: which leaves, ("surface", "inside") unless told.
+    vectors
+        of a field: vectors in place of signed distances.
+    normals
+        of a mesh's ply or obj: also smooth normals of the vertices, averaged by area over sharp edges too; glb has them
+        always, stl and off are refused.
+    origin
+        of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
+    allow_rounding
+        of a mesh: write stl or glb even where rounding to 32-bit floats spoils it; see `Mesh.check_written`.
 
-    Raises:
-        UnsupportedError: a format that does not hold such a thing. RangeError: sizes or numbers beyond what it holds, and a mesh
-        that rounding would spoil.
+    Raises
+    ------
+    UnsupportedError
+        a format that does not hold such a thing.
+    RangeError
+        sizes or numbers beyond what it holds, and a mesh that rounding would spoil.
+
+    Examples
+    --------
+    >>> bitvox.dumps(bitvox.Grid.from_numpy(np.ones((2, 2, 2))), 'bvx')[1:4]
+    b'BVX'
     """
     kind = format.lower().lstrip(".")
     out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
@@ -191,13 +243,25 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
     Each level is a node, ``level_0``, ``level_1``, ... and a mesh of its own. glTF itself has no levels of detail: they are tied
     together by the vendor extension MSFT_lod, which few readers know. Viewers without it show level_0 alone.
 
-    Args:
-        path: a name that ends in .glb, or .glb.gz, which packs it.
-        levels: meshes, the finest first; with colours and uvs or without, as each is.
+    Parameters
+    ----------
+    path
+        a name that ends in .glb, or .glb.gz, which packs it.
+    levels
+        meshes, the finest first; with colours and uvs or without, as each is.
 
-    Raises:
-        UnsupportedError: another format: write one file a level. EmptyError: a level without faces. RangeError: levels beyond
-        what the format holds (4 GiB).
+    Raises
+    ------
+    UnsupportedError
+        another format: write one file a level.
+    EmptyError
+        a level without faces.
+    RangeError
+        levels beyond what the format holds (4 GiB).
+
+    Examples
+    --------
+    >>> bitvox.write_levels('knot.glb', bitvox.lod('knot.ply', triangles=(800, 200)))
     """
     path = os.fspath(path)
     kind = format_of(path, None)
@@ -222,13 +286,26 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
           memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write a mesh, grid, octree, field, volume or image to a file, whole or not at all.
 
-    Args:
-        thing: what `dumps` takes.
-        path: its ending gives the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
-        format: the format, in place of the name's ending.
-        states: of an octree: which leaves, ("surface", "inside") unless told.
-        vectors: of a field: vectors in place of signed distances.
-        normals, origin, allow_rounding: of a mesh: as for `dumps`.
+    Parameters
+    ----------
+    thing
+        what `dumps` takes.
+    path
+        its ending gives the format; .gz packs it. Beside .npy and .vox of a grid, FILE.json gets the lattice.
+    format
+        the format, in place of the name's ending.
+    states
+        of an octree: which leaves, ("surface", "inside") unless told.
+    vectors
+        of a field: vectors in place of signed distances.
+    normals, origin, allow_rounding
+        of a mesh: as for `dumps`.
+
+    Examples
+    --------
+    >>> bitvox.write(bitvox.voxelize('knot.ply', resolution=32), 'solid.nrrd')
+    >>> bitvox.read('solid.nrrd').shape[0]
+    31
     """
     path = os.fspath(path)
     kind = format_of(path, format)
@@ -256,12 +333,27 @@ class Writer:
             for part in parts:          # windows of the lattice, whole in x and y, one on the other in z
                 writer.add(part)
 
-    Args:
-        path: of the file; nothing is there until all slices are given.
-        lattice: of the whole. window: the box of it that is written; None: all.
+    Parameters
+    ----------
+    path
+        of the file; nothing is there until all slices are given.
+    lattice
+        of the whole.
+    window
+        the box of it that is written; None: all.
 
-    Raises:
-        ArgumentError: a part that does not begin where the last one ended; slices that were not given.
+    Raises
+    ------
+    ArgumentError
+        a part that does not begin where the last one ended; slices that were not given.
+
+    Examples
+    --------
+    >>> grid = bitvox.voxelize('knot.ply', resolution=16)
+    >>> with bitvox.Writer('a.bvx', grid.lattice) as writer:
+    ...     writer.add(grid)
+    >>> bitvox.read('a.bvx') == grid
+    True
     """
 
     def __init__(self, path: str | os.PathLike[str], lattice: Any, window: WindowLike = None) -> None:
@@ -284,7 +376,15 @@ class Writer:
         return bytes(ffi.buffer(out.bytes, out.size))
 
     def add(self, part: Grid) -> None:
-        """The next slices: a ``part`` as wide and deep as the whole, on top of the last one."""
+        """The next slices: a ``part`` as wide and deep as the whole, on top of the last one.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((2, 2, 4)))
+        >>> with bitvox.Writer('b.bvx', grid.lattice) as writer:
+        ...     writer.add(grid.crop(((0, 0, 0), (2, 2, 3))))
+        ...     writer.add(grid.crop(((0, 0, 3), (2, 2, 1))))
+        """
         if part.low[2] != self._at:
             raise ArgumentError(f"this part begins at slice {part.low[2]}; {self._at} is next")
         self._file.write(self._bytes(lambda run, out: lib.bvx_write_slices(run.context, part._c, out)))

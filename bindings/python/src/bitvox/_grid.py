@@ -27,7 +27,14 @@ BEYONDS = names_of("BVX_BEYOND_")
 
 class Attached(NamedTuple):
     """The triangles that touch each set voxel: voxel number r, in the order of the grid's bits (z, y, x), has
-    ``triangles[offsets[r]:offsets[r + 1]]``, ascending."""
+    ``triangles[offsets[r]:offsets[r + 1]]``, ascending.
+
+    Examples
+    --------
+    >>> grid = bitvox.voxelize('knot.ply', resolution=16, mode='conservative', attached=True)
+    >>> len(grid.attached.offsets) == grid.count + 1
+    True
+    """
 
     offsets: Any
     triangles: Any
@@ -38,6 +45,14 @@ class Grid:
 
     Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a`` (within the window), ``a == b``, ``a <= b`` (is part of),
     ``grid[x, y, z]``, ``len(grid)`` (set voxels), ``bool(grid)`` (is any set). Grids must share lattice and window.
+
+    Examples
+    --------
+    >>> grid = bitvox.Grid.from_numpy(np.ones((3, 4, 5), bool), spacing=0.5)
+    >>> grid
+    Grid(3 x 4 x 5, 60 set)
+    >>> grid.volume, (~grid).count, grid[0, 1, 2]
+    (7.5, 0, True)
     """
 
     __slots__ = ("_c", "report", "attached", "_hash", "__weakref__")
@@ -67,11 +82,21 @@ class Grid:
                    lattice: Lattice | None = None, low: Sequence[int] | None = None) -> Grid:
         """A grid from a three-dimensional array; values other than 0 are set.
 
-        Args:
-            array: bool or any numbers, any strides; NaN is refused.
-            order: "xyz" (array[x, y, z]) or "zyx" (array[z, y, x]).
-            spacing, corner: of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
-            lattice, low: a lattice that the array is a window of, at voxel ``low``; in place of spacing and corner.
+        Parameters
+        ----------
+        array
+            bool or any numbers, any strides; NaN is refused.
+        order
+            "xyz" (array[x, y, z]) or "zyx" (array[z, y, x]).
+        spacing, corner
+            of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+        lattice, low
+            a lattice that the array is a window of, at voxel ``low``; in place of spacing and corner.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.eye(3)[:, :, None] * np.ones(3)).count
+        9
         """
         np = arrays.numpy("Grid.from_numpy")
         found = arrays.as_numpy(array, "array")
@@ -162,6 +187,11 @@ class Grid:
         """A new bool array, one byte a voxel: ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``.
 
         Both lie in memory with x running fastest.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=16).to_numpy().shape
+        (16, 16, 7)
         """
         np = arrays.numpy("Grid.to_numpy")
         if order not in ("xyz", "zyx"):
@@ -209,7 +239,13 @@ class Grid:
         raise TypeError("a Grid has no rows to walk: take to_numpy() or voxels()")
 
     def voxels(self) -> Array:
-        """Indices (n, 3) int64 of the set voxels in the window, in the order of the bits (z, y, x)."""
+        """Indices (n, 3) int64 of the set voxels in the window, in the order of the bits (z, y, x).
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.ones((1, 1, 2))).voxels().tolist()
+        [[0, 0, 0], [0, 0, 1]]
+        """
         np = arrays.numpy("Grid.voxels")
         return np.argwhere(self.to_numpy("zyx"))[:, ::-1]
 
@@ -234,7 +270,14 @@ class Grid:
         return self.count != 0
 
     def content_hash(self) -> int:
-        """The library's hash of lattice, window and bits: the same on every machine."""
+        """The library's hash of lattice, window and bits: the same on every machine.
+
+        Examples
+        --------
+        >>> a, b = (bitvox.voxelize('knot.ply', resolution=16, threads=n) for n in (1, 2))
+        >>> a.content_hash() == b.content_hash()
+        True
+        """
         if self._hash is None:
             out = ffi.new("uint64_t *")
             with Run() as run:
@@ -295,13 +338,23 @@ class Grid:
     def downsample(self, factor: Any, rule: Reduce = "any") -> Grid:
         """Blocks of voxels become voxels.
 
-        Args:
-            factor: voxels of a block along each axis, one number or three; blocks are counted from the lattice's corner.
-            rule: a block is set when "any" of its voxels are, when "all" are, or the "majority": more than half. Of blocks that
-                the window cuts only the voxels in the window count.
+        Parameters
+        ----------
+        factor
+            voxels of a block along each axis, one number or three; blocks are counted from the lattice's corner.
+        rule
+            a block is set when "any" of its voxels are, when "all" are, or the "majority": more than half. Of blocks that
+            the window cuts only the voxels in the window count.
 
-        Returns:
+        Returns
+        -------
+        Grid
             A grid of a lattice with the same corner and ``factor`` times the spacing.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=32).downsample(2, 'majority')
+        Grid(16 x 16 x 7, 221 set)
         """
         blocks, number = triple_of(factor), choice("rule", rule, "BVX_REDUCE_", RULES)
         return self._through(lambda run, made: lib.bvx_grid_downsample(run.context, self._c, blocks, number, made))
@@ -309,8 +362,15 @@ class Grid:
     def coverage(self, factor: Any) -> Array:
         """How many voxels of each block are set: a new uint32 array ``counts[x, y, z]`` with x running fastest in memory.
 
-        Args:
-            factor: as for `downsample`, whose grid has the same shape and place.
+        Parameters
+        ----------
+        factor
+            as for `downsample`, whose grid has the same shape and place.
+
+        Examples
+        --------
+        >>> int(bitvox.voxelize('knot.ply', resolution=32).coverage(2).max())
+        8
         """
         np = arrays.numpy("Grid.coverage")
         blocks, count = triple_of(factor), ffi.new("uint64_t *")
@@ -323,7 +383,13 @@ class Grid:
         return counts.transpose(2, 1, 0)
 
     def content(self) -> Window | None:
-        """The least window of the lattice that holds all set voxels; None when none is set."""
+        """The least window of the lattice that holds all set voxels; None when none is set.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=16, padding=2).content().low
+        (2, 2, 2)
+        """
         out = ffi.new("bvx_window *")
         with Run() as run:
             run.check(lib.bvx_grid_content(run.context, self._c, out))
@@ -332,11 +398,20 @@ class Grid:
     def crop(self, window: WindowLike = None) -> Grid:
         """The same lattice through another window.
 
-        Args:
-            window: (low, size) of the lattice, which may reach beyond the grid's own, where all is empty; None: `content`.
+        Parameters
+        ----------
+        window
+            (low, size) of the lattice, which may reach beyond the grid's own, where all is empty; None: `content`.
 
-        Raises:
-            EmptyError: no window is given and no voxel is set.
+        Raises
+        ------
+        EmptyError
+            no window is given and no voxel is set.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=16, padding=2).crop().shape
+        (15, 16, 6)
         """
         if window is None:
             window = self.content()
@@ -349,9 +424,17 @@ class Grid:
     def pad(self, low: Any, high: Any = None) -> Grid:
         """The same voxels on a lattice that has more of them around; nothing moves in the world.
 
-        Args:
-            low: empty voxels put before the first ones along each axis, one number or three.
-            high: after the last ones; None: as many as ``low``.
+        Parameters
+        ----------
+        low
+            empty voxels put before the first ones along each axis, one number or three.
+        high
+            after the last ones; None: as many as ``low``.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.ones((2, 2, 2))).pad(1, 2).shape
+        (5, 5, 5)
         """
         before = triple_of(low, "low")
         behind = before if high is None else triple_of(high, "high")
@@ -360,9 +443,17 @@ class Grid:
     def permute(self, axes: Any = "xyz", flip: Any = ()) -> Grid:
         """Axes changed and mirrored.
 
-        Args:
-            axes: which of the grid's axes become x, y and z: "zyx", or numbers (2, 1, 0).
-            flip: those of the result's axes that run backwards: "x", "xz", or numbers. The lattice's box is mirrored in itself.
+        Parameters
+        ----------
+        axes
+            which of the grid's axes become x, y and z: "zyx", or numbers (2, 1, 0).
+        flip
+            those of the result's axes that run backwards: "x", "xz", or numbers. The lattice's box is mirrored in itself.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.ones((1, 2, 3))).permute('zyx').shape
+        (3, 2, 1)
         """
         order = [axis_of("axes", a) for a in axes]
         if sorted(order) != [0, 1, 2]:
@@ -375,9 +466,18 @@ class Grid:
     def resample(self, lattice: Lattice, window: WindowLike = None) -> Grid:
         """The same set on another lattice: a voxel is set when its centre lies in a set voxel of this grid.
 
-        Args:
-            lattice: where the result lies.
-            window: a part of it; None: all.
+        Parameters
+        ----------
+        lattice
+            where the result lies.
+        window
+            a part of it; None: all.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+        >>> solid.resample(bitvox.Lattice.fit('knot.ply', resolution=16))
+        Grid(16 x 16 x 7, 256 set)
         """
         box = ffi.new("bvx_window *")
         set_window("window", box, window)
@@ -388,11 +488,21 @@ class Grid:
     def compare(self, other: Grid, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Difference:
         """What this grid and an ``other`` share and where they differ.
 
-        Returns:
+        Returns
+        -------
+        Difference
             A `bitvox.reports.Difference`.
 
-        Raises:
-            LatticeError: they do not share lattice and window.
+        Raises
+        ------
+        LatticeError
+            they do not share lattice and window.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+        >>> solid.compare(solid.erode()).only_b
+        0
         """
         out = ffi.new("bvx_grid_difference *")
         with Run(threads, memory_limit, progress) as run:
@@ -403,12 +513,23 @@ class Grid:
              progress: Progress = None) -> Any:
         """Where rays first meet a set voxel.
 
-        Args:
-            rays: (n, 6) origin and direction, of any length but 0 [world].
-            t_max: hits have ``0 <= t <= t_max``, position = origin + t * direction.
+        Parameters
+        ----------
+        rays
+            (n, 6) origin and direction, of any length but 0 [world].
+        t_max
+            hits have ``0 <= t <= t_max``, position = origin + t * direction.
 
-        Returns:
+        Returns
+        -------
+        Any
             A record array of n hits with t, position [world], voxel, axis (-1: the ray starts inside), hit (0 or 1).
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((2, 2, 2)))
+        >>> float(grid.cast([[-3, 1, 1, 1, 0, 0]])['t'][0])
+        3.0
         """
         given = arrays.numbers_in(rays, "rays", 6)
         out = ffi.new("bvx_ray_hit[]", max(1, given.count))
@@ -420,12 +541,23 @@ class Grid:
                progress: Progress = None) -> Any:
         """Trilinear samples at points: 1 at the centres of set voxels, 0 at those of others and beyond the window.
 
-        Args:
-            points: (n, 3) [world].
-            gradients: also return gradients (n, 3) [1 / world].
+        Parameters
+        ----------
+        points
+            (n, 3) [world].
+        gradients
+            also return gradients (n, 3) [1 / world].
 
-        Returns:
+        Returns
+        -------
+        Any
             (n,) float64, or (values, gradients).
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((2, 2, 2)))
+        >>> grid.sample([[1, 1, 1], [0, 1, 1]]).tolist()
+        [1.0, 0.5]
         """
         given = arrays.numbers_in(points, "points", 3)
         values = ffi.new("double[]", max(1, given.count))
@@ -441,9 +573,17 @@ class Grid:
              progress: Progress = None) -> Grid:
         """All voxels that are connected with one of the seeds through empty voxels.
 
-        Args:
-            seeds: (n, 3) voxels of the window, none of them set.
-            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        Parameters
+        ----------
+        seeds
+            (n, 3) voxels of the window, none of them set.
+        connectivity
+            6 (across faces), 18 (and edges) or 26 (and corners).
+
+        Examples
+        --------
+        >>> bitvox.Grid(bitvox.Lattice((4, 4, 4))).fill([[0, 0, 0]]).count
+        64
         """
         given = arrays.numbers_in(seeds, "seeds", 3, "int32")
         made = new_grid()
@@ -457,11 +597,20 @@ class Grid:
                    progress: Progress = None) -> Any:
         """The connected parts of the set voxels, in the order of their least voxels (z, y, x).
 
-        Args:
-            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        Parameters
+        ----------
+        connectivity
+            6 (across faces), 18 (and edges) or 26 (and corners).
 
-        Returns:
+        Returns
+        -------
+        Any
             A record array with first (linear index of the least voxel, x fastest), voxels, low and size (box, in voxels of the window).
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]])).components()['voxels'].tolist()
+        [1, 2]
         """
         count = ffi.new("uint64_t *")
         with Run(threads, memory_limit, progress, calls=2) as run:
@@ -475,8 +624,15 @@ class Grid:
               progress: Progress = None) -> Any:
         """The number of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
 
-        Args:
-            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        Parameters
+        ----------
+        connectivity
+            6 (across faces), 18 (and edges) or 26 (and corners).
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]])).label().ravel().tolist()
+        [1, 0, 2, 2]
         """
         np = arrays.numpy("Grid.label")
         labels = np.empty(self.shape[::-1], np.uint32)
@@ -488,14 +644,26 @@ class Grid:
              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Some of the connected parts.
 
-        Args:
-            at_least: parts of fewer voxels are dropped.
-            seeds: (n, 3) voxels of the window: parts that hold none of them are dropped.
-            largest: of what is left then, so many of the largest are kept.
-            connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+        Parameters
+        ----------
+        at_least
+            parts of fewer voxels are dropped.
+        seeds
+            (n, 3) voxels of the window: parts that hold none of them are dropped.
+        largest
+            of what is left then, so many of the largest are kept.
+        connectivity
+            6 (across faces), 18 (and edges) or 26 (and corners).
 
-        Returns:
+        Returns
+        -------
+        Grid
             A `Grid`; ``grid.report`` is a `bitvox.reports.KeepReport`.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]])).keep(largest=1).count
+        2
         """
         options = options_of("keep_options")
         options.connectivity = in_range("connectivity", connectivity, 6, 26)
@@ -518,9 +686,19 @@ class Grid:
                       progress: Progress = None) -> Grid:
         """The grid with its cavities filled: connected parts of the empty voxels that touch no side of the window.
 
-        Args:
-            connectivity: of the empty voxels, 6, 18 or 26.
-            at_most: cavities of more voxels stay; 0: all are filled.
+        Parameters
+        ----------
+        connectivity
+            of the empty voxels, 6, 18 or 26.
+        at_most
+            cavities of more voxels stay; 0: all are filled.
+
+        Examples
+        --------
+        >>> array = np.ones((3, 3, 3))
+        >>> array[1, 1, 1] = 0
+        >>> bitvox.Grid.from_numpy(array).fill_cavities().count
+        27
         """
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
@@ -531,11 +709,20 @@ class Grid:
                  progress: Progress = None) -> Topology:
         """Parts, cavities, tunnels and the Euler number.
 
-        Args:
-            connectivity: of the set voxels, 6 or 26; the empty ones then connect by 26 or 6.
+        Parameters
+        ----------
+        connectivity
+            of the set voxels, 6 or 26; the empty ones then connect by 26 or 6.
 
-        Returns:
+        Returns
+        -------
+        Topology
             A `bitvox.reports.Topology`.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=64).topology().components
+        1
         """
         out = ffi.new("bvx_topology *")
         with Run(threads, memory_limit, progress) as run:
@@ -563,11 +750,21 @@ class Grid:
 
         All is done as in unbounded space and cut to the window; padding of the lattice makes room.
 
-        Args:
-            steps: how many times the neighbourhood is applied.
-            neighbourhood: 6 (across faces), 18 (and edges) or 26 (and corners).
-            radius: of a ball in place of the neighbourhood; centres at most so far count [world].
-            beyond: True when voxels beyond the window count as set.
+        Parameters
+        ----------
+        steps
+            how many times the neighbourhood is applied.
+        neighbourhood
+            6 (across faces), 18 (and edges) or 26 (and corners).
+        radius
+            of a ball in place of the neighbourhood; centres at most so far count [world].
+        beyond
+            True when voxels beyond the window count as set.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.ones((1, 1, 1))).pad(2).dilate(radius=1.5).count
+        19
         """
         return self._morphed(lib.bvx_grid_dilate, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
@@ -575,8 +772,15 @@ class Grid:
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Voxels that have no empty one among their neighbours, or within a ball.
 
-        Args:
-            steps, neighbourhood, radius, beyond: as for `dilate`.
+        Parameters
+        ----------
+        steps, neighbourhood, radius, beyond
+            as for `dilate`.
+
+        Examples
+        --------
+        >>> bitvox.Grid.from_numpy(np.ones((5, 5, 5))).erode(2).count
+        1
         """
         return self._morphed(lib.bvx_grid_erode, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
@@ -584,8 +788,16 @@ class Grid:
              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Eroded, then dilated: without what is too thin; a part of the grid.
 
-        Args:
-            steps, neighbourhood, radius, beyond: as for `dilate`.
+        Parameters
+        ----------
+        steps, neighbourhood, radius, beyond
+            as for `dilate`.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+        >>> solid.open() <= solid
+        True
         """
         return self._morphed(lib.bvx_grid_open, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
@@ -593,8 +805,16 @@ class Grid:
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Dilated, then eroded: with small gaps filled; the grid is a part of it.
 
-        Args:
-            steps, neighbourhood, radius, beyond: as for `dilate`.
+        Parameters
+        ----------
+        steps, neighbourhood, radius, beyond
+            as for `dilate`.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+        >>> solid <= solid.close()
+        True
         """
         return self._morphed(lib.bvx_grid_close, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
 
@@ -602,15 +822,29 @@ class Grid:
                beyond: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """A shell of the body: its outer surface stays, voxels deeper than ``thickness`` become empty.
 
-        Args:
-            thickness: set voxels whose nearest empty centre is at most so far stay [world].
-            drain: radius of a round hole through the shell [world]; 0: none.
-            drain_side: where the hole comes from: "x-low", "x-high", "y-low", "y-high", "z-low" or "z-high".
-            drain_at: the other two coordinates of its axis [world]; None: through the middle of the hollow's layer nearest to that side.
-            beyond: True when voxels beyond the window count as set.
+        Parameters
+        ----------
+        thickness
+            set voxels whose nearest empty centre is at most so far stay [world].
+        drain
+            radius of a round hole through the shell [world]; 0: none.
+        drain_side
+            where the hole comes from: "x-low", "x-high", "y-low", "y-high", "z-low" or "z-high".
+        drain_at
+            the other two coordinates of its axis [world]; None: through the middle of the hollow's layer nearest to that side.
+        beyond
+            True when voxels beyond the window count as set.
 
-        Returns:
+        Returns
+        -------
+        Grid
             A grid (the body itself, with a warning, where the wall is thicker than the body) whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((9, 9, 9)))
+        >>> grid.hollow(2.0).report.hollowed
+        125
         """
         options, report = options_of("hollow_options"), ffi.new("bvx_hollow_report *")
         options.thickness, options.drain_radius, options.beyond = thickness, drain, int(beyond)
@@ -634,14 +868,26 @@ class Grid:
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
 
-        Args:
-            side: "outside": of every centre to the nearest set one; "inside": to the nearest empty one; "signed": the first
-                less the second, negative on set voxels.
-            beyond: what lies beyond the window: "nothing", "empty" or "set".
-            dtype: "float32" or "float64" [world].
-            squares: whole numbers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
-            nearest: also return where the distance is to: linear indices ``x + nx * (y + ny * z)``, uint64; 2^64 - 1: there is
-                none, or beyond the window.
+        Parameters
+        ----------
+        side
+            "outside": of every centre to the nearest set one; "inside": to the nearest empty one; "signed": the first
+            less the second, negative on set voxels.
+        beyond
+            what lies beyond the window: "nothing", "empty" or "set".
+        dtype
+            "float32" or "float64" [world].
+        squares
+            whole numbers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
+        nearest
+            also return where the distance is to: linear indices ``x + nx * (y + ny * z)``, uint64; 2^64 - 1: there is
+            none, or beyond the window.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.array([[[1, 0, 0, 0]]]))
+        >>> grid.distance().ravel().tolist()
+        [0.0, 1.0, 2.0, 3.0]
         """
         np = arrays.numpy("Grid.distance")
         options = options_of("distance_options")
@@ -666,7 +912,13 @@ class Grid:
     # ---- others ----
 
     def surface(self, **options: Any) -> Mesh:
-        """The closed surface; ``options`` are those of `bitvox.surface`, ``mesh`` and ``offset`` among them."""
+        """The closed surface; ``options`` are those of `bitvox.surface`, ``mesh`` and ``offset`` among them.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=32).surface().check().closed
+        True
+        """
         made: Mesh = call("surface", self, **options)
         return made
 
@@ -678,7 +930,13 @@ class Grid:
         return image
 
     def to_trimesh(self) -> Any:
-        """A trimesh VoxelGrid of the same voxels in the same place; needs ``bitvox[formats]``."""
+        """A trimesh VoxelGrid of the same voxels in the same place; needs ``bitvox[formats]``.
+
+        Examples
+        --------
+        >>> int(bitvox.Grid.from_numpy(np.ones((2, 2, 2))).to_trimesh().filled_count)
+        8
+        """
         np, base = arrays.numpy("to_trimesh"), need("trimesh.voxel.base", "formats")
         place = np.diag([*self.spacing, 1.0])
         place[:3, 3] = self.center0
@@ -687,8 +945,16 @@ class Grid:
     def to_napari(self, name: str | None = None) -> Any:
         """A labels layer of napari as it takes them, ``(data, options, "labels")``. Axes are z, y, x there.
 
-        Args:
-            name: of the layer; None: "grid".
+        Parameters
+        ----------
+        name
+            of the layer; None: "grid".
+
+        Examples
+        --------
+        >>> data, options, kind = bitvox.voxelize('knot.ply', resolution=16).to_napari()
+        >>> kind
+        'labels'
         """
         placed = {"name": name or "grid", "scale": self.spacing[::-1], "translate": self.center0[::-1]}
         return self.to_numpy("zyx").view("uint8"), placed, "labels"
@@ -704,7 +970,14 @@ class Grid:
         return call("render", self, size=(480, 360)).packed_png() if self else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``; see `bitvox.write`.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=32).save('solid.bvx')
+        >>> bitvox.read('solid.bvx').shape[0]
+        31
+        """
         call("write", self, path, format=format)
 
     def __repr__(self) -> str:

@@ -19,7 +19,14 @@ from ._words import Array
 
 
 class Image:
-    """Pixels (height, width, 3) uint8; shows itself in a notebook."""
+    """Pixels (height, width, 3) uint8; shows itself in a notebook.
+
+    Examples
+    --------
+    >>> picture = bitvox.render('knot.ply', size=(40, 30))
+    >>> picture.size, picture.pixels.shape
+    ((40, 30), (30, 40, 3))
+    """
 
     __slots__ = ("_c",)
 
@@ -37,7 +44,13 @@ class Image:
         return arrays.array_at(self._c.pixels, "uint8", (self._c.height, self._c.width, 3), self._c)
 
     def png(self) -> bytes:
-        """A PNG file's bytes; they depend on the pixels alone."""
+        """A PNG file's bytes; they depend on the pixels alone.
+
+        Examples
+        --------
+        >>> bitvox.render('knot.ply', size=(40, 30)).png()[1:4]
+        b'PNG'
+        """
         out = ffi.gc(ffi.new("bvx_buffer *"), lib.bvxpy_free_buffer)
         with Run() as run:
             run.check(lib.bvx_write_png(run.context, self._c, out))
@@ -70,7 +83,12 @@ class Image:
         return _image_from, (*self.size, bytes(self.pixels))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a PNG file; ``path`` ends in .png."""
+        """Write a PNG file; ``path`` ends in .png.
+
+        Examples
+        --------
+        >>> bitvox.render('knot.ply', size=(40, 30)).save('small.png')
+        """
         if not os.fspath(path).lower().endswith(".png"):
             raise ArgumentError(f"{os.fspath(path)}: pictures are written as .png")
         write_bytes(path, self.png())
@@ -116,27 +134,53 @@ def render(
 ) -> Image:
     """A shaded picture of a mesh or a grid; the same bytes on every machine.
 
-    Args:
-        source: a mesh (what `Mesh.of` takes; the colours of its vertices show) or a `Grid`.
-        size: width and height in pixels.
-        from_: direction from the model to the eye (the program's ``--from``). Default (3, -4, 2).
-        up: what is up in the picture. Default (0, 0, 1).
-        smooth: smooth shading in place of facets.
-        wireframe: edges of triangles or voxels drawn over the surface.
-        cut: take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
-        cut_low, cut_high: take away what lies below and above these three [world].
-        colour, background: red, green, blue.
-        samples: rays a pixel along each side, 1 to 4.
-        show: half width and half height that the frame shows at least [world].
-        slices: ("z", 12): a sheet of slices of a grid across an axis, in place of a view.
-        compare: a second grid: what it adds is green, what it lacks red.
+    Parameters
+    ----------
+    source
+        a mesh (what `Mesh.of` takes; the colours of its vertices show) or a `Grid`.
+    size
+        width and height in pixels.
+    from_
+        direction from the model to the eye (the program's ``--from``). Default (3, -4, 2).
+    up
+        what is up in the picture. Default (0, 0, 1).
+    smooth
+        smooth shading in place of facets.
+    wireframe
+        edges of triangles or voxels drawn over the surface.
+    cut
+        take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
+    cut_low, cut_high
+        take away what lies below and above these three [world].
+    colour, background
+        red, green, blue.
+    samples
+        rays a pixel along each side, 1 to 4.
+    show
+        half width and half height that the frame shows at least [world].
+    slices
+        ("z", 12): a sheet of slices of a grid across an axis, in place of a view.
+    compare
+        a second grid: what it adds is green, what it lacks red.
 
-    Returns:
+    Returns
+    -------
+    Image
         An `Image`.
 
-    Raises:
-        ArgumentError: options that contradict each other. EmptyError: nothing to see. LatticeError: grids that do not share
-        lattice and window. RangeError, MemoryLimitError.
+    Raises
+    ------
+    ArgumentError
+        options that contradict each other.
+    EmptyError
+        nothing to see.
+    LatticeError
+        grids that do not share lattice and window.
+    RangeError, MemoryLimitError
+
+    Examples
+    --------
+    >>> bitvox.render('knot.ply', size=(64, 48)).save('knot.png')
     """
     options = options_of("render_options")
     options.width, options.height = (in_range("size", n, 1, 16384) for n in size)

@@ -13,7 +13,14 @@ from ._run import Run, ffi, function, in_range, lib, options_of
 
 
 class Window(NamedTuple):
-    """A box of a lattice: voxels ``low .. low + size - 1`` along x, y, z."""
+    """A box of a lattice: voxels ``low .. low + size - 1`` along x, y, z.
+
+    Examples
+    --------
+    >>> grid = bitvox.voxelize('knot.ply', resolution=32, window=bitvox.Window((8, 8, 4), (16, 8, 4)))
+    >>> grid.shape
+    (16, 8, 4)
+    """
 
     low: tuple[int, int, int]
     size: tuple[int, int, int]
@@ -45,13 +52,24 @@ class Lattice:
     Voxel ``(i, j, k)`` is the box from ``corner + ijk * spacing`` to ``corner + (ijk + 1) * spacing``; samples are taken
     at its centre. Two lattices are equal when all their fields are.
 
-    Args:
-        shape: voxels along x, y and z, each 1 to 2**25.
-        spacing: edges of a voxel, one number or three [world].
-        corner: low corner of voxel (0, 0, 0) [world].
+    Parameters
+    ----------
+    shape
+        voxels along x, y and z, each 1 to 2**25.
+    spacing
+        edges of a voxel, one number or three [world].
+    corner
+        low corner of voxel (0, 0, 0) [world].
 
-    Raises:
-        RangeError: a number out of range, or a lattice beyond what doubles tell apart.
+    Raises
+    ------
+    RangeError
+        a number out of range, or a lattice beyond what doubles tell apart.
+
+    Examples
+    --------
+    >>> bitvox.Lattice((4, 5, 6), spacing=0.5, corner=(1, 2, 3)).center0
+    (1.25, 2.25, 3.25)
     """
 
     __slots__ = ("_c",)
@@ -72,12 +90,23 @@ class Lattice:
     def fit(cls, mesh: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
         """A lattice around a mesh, low-aligned: the least shape that covers the bounds.
 
-        Args:
-            mesh: what `bitvox.Mesh.of` takes.
-            resolution: voxels along the longest axis (cubic voxels), or three numbers, one for each axis. Default 256.
-            spacing: edges of a voxel, in place of a resolution [world].
-            padding: empty voxels added on every side.
-            corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding``, in place of the mesh's own [world].
+        Parameters
+        ----------
+        mesh
+            what `bitvox.Mesh.of` takes.
+        resolution
+            voxels along the longest axis (cubic voxels), or three numbers, one for each axis. Default 256.
+        spacing
+            edges of a voxel, in place of a resolution [world].
+        padding
+            empty voxels added on every side.
+        corner
+            low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding``, in place of the mesh's own [world].
+
+        Examples
+        --------
+        >>> bitvox.Lattice.fit('knot.ply', resolution=32).shape
+        (31, 32, 13)
         """
         source = call("mesh_of", mesh)
         with Run() as run:
@@ -87,9 +116,12 @@ class Lattice:
     def fit_points(cls, points: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
         """A lattice around a cloud of points, as `fit` makes it around a mesh.
 
-        Args:
-            points: (n, 3) numbers, or what `bitvox.voxelize_points` takes.
-            resolution, spacing, padding, corner: as for `fit`.
+        Parameters
+        ----------
+        points
+            (n, 3) numbers, or what `bitvox.voxelize_points` takes.
+        resolution, spacing, padding, corner
+            as for `fit`.
         """
         with Run() as run:
             return cls._fitted(run, "bvx_lattice_fit_points", (call("points_view", points, run),), resolution, spacing, padding, corner)
@@ -99,9 +131,12 @@ class Lattice:
                 corner: Any = None) -> Lattice:
         """A lattice around a box, as `fit` makes it around a mesh with these bounds.
 
-        Args:
-            low, high: corners of the box [world].
-            resolution, spacing, padding, corner: as for `fit`.
+        Parameters
+        ----------
+        low, high
+            corners of the box [world].
+        resolution, spacing, padding, corner
+            as for `fit`.
         """
         ends = triple("low", low), triple("high", high)
         with Run() as run:

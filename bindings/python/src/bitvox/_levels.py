@@ -33,10 +33,18 @@ Distance = Union[float, str]
 class Levels(List[Mesh]):
     """The meshes of `lod`, finest first as they were requested: a list.
 
-    Attributes:
-        report: `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
-            (``source``), what the mesh was (``before``), and what was done to it (``repair``). None for the methods "edge-ratio"
-            and "coverage".
+    Attributes
+    ----------
+    report
+        `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
+        (``source``), what the mesh was (``before``), and what was done to it (``repair``). None for the methods "edge-ratio"
+        and "coverage".
+
+    Examples
+    --------
+    >>> levels = bitvox.lod('knot.ply', triangles=(800, 200))
+    >>> [level.n_faces <= n for level, n in zip(levels, (800, 200))]
+    [True, True]
     """
 
     report: LevelsReport | None = None
@@ -178,32 +186,58 @@ def simplify(
     without crossing triangles where the mesh has none. The order of vertices and triangles does not change it. `lod` takes any
     mesh, `repair` makes closed ones.
 
-    Args:
-        mesh: what `Mesh.of` takes; vertices at equal positions are one.
-        triangles: most triangles, of one level or of several, the finest first.
-        error: largest distance between mesh and level, of one level or of several, the finest first: a number [world], or a
-            part of the diagonal of the mesh's bounds as ``"0.1%"``.
-        error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
-        count: so many levels, each with half of the triangles of the one before. With none of these: one level of half.
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-        colour_weight: of a mesh with colours, with ``carry``: keep the borders between colours where they are. A difference of 255
-            in one channel costs as much as a distance of this part of the mesh's longest side, 0 to 1; 0.02 to 0.1 keep borders well.
-        open: of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
-            turned. "cut": as "keep", and edges of three triangles and more are cut. "refuse": an error.
-        strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between mesh and level from so many points a side, for the report. Default:
-            20000 with ``error``, else 0: they are not.
-        carry: give the result the colours and texture coordinates of the nearest points on the mesh.
-        dtype: float32 or float64; None: the mesh's own.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes; vertices at equal positions are one.
+    triangles
+        most triangles, of one level or of several, the finest first.
+    error
+        largest distance between mesh and level, of one level or of several, the finest first: a number [world], or a
+        part of the diagonal of the mesh's bounds as ``"0.1%"``.
+    error_kind
+        of ``error``: "mean" (the default) or "max" distance, measured both ways.
+    count
+        so many levels, each with half of the triangles of the one before. With none of these: one level of half.
+    even
+        pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+    colour_weight
+        of a mesh with colours, with ``carry``: keep the borders between colours where they are. A difference of 255
+        in one channel costs as much as a distance of this part of the mesh's longest side, 0 to 1; 0.02 to 0.1 keep borders well.
+    open
+        of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
+        turned. "cut": as "keep", and edges of three triangles and more are cut. "refuse": an error.
+    strict
+        a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
+    samples
+        measure the distances between mesh and level from so many points a side, for the report. Default:
+        20000 with ``error``, else 0: they are not.
+    carry
+        give the result the colours and texture coordinates of the nearest points on the mesh.
+    dtype
+        float32 or float64; None: the mesh's own.
 
-    Returns:
+    Returns
+    -------
+    Any
         A `Mesh` for one target, a list for a sequence of targets or a ``count``; ``mesh.report`` is a
         `bitvox.reports.LevelReport`: ``met``, ``certificate``, ``crossings``, ``least_angle``, ``distance`` when measured ...
 
-    Raises:
-        ArgumentError: the mesh is not manifold or cannot be oriented, or is open and that is refused, with an edge; options that
+    Raises
+    ------
+    ArgumentError
+        the mesh is not manifold or cannot be oriented, or is open and that is refused, with an edge; options that
         contradict each other.
-        EmptyError: no triangles. RangeError: a target that cannot be kept with ``strict``; coordinates. MemoryLimitError.
+    EmptyError
+        no triangles.
+    RangeError
+        a target that cannot be kept with ``strict``; coordinates.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> bitvox.simplify('knot.ply', error='1%').check().closed
+    True
     """
     source = Mesh.of(mesh)
     options = options_of("simplify_options")
@@ -265,11 +299,20 @@ def plan_levels(
 ) -> int:
     """The resolution that `lod` measures a mesh with where none is given.
 
-    Args:
-        mesh, triangles, error, count: as for `lod`.
+    Parameters
+    ----------
+    mesh, triangles, error, count
+        as for `lod`.
 
-    Returns:
+    Returns
+    -------
+    int
         Voxels along the longest axis, as many as the finest level needs.
+
+    Examples
+    --------
+    >>> bitvox.plan_levels('knot.ply', triangles=1000) >= 8
+    True
     """
     source = Mesh.of(mesh)
     options, out = options_of("levels_options"), ffi.new("int32_t *")
@@ -323,52 +366,94 @@ def lod(
     Every level is closed, manifold and oriented, and no two of its triangles cross, unless ``open`` leaves it open. "edge-ratio" and "coverage" are those of
     the paper: they lay coarser lattices over the voxels of the mesh, or over a grid.
 
-    Args:
-        source: what `Mesh.of` takes; a `Grid` or a three-dimensional array.
-        triangles: most triangles of each level, the finest first.
-        error: largest distance between source and level, the finest first: numbers [world], or parts of the diagonal of the
-            mesh's bounds as ``"0.1%"``.
-        error_kind: of ``error``: "mean" (the default) or "max" distance, measured both ways.
-        count: so many levels, each with half of the triangles of the one before, the first with half of the source's. Default
-            where no level is requested: 4, or as many as leave 20 triangles.
-        method: "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
-            only the paper's methods have.
-        made_from: "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
-            makes of it. "auto": the mesh where that gives whole levels, else measured (the program's ``--source``).
-        open: what becomes of open sheets. "shell" (the default): closed shells, ``shell`` voxels thick. "keep": they stay open, with
-            their borders, where the mesh is manifold once triangles that are there twice count once and flipped ones are turned;
-            else they are measured, and ``report`` says at which edge (``refused_edge``). "cut": such edges are cut.
-        resolution: voxels along the longest axis to measure with. Default: as many as the finest level needs, see
-            `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
-            more than 1 GiB.
-        lattice: a `Lattice` to measure on, in place of a resolution.
-        sign: measured: what decides that a centre is inside, as for `repair`.
-        sharp: measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
-        outer_hull: measured: inner shells and cavities go.
-        shell: measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-        least_part, least_cavity: measured: smaller pieces are dropped, smaller cavities filled [voxels].
-        even: pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-        colour_weight: of a mesh with colours, with ``carry``: keep the borders between colours where they are, as for `simplify`.
-        strict: a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-        samples: measure the distances between source and level from so many points a side, for the reports. Default:
-            20000 with ``error``, else 0: they are not.
-        levels: the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
-        threshold: the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
-        edge_samples: "edge-ratio": steps along an edge. Default: the ratio, rounded up.
-        collapse: the paper's methods, with ``triangles``: make up to so many times as many, then collapse the cheapest edges.
-        fill, close_gaps, padding: the paper's methods: as for `voxelize`, when the source is a mesh.
-        face_rule, local_frame: the paper's methods: as for `surface`.
-        carry: give each level the colours and texture coordinates of the nearest points on the mesh.
-        dtype: float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
+    Parameters
+    ----------
+    source
+        what `Mesh.of` takes; a `Grid` or a three-dimensional array.
+    triangles
+        most triangles of each level, the finest first.
+    error
+        largest distance between source and level, the finest first: numbers [world], or parts of the diagonal of the
+        mesh's bounds as ``"0.1%"``.
+    error_kind
+        of ``error``: "mean" (the default) or "max" distance, measured both ways.
+    count
+        so many levels, each with half of the triangles of the one before, the first with half of the source's. Default
+        where no level is requested: 4, or as many as leave 20 triangles.
+    method
+        "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
+        only the paper's methods have.
+    made_from
+        "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
+        makes of it. "auto": the mesh where that gives whole levels, else measured (the program's ``--source``).
+    open
+        what becomes of open sheets. "shell" (the default): closed shells, ``shell`` voxels thick. "keep": they stay open, with
+        their borders, where the mesh is manifold once triangles that are there twice count once and flipped ones are turned;
+        else they are measured, and ``report`` says at which edge (``refused_edge``). "cut": such edges are cut.
+    resolution
+        voxels along the longest axis to measure with. Default: as many as the finest level needs, see
+        `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
+        more than 1 GiB.
+    lattice
+        a `Lattice` to measure on, in place of a resolution.
+    sign
+        measured: what decides that a centre is inside, as for `repair`.
+    sharp
+        measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
+    outer_hull
+        measured: inner shells and cavities go.
+    shell
+        measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
+    least_part, least_cavity
+        measured: smaller pieces are dropped, smaller cavities filled [voxels].
+    even
+        pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
+    colour_weight
+        of a mesh with colours, with ``carry``: keep the borders between colours where they are, as for `simplify`.
+    strict
+        a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
+    samples
+        measure the distances between source and level from so many points a side, for the reports. Default:
+        20000 with ``error``, else 0: they are not.
+    levels
+        the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
+    threshold
+        the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
+    edge_samples
+        "edge-ratio": steps along an edge. Default: the ratio, rounded up.
+    collapse
+        the paper's methods, with ``triangles``: make up to so many times as many, then collapse the cheapest edges.
+    fill, close_gaps, padding
+        the paper's methods: as for `voxelize`, when the source is a mesh.
+    face_rule, local_frame
+        the paper's methods: as for `surface`.
+    carry
+        give each level the colours and texture coordinates of the nearest points on the mesh.
+    dtype
+        float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
 
-    Returns:
+    Returns
+    -------
+    Levels
         A list of one `Mesh` a level, each with a ``report``, a `bitvox.reports.LevelReport` (``met``, ``certificate``,
         ``least_angle``, ``distance`` when measured), or a `bitvox.reports.LodReport` by the paper's methods. The list's own
         ``report`` is a `bitvox.reports.LevelsReport`.
 
-    Raises:
-        ArgumentError: options that contradict each other. EmptyError: nothing inside. RangeError: a target that cannot be kept
-        with ``strict``; a level finer than the voxels; coordinates. MemoryLimitError.
+    Raises
+    ------
+    ArgumentError
+        options that contradict each other.
+    EmptyError
+        nothing inside.
+    RangeError
+        a target that cannot be kept with ``strict``; a level finer than the voxels; coordinates.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> fine, coarse = bitvox.lod('knot.ply', triangles=(800, 200))
+    >>> coarse.check().closed, coarse.report.certificate.vertex_manifold
+    (True, True)
     """
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,

@@ -36,17 +36,36 @@ class Mesh:
     float64 with any distance between rows, faces as 16- to 64-bit whole numbers. Other types are copied: whole numbers
     become float64, both exactly or with an error. Do not change arrays while a call works on them.
 
-    Args:
-        vertices: (n, 3), or (m, 3, 3): the corners of m triangles, without faces.
-        faces: (m, 3) whole numbers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
-        colours: (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
-        uvs: (k, 2) texture coordinates; ``uv_faces`` (m, 3) numbers into them, or None when k is n.
-        frame: added to the vertices when the mesh was made about a local origin [world].
+    Parameters
+    ----------
+    vertices
+        (n, 3), or (m, 3, 3): the corners of m triangles, without faces.
+    faces
+        (m, 3) whole numbers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
+    colours
+        (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
+    uvs
+        (k, 2) texture coordinates; ``uv_faces`` (m, 3) numbers into them, or None when k is n.
+    frame
+        added to the vertices when the mesh was made about a local origin [world].
 
-    Raises:
-        ArgumentError: shapes that do not fit. TypeError: values that are no numbers.
-        RangeError: whole numbers that would lose digits; vertex indices below 0 or beyond the vertices (by the call that
-            uses them).
+    Raises
+    ------
+    ArgumentError
+        shapes that do not fit.
+    TypeError
+        values that are no numbers.
+    RangeError
+        whole numbers that would lose digits; vertex indices below 0 or beyond the vertices (by the call that uses
+        them).
+
+    Examples
+    --------
+    >>> mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> mesh
+    Mesh(4 vertices, 4 faces)
+    >>> mesh.check().volume
+    0.16666666666666666
     """
 
     __slots__ = ("_vertices", "_faces", "_colours", "_uvs", "_uv_faces", "_keys", "frame", "report", "__weakref__")
@@ -114,9 +133,16 @@ class Mesh:
     def of(cls, source: Any) -> Mesh:
         """A mesh from what a user has, without a copy where possible.
 
-        Args:
-            source: a `Mesh`; (vertices, faces); a trimesh Trimesh or Scene; a PyVista PolyData; an Open3D mesh, legacy or
-                tensor; a meshio Mesh; a file's name. Faces with more than three corners must be convex: they become fans.
+        Parameters
+        ----------
+        source
+            a `Mesh`; (vertices, faces); a trimesh Trimesh or Scene; a PyVista PolyData; an Open3D mesh, legacy or
+            tensor; a meshio Mesh; a file's name. Faces with more than three corners must be convex: they become fans.
+
+        Examples
+        --------
+        >>> bitvox.Mesh.of('knot.ply').check().closed
+        True
         """
         if isinstance(source, cls):
             return source
@@ -171,9 +197,18 @@ class Mesh:
     def astype(self, vertices: Any = None, faces: Any = None) -> Mesh:
         """The same mesh with arrays of other types: ``mesh.astype("float64", "int64")`` is what trimesh works with.
 
-        Args:
-            vertices: float32 or float64. faces: uint32, int32, uint64, int64. None leaves them. Numbers that do not fit are
-                an error.
+        Parameters
+        ----------
+        vertices
+            float32 or float64.
+        faces
+            uint32, int32, uint64, int64. None leaves them. Numbers that do not fit are
+            an error.
+
+        Examples
+        --------
+        >>> bitvox.Mesh.of('knot.ply').astype('float64', 'int64').faces.dtype.name
+        'int64'
         """
         np = arrays.numpy("astype")
         other = Mesh.__new__(Mesh)
@@ -198,8 +233,15 @@ class Mesh:
         """A copy without vertices that are NaN or infinite and without the triangles that use them, which every other call
         refuses; ``mesh.n_faces`` less that of the copy is how many went.
 
-        Raises:
-            RangeError: a vertex index beyond the vertices.
+        Raises
+        ------
+        RangeError
+            a vertex index beyond the vertices.
+
+        Examples
+        --------
+        >>> bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 1]], [[0, 1, 2], [0, 1, 3]]).drop_nonfinite().n_faces
+        1
         """
         np = arrays.numpy("drop_nonfinite")
         faces = np.asarray(self.faces)
@@ -304,11 +346,21 @@ class Mesh:
               progress: Progress = None) -> Certificate:
         """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
-        Args:
-            weld: take vertices at equal positions for one.
+        Parameters
+        ----------
+        weld
+            take vertices at equal positions for one.
 
-        Returns:
+        Returns
+        -------
+        Certificate
             A `bitvox.reports.Certificate`.
+
+        Examples
+        --------
+        >>> found = bitvox.read('knot.ply').check()
+        >>> found.closed, found.oriented, found.components
+        (True, True, 1)
         """
         out = ffi.new("bvx_certificate *")
         with Run(threads, memory_limit, progress) as run:
@@ -319,12 +371,23 @@ class Mesh:
                       progress: Progress = None) -> WriteReport:
         """What readers of a file in a format get, without writing it: stl and glb hold 32-bit floats.
 
-        Args:
-            format: stl, obj, ply, off or glb. origin: as `bitvox.write` takes it.
+        Parameters
+        ----------
+        format
+            stl, obj, ply, off or glb.
+        origin
+            as `bitvox.write` takes it.
 
-        Returns:
+        Returns
+        -------
+        WriteReport
             A `bitvox.reports.WriteReport`: ``file``, the certificate with the positions as the file rounds them; what rounding moves,
             merges and spoils; and whether `bitvox.write` takes it without ``allow_rounding``.
+
+        Examples
+        --------
+        >>> bool(bitvox.read('knot.ply').check_written('stl').file.closed)
+        True
         """
         out = ffi.new("bvx_write_report *")
         with Run(threads, memory_limit, progress) as run:
@@ -339,8 +402,15 @@ class Mesh:
         Vertices at equal positions are one. Touching is crossing, and so is an overlap in one plane or a face that is there
         twice; faces without area are left out. Exact, without a tolerance.
 
-        Returns:
+        Returns
+        -------
+        Any
             An (n, 2) uint32 array of face indices, the lower one first, in ascending order.
+
+        Examples
+        --------
+        >>> len(bitvox.read('knot.ply').crossings())
+        0
         """
         np = arrays.numpy("Mesh.crossings")
         count = ffi.new("uint64_t *")
@@ -356,8 +426,16 @@ class Mesh:
     def normals(self, *, averaged: bool = False) -> tuple[Any, Any]:
         """Normals of length 1: (n, 3) of the vertices, facets counted by their areas, and (m, 3) of the facets; float32.
 
-        Args:
-            averaged: a facet's is the mean of its three vertices' normals, not its own.
+        Parameters
+        ----------
+        averaged
+            a facet's is the mean of its three vertices' normals, not its own.
+
+        Examples
+        --------
+        >>> vertices, facets = bitvox.read('knot.ply').normals()
+        >>> vertices.shape[1]
+        3
         """
         np = arrays.numpy("normals")
         vertices, facets = np.empty((self.n_vertices, 3), np.float32), np.empty((self.n_faces, 3), np.float32)
@@ -373,17 +451,32 @@ class Mesh:
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Fewer triangles for a manifold mesh, closed or with borders, by collapsing the edges that cost least.
 
-        Args:
-            triangles, error, error_kind, count, even, colour_weight, open, strict, samples, carry, dtype: as for `bitvox.simplify`.
+        Parameters
+        ----------
+        triangles, error, error_kind, count, even, colour_weight, open, strict, samples, carry, dtype
+            as for `bitvox.simplify`.
 
-        Returns:
+        Returns
+        -------
+        Any
             A `Mesh` for one target, a list for several.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').simplify(triangles=500).n_faces <= 500
+        True
         """
         return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, colour_weight=colour_weight, open=open, strict=strict,
                         samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
-        """The library's hash of type, counts, frame, vertices and triangles: the same on every machine."""
+        """The library's hash of type, counts, frame, vertices and triangles: the same on every machine.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').content_hash() == bitvox.read('knot.ply').content_hash()
+        True
+        """
         out = ffi.new("uint64_t *")
         with Run() as run:
             run.check(lib.bvx_mesh_hash(run.context, self._struct(run), out))
@@ -421,13 +514,25 @@ class Mesh:
     # ---- to others ----
 
     def in_world(self) -> Array:
-        """Vertices with the frame added, float64."""
+        """Vertices with the frame added, float64.
+
+        Examples
+        --------
+        >>> bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], frame=(5, 0, 0)).in_world()[0].tolist()
+        [5.0, 0.0, 0.0]
+        """
         np = arrays.numpy("in_world")
         return np.asarray(self._vertices, np.float64) + np.asarray(self.frame) if any(self.frame) else np.asarray(self._vertices, np.float64)
 
     def to_trimesh(self) -> Any:
         """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any; with texture coordinates
-        where there are some: vertices on seams are then there once for each."""
+        where there are some: vertices on seams are then there once for each.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').to_trimesh().is_watertight
+        True
+        """
         trimesh = need("trimesh", "formats")
         if self._uvs is None:
             return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
@@ -469,7 +574,13 @@ class Mesh:
         return made
 
     def to_meshio(self) -> Any:
-        """A meshio.Mesh of triangles; colours become the point data "colours". Needs ``bitvox[formats]``."""
+        """A meshio.Mesh of triangles; colours become the point data "colours". Needs ``bitvox[formats]``.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').to_meshio().cells[0].type
+        'triangle'
+        """
         np, meshio = arrays.numpy("to_meshio"), need("meshio", "formats")
         data = {} if self._colours is None else {"colours": np.asarray(self._colours)}
         return meshio.Mesh(self.in_world(), [("triangle", np.asarray(self.faces).astype(np.int64))], point_data=data)
@@ -478,8 +589,16 @@ class Mesh:
         """A surface layer of napari as it takes them, ``(data, options, "surface")``: ``viewer.add_layer(napari.layers.Layer.create(*...))``.
         Axes are z, y, x there.
 
-        Args:
-            name: of the layer; None: "mesh".
+        Parameters
+        ----------
+        name
+            of the layer; None: "mesh".
+
+        Examples
+        --------
+        >>> data, options, kind = bitvox.read('knot.ply').to_napari()
+        >>> kind
+        'surface'
         """
         np = arrays.numpy("to_napari")
         faces = np.ascontiguousarray(np.asarray(self.faces)[:, ::-1])  # x, y, z backwards mirror the triangles
@@ -500,7 +619,12 @@ class Mesh:
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
              allow_rounding: bool = False) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``; with smooth ``normals`` of the vertices too
-        in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`."""
+        in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').save('knot.stl')
+        """
         call("write", self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding)
 
 

@@ -43,6 +43,12 @@ class Octree:
 
     Leaves come as record arrays with the fields ``ijk`` (index among the voxels of their level), ``level`` (0 is the base)
     and ``state`` (1 outside, 2 inside, 4 surface).
+
+    Examples
+    --------
+    >>> tree = bitvox.refine('knot.ply', base=4, levels=2)
+    >>> tree.levels, len(tree.counts())
+    (2, 3)
     """
 
     __slots__ = ("_c", "__weakref__")
@@ -56,7 +62,14 @@ class Octree:
         return lib.bvx_octree_levels(self._c)
 
     def lattice(self, level: int | None = None) -> Lattice:
-        """The lattice of a level; None: of the last."""
+        """The lattice of a level; None: of the last.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> tree.lattice().shape[0]
+        32
+        """
         out = ffi.new("bvx_lattice *")
         with Run() as run:
             run.check(lib.bvx_octree_lattice(run.context, self._c, self._level(level), out))
@@ -66,7 +79,14 @@ class Octree:
         return self.levels if level is None else in_range("level", level, 0, self.levels)
 
     def counts(self) -> list[OctreeLevel]:
-        """Counts of each level (`bitvox.reports.OctreeLevel`): voxels, split, surface, inside, outside, bytes."""
+        """Counts of each level (`bitvox.reports.OctreeLevel`): voxels, split, surface, inside, outside, bytes.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> [one.voxels > 0 for one in tree.counts()]
+        [True, True, True]
+        """
         n = self.levels + 1
         out = ffi.new("bvx_octree_level[]", n)
         with Run() as run:
@@ -106,12 +126,18 @@ class Octree:
              memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Where rays first meet a leaf in a set of states.
 
-        Args:
-            rays: (n, 6) origin and direction, of any length but 0 [world].
-            states: ("surface", "inside") unless told.
-            t_max: hits have ``0 <= t <= t_max``, position = origin + t * direction.
+        Parameters
+        ----------
+        rays
+            (n, 6) origin and direction, of any length but 0 [world].
+        states
+            ("surface", "inside") unless told.
+        t_max
+            hits have ``0 <= t <= t_max``, position = origin + t * direction.
 
-        Returns:
+        Returns
+        -------
+        Any
             A record array of n hits with t, position [world], leaf, axis (-1: the ray starts inside), hit (0 or 1).
         """
         given = arrays.numbers_in(rays, "rays", 6)
@@ -121,7 +147,14 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_hit", given.count, out)
 
     def leaves(self, states: States = None) -> Any:
-        """The leaves in a set of states, ("surface", "inside") unless told."""
+        """The leaves in a set of states, ("surface", "inside") unless told.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> len(tree.leaves('surface')) > 0
+        True
+        """
         count = ffi.new("uint64_t *")
         with Run() as run:
             run.check(lib.bvx_octree_leaves(run.context, self._c, states_of(states), ffi.NULL, 0, count))
@@ -133,10 +166,20 @@ class Octree:
                memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """The voxels of one level as a grid.
 
-        Args:
-            level: None: the last.
-            states: which leaves count, ("surface", "inside") unless told.
-            window: only this box of the level's lattice.
+        Parameters
+        ----------
+        level
+            None: the last.
+        states
+            which leaves count, ("surface", "inside") unless told.
+        window
+            only this box of the level's lattice.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> tree.expand(1).shape[0]
+        16
         """
         made = new_grid()
         box = ffi.new("bvx_window *")
@@ -149,9 +192,18 @@ class Octree:
                 keys: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed surface of the last level's voxels in a set of states.
 
-        Args:
-            states: ("surface", "inside") unless told.
-            dtype, face_rule, local_frame, keys: as for `bitvox.surface`.
+        Parameters
+        ----------
+        states
+            ("surface", "inside") unless told.
+        dtype, face_rule, local_frame, keys
+            as for `bitvox.surface`.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> tree.surface().check().closed
+        True
         """
         options = options_of("extract_options")
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
@@ -162,7 +214,13 @@ class Octree:
 
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
         """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves
-        in a set of states."""
+        in a set of states.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=8, levels=2)
+        >>> tree.save('knot.vtu')
+        """
         call("write", self, path, states=states)
 
     def __eq__(self, other: object) -> bool:
@@ -213,21 +271,41 @@ def refine(
 ) -> Octree:
     """Voxelize a mesh with small voxels at its surface alone.
 
-    Args:
-        mesh: what `Mesh.of` takes.
-        base: voxels along the longest axis before any is halved, or the `Lattice` of level 0. Default 8.
-        levels: how many times voxels that triangles touch are halved. Default 6; with ``resolution``: as it takes least time.
-        resolution: voxels of the last level along the longest axis, at least, in place of ``base``.
-        window: voxels of the last level; beyond it voxels are halved ``outer_levels`` times only (default 0).
-        adaptive: a voxel whose triangles lie within this distance of one plane is not halved; 0: all are [world].
-        start_level: levels up to this one come from one grid; -1 chooses. Shows in time and memory only.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    base
+        voxels along the longest axis before any is halved, or the `Lattice` of level 0. Default 8.
+    levels
+        how many times voxels that triangles touch are halved. Default 6; with ``resolution``: as it takes least time.
+    resolution
+        voxels of the last level along the longest axis, at least, in place of ``base``.
+    window
+        voxels of the last level; beyond it voxels are halved ``outer_levels`` times only (default 0).
+    adaptive
+        a voxel whose triangles lie within this distance of one plane is not halved; 0: all are [world].
+    start_level
+        levels up to this one come from one grid; -1 chooses. Shows in time and memory only.
 
-    Returns:
+    Returns
+    -------
+    Octree
         An `Octree`. Expanded at its last level it has the bits of ``voxelize(mode="conservative")`` there and of what a flood
         from outside does not reach.
 
-    Raises:
-        ArgumentError: options that contradict each other. EmptyError: no triangles. RangeError, MemoryLimitError.
+    Raises
+    ------
+    ArgumentError
+        options that contradict each other.
+    EmptyError
+        no triangles.
+    RangeError, MemoryLimitError
+
+    Examples
+    --------
+    >>> bitvox.refine('knot.ply', base=8, levels=2).expand().shape[0]
+    32
     """
     if resolution is not None and base is not None:
         raise ArgumentError("resolution and base contradict each other; give one of them")

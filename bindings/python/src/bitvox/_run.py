@@ -69,14 +69,23 @@ def _default_threads() -> int:
 def settings(*, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Iterator[None]:
     """Options of all calls inside a ``with`` block, for this thread (or asynchronous task).
 
-    Args:
-        threads: most workers; 0 takes one a processor that this process may use (affinity, a container's quota,
-            ``OMP_NUM_THREADS``), in a forked child one. Small calls and busy machines get fewer, at no cost.
-        memory_limit: most bytes that one call may hold, its result included; 0 is no limit.
-        progress: True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``. Each call that is given one is one rise
-            of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns a false value that
-            is not None (False, 0, numpy's False) the call ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
-            Set here, it is called for what takes a while, not for lengths and hashes.
+    Parameters
+    ----------
+    threads
+        most workers; 0 takes one a processor that this process may use (affinity, a container's quota,
+        ``OMP_NUM_THREADS``), in a forked child one. Small calls and busy machines get fewer, at no cost.
+    memory_limit
+        most bytes that one call may hold, its result included; 0 is no limit.
+    progress
+        True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``. Each call that is given one is one rise
+        of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns a false value that
+        is not None (False, 0, numpy's False) the call ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
+        Set here, it is called for what takes a while, not for lengths and hashes.
+
+    Examples
+    --------
+    >>> with bitvox.settings(threads=1, memory_limit=2**28):
+    ...     solid = bitvox.voxelize('knot.ply', resolution=32)
     """
     old = _settings.get()
     token = _settings.set(_Settings(

@@ -25,7 +25,14 @@ SECTION_OUTPUTS = formats_in(lib.BVX_SECTIONS_WRITTEN)
 
 
 class Loop(NamedTuple):
-    """One closed contour: points (n, 3) [world], the last one joined to the first, and the body that it belongs to."""
+    """One closed contour: points (n, 3) [world], the last one joined to the first, and the body that it belongs to.
+
+    Examples
+    --------
+    >>> square = bitvox.Loop(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float), 'heart')
+    >>> bitvox.Sections([square]).labels
+    ['heart']
+    """
 
     points: Any
     label: str = ""
@@ -38,13 +45,26 @@ class Sections:
 
     Loops inside loops are holes, in these islands, and so on; in any order and direction.
 
-    Args:
-        loops: `Loop` tuples or arrays (n, 3) [world]; each lies in one plane across ``normal``.
-        normal: of all planes.
-        tolerance: how far a point may lie off its loop's plane, and how far apart planes may lie that count as one [world].
+    Parameters
+    ----------
+    loops
+        `Loop` tuples or arrays (n, 3) [world]; each lies in one plane across ``normal``.
+    normal
+        of all planes.
+    tolerance
+        how far a point may lie off its loop's plane, and how far apart planes may lie that count as one [world].
 
-    Raises:
-        ArgumentError: a loop of fewer than three points, or one that does not lie in a plane across the normal.
+    Raises
+    ------
+    ArgumentError
+        a loop of fewer than three points, or one that does not lie in a plane across the normal.
+
+    Examples
+    --------
+    >>> square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    >>> stack = bitvox.Sections([square, square + [0, 0, 2]])
+    >>> stack.positions, len(stack.loops)
+    ([0.0, 2.0], 2)
     """
 
     __slots__ = ("loops", "normal", "positions", "section_of")
@@ -80,7 +100,14 @@ class Sections:
         return list(dict.fromkeys(loop.label for loop in self.loops))
 
     def of(self, label: str | int) -> Sections:
-        """The loops of the body with this ``label``; a number is its text."""
+        """The loops of the body with this ``label``; a number is its text.
+
+        Examples
+        --------
+        >>> stack = bitvox.slice_mesh('knot.ply', spacing=0.3, label=7)
+        >>> len(stack.of(7).loops) == len(stack.loops)
+        True
+        """
         made, label = Sections.__new__(Sections), str(label)
         chosen = [i for i, loop in enumerate(self.loops) if loop.label == label]
         if not chosen:
@@ -90,7 +117,14 @@ class Sections:
         return made
 
     def on(self, section: int) -> list[Loop]:
-        """The loops on one plane; ``section`` is its number in ``positions``."""
+        """The loops on one plane; ``section`` is its number in ``positions``.
+
+        Examples
+        --------
+        >>> stack = bitvox.slice_mesh('knot.ply', spacing=0.3)
+        >>> len(stack.on(0)) >= 1
+        True
+        """
         return [loop for loop, at in zip(self.loops, self.section_of) if at == section]
 
     def _numbers(self) -> dict[str, int]:
@@ -138,11 +172,22 @@ class Sections:
         return self
 
     def surface(self, **options: Any) -> Mesh:
-        """The closed surface through all contours; ``options`` are those of `from_sections`."""
+        """The closed surface through all contours; ``options`` are those of `from_sections`.
+
+        Examples
+        --------
+        >>> bitvox.slice_mesh('knot.ply', spacing=0.1).surface().check().closed
+        True
+        """
         return from_sections(self, **options)
 
     def save(self, path: Any, format: str | None = None) -> None:
-        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing)."""
+        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing).
+
+        Examples
+        --------
+        >>> bitvox.slice_mesh('knot.ply', spacing=0.3).save('knot.csl')
+        """
         call("write", self, path, format=format)
 
     def __len__(self) -> int:
@@ -224,33 +269,60 @@ def from_sections(
 ) -> Mesh:
     """The closed surface of a body through all of its section contours.
 
-    Args:
-        sections: `Sections`, a file (``.csl``, ``.csv``, ``.dxf``, a DICOM RTSTRUCT's ``.dcm``), or loops (n, 3) on planes
-            across z.
-        grid: cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
-            of the contours' segments.
-        layers: cells from section to section.
-        caps: how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
-        blend: from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
-        nesting: loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
-            have no windows; "whole" blends sections as they are.
-        mend: split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
-            number of loops enclose.
-        crossings: on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
-            interpolated distances with the contours' points put in) or "classic" (marching cubes).
-        subdivide: a cell that a contour crosses twice on a side is halved at most this often. Default 5.
-        label: which body, when there are several.
-        triangles, error, error_kind: most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
-            Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
-        dtype: float64 keeps the contours' points; float32 rounds them.
+    Parameters
+    ----------
+    sections
+        `Sections`, a file (``.csl``, ``.csv``, ``.dxf``, a DICOM RTSTRUCT's ``.dcm``), or loops (n, 3) on planes
+        across z.
+    grid
+        cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
+        of the contours' segments.
+    layers
+        cells from section to section.
+    caps
+        how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
+    blend
+        from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
+    nesting
+        loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
+        have no windows; "whole" blends sections as they are.
+    mend
+        split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
+        number of loops enclose.
+    crossings
+        on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
+        interpolated distances with the contours' points put in) or "classic" (marching cubes).
+    subdivide
+        a cell that a contour crosses twice on a side is halved at most this often. Default 5.
+    label
+        which body, when there are several.
+    triangles, error, error_kind
+        most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
+        Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
+    dtype
+        float64 keeps the contours' points; float32 rounds them.
 
-    Returns:
+    Returns
+    -------
+    Mesh
         A `Mesh`; ``mesh.report`` is a `bitvox.reports.SectionsReport`.
 
-    Raises:
-        FormatError: loops that cross or touch, points off their plane: section, loop and point are named.
-        EmptyError: no loop, or sections at one position alone. ArgumentError: several bodies and no ``label``; options that
-        contradict each other. RangeError, MemoryLimitError.
+    Raises
+    ------
+    FormatError
+        loops that cross or touch, points off their plane: section, loop and point are named.
+    EmptyError
+        no loop, or sections at one position alone.
+    ArgumentError
+        several bodies and no ``label``; options that contradict each other.
+    RangeError, MemoryLimitError
+
+    Examples
+    --------
+    >>> square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    >>> body = bitvox.from_sections([square, square + [0, 0, 2]], spacing=0.25)
+    >>> body.check().closed, round(body.check().volume, 2)
+    (True, 2.0)
     """
     build = function("bvx_build_sections")
     targets = level_target(triangles, error, error_kind)
@@ -299,19 +371,37 @@ def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] |
                memory_limit: int | None = None, progress: Progress = None) -> Sections:
     """The contours of a closed mesh, or of a grid's surface, on parallel planes: exact.
 
-    Args:
-        mesh: what `Mesh.of` takes, a `Grid`, or the file of one of them.
-        axis: planes lie across "x", "y" or "z" (the default), or across a ``normal``.
-        spacing: from plane to plane; the first lies half of it above the lowest point [world].
-        positions: the planes in place of a spacing, ascending: point . normal / |normal| [world].
-        label: a number that all loops get.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes, a `Grid`, or the file of one of them.
+    axis
+        planes lie across "x", "y" or "z" (the default), or across a ``normal``.
+    spacing
+        from plane to plane; the first lies half of it above the lowest point [world].
+    positions
+        the planes in place of a spacing, ascending: point . normal / |normal| [world].
+    label
+        a number that all loops get.
 
-    Returns:
+    Returns
+    -------
+    Sections
         `Sections`; loops run with the inside on their left, seen against the normal.
 
-    Raises:
-        FormatError: the mesh is open where a plane meets it. EmptyError: no plane meets it. ArgumentError, RangeError,
-        MemoryLimitError.
+    Raises
+    ------
+    FormatError
+        the mesh is open where a plane meets it.
+    EmptyError
+        no plane meets it.
+    ArgumentError, RangeError, MemoryLimitError
+
+    Examples
+    --------
+    >>> stack = bitvox.slice_mesh('knot.ply', axis='z', spacing=0.2)
+    >>> len(stack) == len(stack.positions)
+    True
     """
     cut = function("bvx_slice_mesh")
     options = options_of("slice_options")

@@ -49,37 +49,70 @@ def voxelize(
 ) -> Grid:
     """The voxels of a mesh: what lies inside it, or what its surface touches.
 
-    Args:
-        mesh: what `Mesh.of` takes: (vertices, faces), a mesh of trimesh, PyVista, Open3D or meshio, a file's name.
-        resolution: voxels along the longest axis, or three numbers, one for each axis. Default 256.
-        spacing: edges of a voxel, one number or three, in place of a resolution [world].
-        corner: low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding`` (the program's ``--origin``) [world].
-        padding: empty voxels added on every side.
-        lattice: a `Lattice` to work on, in place of all these.
-        window: only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
-        mode: "solid": voxels whose centres lie inside. "conservative": all voxels that the surface touches. "thin": those that
-            keep a flood through faces out. "sampled": those of points less than a voxel apart.
-        fill: what is inside: "auto" (the default: parity where closed shells do not cross, nonzero where they do, winding where
-            there are holes, flipped triangles turned before; ``grid.report.fill`` and ``fill_reason`` tell which and why), "parity"
-            (nested shells are cavities), "nonzero" (overlapping and inverted shells are one solid), "vote" (majority of three axes:
-            whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (what the surface parts, as a
-            whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
-        close_gaps: with fill "flood": gaps of up to so many voxels hold the flood.
-        add_shell: set all voxels that the surface touches too.
-        check_edges: count open and flipped edges in the report.
-        check_thin: look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
-            ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume`` and
-            ``mesh_volume`` (0 where that says nothing) tell more.
-        base, up, second: with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
-            second terrain: what lies between the two.
-        attached: surface modes: keep the triangles that touch each voxel in ``grid.attached``.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes: (vertices, faces), a mesh of trimesh, PyVista, Open3D or meshio, a file's name.
+    resolution
+        voxels along the longest axis, or three numbers, one for each axis. Default 256.
+    spacing
+        edges of a voxel, one number or three, in place of a resolution [world].
+    corner
+        low corner of voxel (0, 0, 0), with ``spacing`` and without ``padding`` (the program's ``--origin``) [world].
+    padding
+        empty voxels added on every side.
+    lattice
+        a `Lattice` to work on, in place of all these.
+    window
+        only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
+    mode
+        "solid": voxels whose centres lie inside. "conservative": all voxels that the surface touches. "thin": those that
+        keep a flood through faces out. "sampled": those of points less than a voxel apart.
+    fill
+        what is inside: "auto" (the default: parity where closed shells do not cross, nonzero where they do, winding where
+        there are holes, flipped triangles turned before; ``grid.report.fill`` and ``fill_reason`` tell which and why), "parity"
+        (nested shells are cavities), "nonzero" (overlapping and inverted shells are one solid), "vote" (majority of three axes:
+        whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (what the surface parts, as a
+        whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
+    close_gaps
+        with fill "flood": gaps of up to so many voxels hold the flood.
+    add_shell
+        set all voxels that the surface touches too.
+    check_edges
+        count open and flipped edges in the report.
+    check_thin
+        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
+        ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume`` and
+        ``mesh_volume`` (0 where that says nothing) tell more.
+    base, up, second
+        with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
+        second terrain: what lies between the two.
+    attached
+        surface modes: keep the triangles that touch each voxel in ``grid.attached``.
 
-    Returns:
+    Returns
+    -------
+    Grid
         A `Grid`; ``grid.report`` is a `bitvox.reports.SolidReport` or a `bitvox.reports.SurfaceReport`.
 
-    Raises:
-        ArgumentError: options that contradict each other, or that the mode or the rule does not take.
-        EmptyError: no triangles. RangeError: coordinates or vertex indices, the first one named. MemoryLimitError.
+    Raises
+    ------
+    ArgumentError
+        options that contradict each other, or that the mode or the rule does not take.
+    EmptyError
+        no triangles.
+    RangeError
+        coordinates or vertex indices, the first one named.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+    >>> solid.shape[0], solid.report.fill
+    (31, 'parity')
+    >>> touched = bitvox.voxelize('knot.ply', lattice=solid.lattice, mode='conservative')
+    >>> (solid - touched) <= solid
+    True
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice, corner)
@@ -153,7 +186,13 @@ def _surface_voxels(source: Mesh, where: Lattice, window: WindowLike, mode: str,
 
 
 class FillComparison(NamedTuple):
-    """What `compare_fills` found: the counts, and grids of the voxels where rules disagree and where thin walls were lost."""
+    """What `compare_fills` found: the counts, and grids of the voxels where rules disagree and where thin walls were lost.
+
+    Examples
+    --------
+    >>> bitvox.compare_fills('knot.ply', resolution=24).disagreeing.count
+    0
+    """
 
     counts: Any
     disagreeing: Grid
@@ -165,11 +204,21 @@ def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, pad
                   progress: Progress = None) -> FillComparison:
     """Fill a mesh by the rules parity, nonzero, vote, flood and regions, and say where they differ.
 
-    Args:
-        mesh, resolution, spacing, padding, lattice, close_gaps: as for `voxelize`.
+    Parameters
+    ----------
+    mesh, resolution, spacing, padding, lattice, close_gaps
+        as for `voxelize`.
 
-    Returns:
+    Returns
+    -------
+    FillComparison
         ``counts`` (`bitvox.reports.FillComparison`; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
+
+    Examples
+    --------
+    >>> found = bitvox.compare_fills('knot.ply', resolution=24)
+    >>> len(set(found.counts.set))
+    1
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice)
@@ -186,13 +235,25 @@ def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int |
               progress: Progress = None) -> Seed:
     """One voxel inside a surface, found by scanning lines of voxels.
 
-    Args:
-        surface: voxels of a surface, as `voxelize` with a surface mode makes them.
-        mesh: the mesh that it came from; the seed is then verified to lie inside it.
-        limit: most lines to scan; 0: all that there are.
+    Parameters
+    ----------
+    surface
+        voxels of a surface, as `voxelize` with a surface mode makes them.
+    mesh
+        the mesh that it came from; the seed is then verified to lie inside it.
+    limit
+        most lines to scan; 0: all that there are.
 
-    Returns:
+    Returns
+    -------
+    Seed
         A `bitvox.reports.Seed`; ``found`` False is no error.
+
+    Examples
+    --------
+    >>> surface = bitvox.voxelize('knot.ply', resolution=48, mode='thin')
+    >>> bitvox.find_seed(surface, 'knot.ply').found
+    True
     """
     out = ffi.new("bvx_seed *")
     with Run(threads, memory_limit, progress) as run:
@@ -205,9 +266,18 @@ def find_pockets(surface: Grid, mesh: Any = None, *, threads: int | None = None,
                  progress: Progress = None) -> Any:
     """One voxel (n, 3) int32 of each pocket inside a surface, for `Grid.fill`.
 
-    Args:
-        surface: voxels of a surface.
-        mesh: the mesh that it came from: a pocket counts when it is inside; without it, when it does not touch the window's sides.
+    Parameters
+    ----------
+    surface
+        voxels of a surface.
+    mesh
+        the mesh that it came from: a pocket counts when it is inside; without it, when it does not touch the window's sides.
+
+    Examples
+    --------
+    >>> surface = bitvox.voxelize('knot.ply', resolution=48, mode='thin')
+    >>> len(bitvox.find_pockets(surface)) >= 1
+    True
     """
     count = ffi.new("uint64_t *")
     with Run(threads, memory_limit, progress, calls=2) as run:
@@ -238,20 +308,37 @@ def surface(
 ) -> Mesh:
     """The closed, manifold surface between set and empty voxel centres, by marching cubes.
 
-    Args:
-        grid: a `Grid`, or a three-dimensional array [x, y, z] for `Grid.from_numpy`.
-        mesh: what the voxels were made from, as `Mesh.of` takes it: where the grid still ends where the mesh does, vertices are
-            the mesh's, as those of `repair`; elsewhere in the middle, or at ``offset``.
-        offset, sharp: with ``mesh``: as for `Field.surface`, ``sharp`` None unless told. A body hollowed to a thickness t has
-            ``offset=-t``, one that grew by r ``offset=r``.
-        face_rule: "separate" (set corners are kept apart across a face) or "join".
-        dtype: of the vertices, float32 or float64; None: float32 where it can tell neighbouring positions apart.
-        open_sides: sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
-        keys: keep canonical keys, which `merge` needs.
-        local_frame: vertices relative to the lattice's corner, which goes to ``mesh.frame``.
+    Parameters
+    ----------
+    grid
+        a `Grid`, or a three-dimensional array [x, y, z] for `Grid.from_numpy`.
+    mesh
+        what the voxels were made from, as `Mesh.of` takes it: where the grid still ends where the mesh does, vertices are
+        the mesh's, as those of `repair`; elsewhere in the middle, or at ``offset``.
+    offset, sharp
+        with ``mesh``: as for `Field.surface`, ``sharp`` None unless told. A body hollowed to a thickness t has
+        ``offset=-t``, one that grew by r ``offset=r``.
+    face_rule
+        "separate" (set corners are kept apart across a face) or "join".
+    dtype
+        of the vertices, float32 or float64; None: float32 where it can tell neighbouring positions apart.
+    open_sides
+        sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
+    keys
+        keep canonical keys, which `merge` needs.
+    local_frame
+        vertices relative to the lattice's corner, which goes to ``mesh.frame``.
 
-    Returns:
+    Returns
+    -------
+    Mesh
         A `Mesh` with uint32 faces; an empty grid gives an empty mesh.
+
+    Examples
+    --------
+    >>> mesh = bitvox.surface(bitvox.voxelize('knot.ply', resolution=32))
+    >>> mesh.check().closed, mesh.check().vertex_manifold
+    (True, True)
     """
     if mesh is not None:
         if open_sides or keys:
@@ -271,7 +358,13 @@ def surface(
 
 
 def surface_counts(grid: Grid, *, face_rule: FaceRule = "separate") -> tuple[int, int]:
-    """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them."""
+    """Vertices and triangles that `surface` would make of a ``grid`` by a ``face_rule``, without making them.
+
+    Examples
+    --------
+    >>> bitvox.surface_counts(bitvox.Grid.from_numpy(np.ones((2, 2, 2))))
+    (24, 44)
+    """
     return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
         o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)))
 
@@ -280,10 +373,19 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
           memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The voxels themselves as a mesh: each face between a set and an empty voxel, outwards, as two triangles.
 
-    Args:
-        grid: a `Grid` or a three-dimensional array.
-        merge: faces of one plane and side become few rectangles (which may meet in T-junctions).
-        dtype, local_frame: as for `surface`.
+    Parameters
+    ----------
+    grid
+        a `Grid` or a three-dimensional array.
+    merge
+        faces of one plane and side become few rectangles (which may meet in T-junctions).
+    dtype, local_frame
+        as for `surface`.
+
+    Examples
+    --------
+    >>> bitvox.faces(bitvox.Grid.from_numpy(np.ones((1, 1, 1)))).n_faces
+    12
     """
     options = options_of("faces_options")
     options.merged, options.local_frame = int(bool(merge)), int(bool(local_frame))
@@ -293,7 +395,13 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
 
 
 def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
-    """Vertices and triangles that `faces` would make of a ``grid``, with ``merge`` or without."""
+    """Vertices and triangles that `faces` would make of a ``grid``, with ``merge`` or without.
+
+    Examples
+    --------
+    >>> bitvox.faces_counts(bitvox.Grid.from_numpy(np.ones((1, 1, 1))))
+    (8, 12)
+    """
     return _counts(lib.bvx_faces_count, grid, "faces_options", lambda o: setattr(o, "merged", int(bool(merge))))
 
 
@@ -317,8 +425,18 @@ def grid_of(source: Any) -> Grid:
 def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """Join the surfaces of windows of one lattice into one: the bytes of the whole extracted at once.
 
-    Args:
-        parts: meshes that `surface` made with ``keys=True`` and open sides, of windows that overlap by one layer of voxels.
+    Parameters
+    ----------
+    parts
+        meshes that `surface` made with ``keys=True`` and open sides, of windows that overlap by one layer of voxels.
+
+    Examples
+    --------
+    >>> whole = bitvox.Grid.from_numpy(np.ones((4, 4, 4)))
+    >>> low, high = whole.crop(((0, 0, 0), (4, 4, 3))), whole.crop(((0, 0, 2), (4, 4, 2)))
+    >>> parts = [bitvox.surface(low, keys=True, open_sides='z-high'), bitvox.surface(high, keys=True, open_sides='z-low')]
+    >>> bitvox.merge(parts).check().closed
+    True
     """
     parts = list(parts)
     made = new_mesh()
@@ -341,8 +459,18 @@ def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
 def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
     """The target with the colours and texture coordinates of the source's nearest points.
 
-    Args:
-        source: a mesh with ``colours`` or ``uvs``. target: a mesh in the same frame; it stays as it is.
+    Parameters
+    ----------
+    source
+        a mesh with ``colours`` or ``uvs``.
+    target
+        a mesh in the same frame; it stays as it is.
+
+    Examples
+    --------
+    >>> mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colours=[[255, 0, 0]] * 3)
+    >>> bitvox.carry(mesh, ([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])).colours[0].tolist()
+    [255, 0, 0, 255]
     """
     after = Mesh.of(target)
     owner = new_mesh()
@@ -370,15 +498,27 @@ def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_l
           progress: Progress = None) -> Certificate:
     """What a mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
 
-    Args:
-        mesh: what `Mesh.of` takes.
-        weld: take vertices at equal positions for one.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    weld
+        take vertices at equal positions for one.
 
-    Returns:
+    Returns
+    -------
+    Certificate
         A `bitvox.reports.Certificate`.
 
-    Raises:
-        RangeError: a coordinate that is not finite, a vertex index that is not there: the first one is named.
+    Raises
+    ------
+    RangeError
+        a coordinate that is not finite, a vertex index that is not there: the first one is named.
+
+    Examples
+    --------
+    >>> bitvox.check('knot.ply').boundary_edges
+    0
     """
     return Mesh.of(mesh).check(weld=weld, threads=threads, memory_limit=memory_limit, progress=progress)
 
@@ -387,16 +527,36 @@ def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = No
             memory_limit: int | None = None, progress: Progress = None) -> Difference | Distances:
     """Two grids: what they share and where they differ. Two meshes: distances both ways, from random points.
 
-    Args:
-        a, b: two `Grid` of one lattice and window, or two meshes (what `Mesh.of` takes).
-        samples: points on each mesh. Default 20000. seed: another seed, other points. Both are for meshes.
+    Parameters
+    ----------
+    a, b
+        two `Grid` of one lattice and window, or two meshes (what `Mesh.of` takes).
+    samples
+        points on each mesh. Default 20000.
+    seed
+        another seed, other points. Both are for meshes.
 
-    Returns:
+    Returns
+    -------
+    Difference | Distances
         `bitvox.reports.Difference` for grids, `bitvox.reports.Distances` for meshes.
 
-    Raises:
-        LatticeError: grids that do not share lattice and window. EmptyError: a mesh without triangles. TypeError: a grid and a
-        mesh. RangeError: coordinates.
+    Raises
+    ------
+    LatticeError
+        grids that do not share lattice and window.
+    EmptyError
+        a mesh without triangles.
+    TypeError
+        a grid and a mesh.
+    RangeError
+        coordinates.
+
+    Examples
+    --------
+    >>> solid = bitvox.voxelize('knot.ply', resolution=32)
+    >>> bitvox.compare(solid, solid).only_a
+    0
     """
     if isinstance(a, Grid) and isinstance(b, Grid):
         if samples is not None or seed is not None:
@@ -416,8 +576,16 @@ def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = No
 class Closest:
     """A mesh made ready for questions about its nearest points; keeps a copy of what it needs.
 
-    Args:
-        mesh: what `Mesh.of` takes.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+
+    Examples
+    --------
+    >>> nearest = bitvox.Closest(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).find([[0, 0, 3]])
+    >>> float(nearest['distance'][0])
+    3.0
     """
 
     __slots__ = ("_c", "_mesh")
@@ -443,12 +611,22 @@ class Closest:
     def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
         """The nearest points of the mesh.
 
-        Args:
-            points: (n, 3) [world].
+        Parameters
+        ----------
+        points
+            (n, 3) [world].
 
-        Returns:
+        Returns
+        -------
+        Array
             A record array of n: position [world], distance [world], weight (barycentric), triangle, feature (0 inside the
             triangle, 1 2 3 on an edge, 4 5 6 at a corner).
+
+        Examples
+        --------
+        >>> nearest = bitvox.Closest(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+        >>> nearest.find([[0.25, 0.25, 2]])['triangle'].tolist()
+        [0]
         """
         given = arrays.numbers_in(points, "points", 3)
         out = ffi.new("bvx_closest_point[]", max(1, given.count))
@@ -485,40 +663,70 @@ def repair(
 ) -> Mesh:
     """Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
 
-    Args:
-        mesh: what `Mesh.of` takes.
-        resolution: voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
-        sign: what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
-            (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
-        interpolation: where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
-            through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
-        sharp: cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges are sharp,
-            as in machine parts.
-        shell: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-        thin: walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
-            a voxel become shells, other walls are lost where no centre lies in them) or "drop" (lost). They are described by
-            the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
-        least_part, least_cavity: smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
-            pieces nowhere three voxels thick where the mesh has no part of its own; 0: none is.
-        if_needed: a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
-            ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
-        triangles: most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
-            resolution that earlier versions made; 0 or None: no limit.
-        error: as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
-            as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
-        measure: measure the distances between input and result, from ``measure_samples`` points a side.
-        carry: give the result the colours and texture coordinates of the nearest points on the mesh.
-        face_rule, dtype, local_frame: as for `surface`.
+    Parameters
+    ----------
+    mesh
+        what `Mesh.of` takes.
+    resolution
+        voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
+    sign
+        what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
+        (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
+    interpolation
+        where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
+        through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
+    sharp
+        cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges are sharp,
+        as in machine parts.
+    shell
+        thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
+    thin
+        walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
+        a voxel become shells, other walls are lost where no centre lies in them) or "drop" (lost). They are described by
+        the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
+    least_part, least_cavity
+        smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
+        pieces nowhere three voxels thick where the mesh has no part of its own; 0: none is.
+    if_needed
+        a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
+        ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
+    triangles
+        most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
+        resolution that earlier versions made; 0 or None: no limit.
+    error
+        as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
+        as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
+    measure
+        measure the distances between input and result, from ``measure_samples`` points a side.
+    carry
+        give the result the colours and texture coordinates of the nearest points on the mesh.
+    face_rule, dtype, local_frame
+        as for `surface`.
 
-    Returns:
+    Returns
+    -------
+    Mesh
         A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``hole_length``
         [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
         With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
         the surface before it.
 
-    Raises:
-        EmptyError: no triangle of area, or nothing left. ArgumentError: options that contradict each other. RangeError: see
-        `voxelize`. MemoryLimitError.
+    Raises
+    ------
+    EmptyError
+        no triangle of area, or nothing left.
+    ArgumentError
+        options that contradict each other.
+    RangeError
+        see `voxelize`.
+    MemoryLimitError
+
+    Examples
+    --------
+    >>> knot = bitvox.read('knot.ply')
+    >>> torn = bitvox.Mesh(knot.vertices, knot.faces[100:])
+    >>> bitvox.repair(torn, resolution=64).check().closed
+    True
     """
     mend = function("bvx_repair")
     options = options_of("repair_options")
@@ -612,28 +820,50 @@ def boolean(
     Vertices lie on the surface of the mesh that bounds the result there; walls of a and b thinner than voxels are kept. Grids are
     combined by their operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``.
 
-    Args:
-        a, b: what `Mesh.of` takes.
-        operation: "union", "intersection", "difference" (a without b) or "xor".
-        resolution: voxels along the longest axis: of a for a difference, of the box that both have in common for an intersection, else
-            of both together. Default 256. Or a ``lattice`` to work on.
-        fill: what is inside a mesh: "auto" (what suits it, as for `voxelize`), "parity", "nonzero", "vote" or "winding".
-        interpolation: where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
-        sharp: cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
-        thin: walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
-            difference) or "drop" (lost where no centre lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
-            ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
-        least_part: smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
-        triangles, error, error_kind: most triangles of the result, or its distance to what it would be without: as for `repair`.
-        face_rule, dtype, local_frame: as for `surface`.
+    Parameters
+    ----------
+    a, b
+        what `Mesh.of` takes.
+    operation
+        "union", "intersection", "difference" (a without b) or "xor".
+    resolution
+        voxels along the longest axis: of a for a difference, of the box that both have in common for an intersection, else
+        of both together. Default 256. Or a ``lattice`` to work on.
+    fill
+        what is inside a mesh: "auto" (what suits it, as for `voxelize`), "parity", "nonzero", "vote" or "winding".
+    interpolation
+        where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
+    sharp
+        cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
+    thin
+        walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
+        difference) or "drop" (lost where no centre lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
+        ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
+    least_part
+        smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
+    triangles, error, error_kind
+        most triangles of the result, or its distance to what it would be without: as for `repair`.
+    face_rule, dtype, local_frame
+        as for `surface`.
 
-    Returns:
+    Returns
+    -------
+    Mesh
         A `Mesh`, empty when nothing is left; ``mesh.report`` has the fields of ``bvx_boolean_report``: ``solid_a`` and ``solid_b`` tell
         how each was filled and why, ``few`` (1: a, 2: b, 4: the result, added up) what has few voxels, ``advised_resolution`` what
         would show it.
 
-    Raises:
-        EmptyError: none of the voxels has its centre inside a, or b, though all of it lies on the lattice.
+    Raises
+    ------
+    EmptyError
+        none of the voxels has its centre inside a, or b, though all of it lies on the lattice.
+
+    Examples
+    --------
+    >>> knot = bitvox.read('knot.ply')
+    >>> moved = bitvox.Mesh(knot.vertices + [0.4, 0.3, 0.0], knot.faces)
+    >>> bitvox.boolean(knot, moved, 'union', resolution=64).check().closed
+    True
     """
     options = options_of("boolean_options")
     if lattice is not None:
@@ -666,6 +896,12 @@ def boolean(
 
 
 def content_hash(data: Any, seed: int = 0) -> int:
-    """The library's hash of the bytes of ``data`` (anything with a buffer), from a ``seed``; see ``bvx_hash`` in the C header."""
+    """The library's hash of the bytes of ``data`` (anything with a buffer), from a ``seed``; see ``bvx_hash`` in the C header.
+
+    Examples
+    --------
+    >>> bitvox.content_hash(b'voxels') == bitvox.content_hash(bytearray(b'voxels'))
+    True
+    """
     held = ffi.from_buffer(data)
     return lib.bvx_hash(held, len(held), in_range("seed", seed, 0, 2**64 - 1))

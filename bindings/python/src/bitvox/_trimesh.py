@@ -15,9 +15,14 @@ from ._stages import voxelize
 def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
     """A trimesh VoxelGrid of a mesh, on trimesh's own places: centres at whole multiples of the pitch.
 
-    Args:
-        mesh: a trimesh.Trimesh. pitch: edge of a voxel [world].
-        options: those of `bitvox.voxelize` about rules, such as ``mode="conservative"`` or ``fill="vote"``; the default is the solid.
+    Parameters
+    ----------
+    mesh
+        a trimesh.Trimesh.
+    pitch
+        edge of a voxel [world].
+    options
+        those of `bitvox.voxelize` about rules, such as ``mode="conservative"`` or ``fill="vote"``; the default is the solid.
     """
     np = arrays.numpy("trimesh")
     base, transformations = need("trimesh.voxel.base", "formats"), need("trimesh.transformations", "formats")
@@ -29,7 +34,15 @@ def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
 
 def register() -> None:
     """Put it into trimesh's table of voxelizers under the name "bitvox"; as often as one likes. `import bitvox` does it too, whether
-    trimesh is imported before or after."""
+    trimesh is imported before or after.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> bitvox.register_with_trimesh()
+    >>> int(trimesh.creation.box().voxelized(0.25, method='bitvox').filled_count)
+    64
+    """
     table = need("trimesh.voxel.creation", "formats").voxelizers
     if "bitvox" not in table:  # trimesh's table takes a name once
         table["bitvox"] = voxelized

@@ -35,20 +35,36 @@ def _type_number(code: str) -> int:
 class Volume:
     """Samples at the centres of voxels; it looks at its array and does not copy it.
 
-    Args:
-        array: three axes, of any whole-number or float type and any strides. bool counts as 0 and 1. Copied are half-precision floats
-            (to float32), other byte orders, and what is no array of numpy.
-        order: "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
-        spacing, corner: of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
-        center0: centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
-        direction: three by three numbers whose columns are the directions of the array's axes x, y and z in the world, as SimpleITK's
-            GetDirection and VTK's direction_matrix give them; flipped, permuted and oblique ones too. None: along the world's.
-        lattice, low: a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
-        frame: what the world's axes are: "lps" (x to the patient's left, y to the back, z to the head), "ras", or None: not said.
+    Parameters
+    ----------
+    array
+        three axes, of any whole-number or float type and any strides. bool counts as 0 and 1. Copied are half-precision floats
+        (to float32), other byte orders, and what is no array of numpy.
+    order
+        "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
+    spacing, corner
+        of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+    center0
+        centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+    direction
+        three by three numbers whose columns are the directions of the array's axes x, y and z in the world, as SimpleITK's
+        GetDirection and VTK's direction_matrix give them; flipped, permuted and oblique ones too. None: along the world's.
+    lattice, low
+        a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
+    frame
+        what the world's axes are: "lps" (x to the patient's left, y to the back, z to the head), "ras", or None: not said.
 
-    Attributes:
-        report: what the last of `threshold` and `surface` counted, a named tuple with the samples that are NaN or infinite, those
-            inside, the least and the greatest; None before.
+    Attributes
+    ----------
+    report
+        what the last of `threshold` and `surface` counted, a named tuple with the samples that are NaN or infinite, those
+        inside, the least and the greatest; None before.
+
+    Examples
+    --------
+    >>> volume = bitvox.Volume(np.arange(60.0).reshape(3, 4, 5), spacing=(1, 1, 2), center0=(10, 20, 30))
+    >>> volume.threshold(30).count, volume.center0
+    (30, (10.0, 20.0, 30.0))
     """
 
     __slots__ = ("_array", "_c", "_turn", "frame", "report", "__weakref__")
@@ -116,13 +132,24 @@ class Volume:
            frame: Frame | None = None) -> Volume:
         """A volume of what other libraries hold, with its place and directions; the samples are not copied where that is possible.
 
-        Args:
-            source: an image of SimpleITK or nibabel, a ``pyvista.ImageData``, an xarray ``DataArray``, a Zarr array, or a `Volume`.
-            scalars: of PyVista: which point or cell data; None: the active ones.
-            order: of xarray and Zarr, "xyz" or "zyx": which axes the array has. Default: by their names, else "zyx".
-            spacing, center0: of Zarr, which tells none.
-            frame: the world to come out in, "lps" or "ras", by turning x and y. None: that of the source, "lps" of SimpleITK, "ras" of nibabel;
-                the others say none and cannot be turned.
+        Parameters
+        ----------
+        source
+            an image of SimpleITK or nibabel, a ``pyvista.ImageData``, an xarray ``DataArray``, a Zarr array, or a `Volume`.
+        scalars
+            of PyVista: which point or cell data; None: the active ones.
+        order
+            of xarray and Zarr, "xyz" or "zyx": which axes the array has. Default: by their names, else "zyx".
+        spacing, center0
+            of Zarr, which tells none.
+        frame
+            the world to come out in, "lps" or "ras", by turning x and y. None: that of the source, "lps" of SimpleITK, "ras" of nibabel;
+            the others say none and cannot be turned.
+
+        Examples
+        --------
+        >>> bitvox.Volume.of(bitvox.Volume(np.zeros((2, 2, 2)))).shape
+        (2, 2, 2)
         """
         if isinstance(source, cls):
             return source
@@ -150,7 +177,14 @@ class Volume:
         return (x, y, z)
 
     def to_world(self, ijk: Any) -> Array:
-        """Positions (n, 3) of places given by ``ijk`` (n, 3), counted in samples from the first one [world]."""
+        """Positions (n, 3) of places given by ``ijk`` (n, 3), counted in samples from the first one [world].
+
+        Examples
+        --------
+        >>> turn = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+        >>> bitvox.Volume(np.zeros((3, 3, 3)), center0=(0, 0, 0), direction=turn).to_world([[2, 0, 0]]).tolist()
+        [[0.0, 2.0, 0.0]]
+        """
         np = arrays.numpy("Volume")
         own = np.array(tuple(self._c.lattice.origin)) + (np.asarray(ijk, float) + self.low + 0.5) * np.asarray(self.spacing)
         return own if self._turn is None else into_world(self._turn, own)
@@ -165,7 +199,13 @@ class Volume:
         return (a, b, c), (d, e, f)
 
     def turned(self, frame: Frame) -> Volume:
-        """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy."""
+        """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 2, 2)), center0=(1, 2, 3), frame='lps').turned('ras').center0
+        (-1.0, -2.0, 3.0)
+        """
         np = arrays.numpy("Volume")
         wanted = frame_of(frame)
         if self.frame is None or wanted is None:
@@ -181,10 +221,20 @@ class Volume:
         """The volume with axes along the world's: what lies flipped or permuted is turned without a copy, what lies oblique is
         sampled anew on a lattice around it.
 
-        Args:
-            spacing: of the new lattice of an oblique one. Default: its own smallest, along all axes [world].
-            method: of an oblique one, "linear" or "nearest" (for labels).
-            outside: value beyond the samples. Default: the least sample.
+        Parameters
+        ----------
+        spacing
+            of the new lattice of an oblique one. Default: its own smallest, along all axes [world].
+        method
+            of an oblique one, "linear" or "nearest" (for labels).
+        outside
+            value beyond the samples. Default: the least sample.
+
+        Examples
+        --------
+        >>> turn = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+        >>> bitvox.Volume(np.zeros((2, 3, 4)), direction=turn).aligned().shape
+        (3, 2, 4)
         """
         np = arrays.numpy("Volume")
         if self._turn is None:
@@ -225,8 +275,15 @@ class Volume:
     def window(self, window: WindowLike) -> Volume:
         """A part of it, which keeps its place on the lattice. No copy.
 
-        Args:
-            window: (low, size) or (x0, y0, z0, x1, y1, z1), counted from the volume's own first sample.
+        Parameters
+        ----------
+        window
+            (low, size) or (x0, y0, z0, x1, y1, z1), counted from the volume's own first sample.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((4, 4, 4))).window(((1, 1, 1), (2, 2, 2))).center0
+        (1.5, 1.5, 1.5)
         """
         box = ffi.new("bvx_window *")
         set_window("window", box, window)
@@ -238,7 +295,13 @@ class Volume:
         return made
 
     def to_numpy(self, order: Order = "xyz") -> Any:
-        """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy."""
+        """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_numpy('zyx').shape
+        (4, 3, 2)
+        """
         if order not in ("xyz", "zyx"):
             raise ArgumentError(f"order is {order!r}; it must be 'xyz' or 'zyx'")
         return self._array if order == "xyz" else self._array.transpose(2, 1, 0)
@@ -272,14 +335,28 @@ class Volume:
         return shown(self, facts)
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha or .nii; see `bitvox.write`."""
+        """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha or .nii; see `bitvox.write`.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4), np.int16)).save('a.nrrd')
+        >>> bitvox.read_volume('a.nrrd').array.dtype.name
+        'int16'
+        """
         call("write", self, path, format=format)
 
     def to_napari(self, name: str | None = None) -> Any:
         """An image layer of napari as it takes them, ``(data, options, "image")``, with place and directions. Axes are z, y, x there.
 
-        Args:
-            name: of the layer; None: "volume".
+        Parameters
+        ----------
+        name
+            of the layer; None: "volume".
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_napari()[0].shape
+        (4, 3, 2)
         """
         np = arrays.numpy("to_napari")
         affine = np.eye(4)
@@ -293,9 +370,16 @@ class Volume:
                   memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """The voxels with low <= sample <= high, exactly; NaN and infinite samples are never set.
 
-        Returns:
+        Returns
+        -------
+        Grid
             A `Grid` of the volume's window; its ``report`` and that of the volume tell what was counted. Of a volume whose axes are
             flipped or permuted, the grid is that of `aligned`.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).threshold(2, 4).count
+        3
         """
         low, high = number("low", low), number("high", high)
         if low > high:
@@ -316,13 +400,25 @@ class Volume:
         return self.aligned()
 
     def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
-        """The voxels of a label: those whose sample is ``value``."""
+        """The voxels of a label: those whose sample is ``value``.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).label(3).count
+        1
+        """
         if abs(in_range("value", value, -(2**63), 2**64 - 1)) > 2**53:
             raise ArgumentError(f"value is {value}; labels beyond 2**53 cannot be chosen")
         return self.threshold(float(value), float(value), threads=threads, memory_limit=memory_limit, progress=progress)
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
-        """The values other than 0 of whole-number samples, ascending, each with its voxels and their box in the window."""
+        """The values other than 0 of whole-number samples, ascending, each with its voxels and their box in the window.
+
+        Examples
+        --------
+        >>> [one.value for one in bitvox.Volume(np.arange(8).reshape(2, 2, 2) % 3).labels()]
+        [1, 2]
+        """
         count = ffi.new("uint64_t *")
         unsigned = self._c.sample_type == lib.BVX_SAMPLE_U64
         with Run(threads, memory_limit, progress, calls=2) as run:
@@ -338,15 +434,29 @@ class Volume:
                 memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
 
-        Args:
-            level: what lies at or above it is inside; vertices stay 1/128 of an edge off the samples. NaN and infinite samples are outside, and so is all beyond the volume.
-            below: what lies at or below the level is inside.
-            face_rule, dtype, open_sides, keys, local_frame: as for `bitvox.surface`.
-            triangles, error, error_kind: most triangles of the surface, or its distance to what it would be without, by edges that
-                collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
+        Parameters
+        ----------
+        level
+            what lies at or above it is inside; vertices stay 1/128 of an edge off the samples. NaN and infinite samples are outside, and so is all beyond the volume.
+        below
+            what lies at or below the level is inside.
+        face_rule, dtype, open_sides, keys, local_frame
+            as for `bitvox.surface`.
+        triangles, error, error_kind
+            most triangles of the surface, or its distance to what it would be without, by edges that
+            collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
 
-        Returns:
+        Returns
+        -------
+        Mesh
             A `Mesh` with uint32 faces, in the world; ``report`` of the volume says what was counted.
+
+        Examples
+        --------
+        >>> x, y, z = np.mgrid[-1:1:20j, -1:1:20j, -1:1:20j]
+        >>> ball = bitvox.Volume(0.7 - np.sqrt(x * x + y * y + z * z), spacing=2 / 19, center0=(-1, -1, -1)).surface(0.0)
+        >>> ball.check().closed, round(ball.check().volume, 1)
+        (True, 1.4)
         """
         targets = level_target(triangles, error, error_kind)
         if self._turn is not None and (keys or open_sides):
@@ -482,19 +592,33 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
                 memory_limit: int | None = None, progress: Progress = None) -> Volume:
     """Read a volume's samples from a file.
 
-    Args:
-        path: .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; with
-            ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .tif, .nrrd of any kind (SimpleITK), and the folder of
-            a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]`` .vtk and .slc.
-        format: one of these endings, in place of the name's own.
-        shape, dtype, offset: of .raw: samples along x, y, z (x runs fastest), their numpy type with its byte order, and the bytes
-            before the first.
-        spacing, corner: the lattice of files that tell none (.raw, .npy) [world].
-        frame: the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
-            the file; ``volume.frame`` says which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
+    Parameters
+    ----------
+    path
+        .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; with
+        ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .tif, .nrrd of any kind (SimpleITK), and the folder of
+        a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]`` .vtk and .slc.
+    format
+        one of these endings, in place of the name's own.
+    shape, dtype, offset
+        of .raw: samples along x, y, z (x runs fastest), their numpy type with its byte order, and the bytes
+        before the first.
+    spacing, corner
+        the lattice of files that tell none (.raw, .npy) [world].
+    frame
+        the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
+        the file; ``volume.frame`` says which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
 
-    Returns:
+    Returns
+    -------
+    Volume
         A `Volume`. Use `Volume.threshold`, `Volume.surface` and `Volume.labels` to make something of it.
+
+    Examples
+    --------
+    >>> np.save('scan.npy', np.zeros((4, 5, 6), np.int16))
+    >>> bitvox.read_volume('scan.npy', spacing=(1, 1, 2)).spacing
+    (1.0, 1.0, 2.0)
     """
     np = arrays.numpy("read_volume")
     path = os.fspath(path)

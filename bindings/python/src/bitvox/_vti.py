@@ -16,8 +16,12 @@ _ARRAY = re.compile(rb"<DataArray\b[^>]*>")
 def without_blocks(data: Any, limit: int | None = None) -> Any:
     """The bytes of a .vti whose arrays stand appended as they are; ``data`` itself where nothing is packed by zlib.
 
-    Raises:
-        FormatError: what is wrong with the blocks. MemoryLimitError: they hold more than ``limit`` bytes.
+    Raises
+    ------
+    FormatError
+        what is wrong with the blocks.
+    MemoryLimitError
+        they hold more than ``limit`` bytes.
     """
     whole = bytes(data)
     root = re.search(rb"<VTKFile\b[^>]*>", whole)

@@ -106,11 +106,15 @@ class ImageAccessor:
     def surface(self, scalars: str | None = None, *, level: float | None = None, threshold: float | None = None, **options: Any) -> Any:
         """The closed surface as PolyData.
 
-        Args:
-            scalars: which data; None: the active ones.
-            level: of samples: the surface where they reach it, between them, without steps; options as for `bitvox.Volume.surface`.
-            threshold: of voxels: their faces' surface, of those above it, or without either of those that are not 0; options as for
-                `bitvox.surface`.
+        Parameters
+        ----------
+        scalars
+            which data; None: the active ones.
+        level
+            of samples: the surface where they reach it, between them, without steps; options as for `bitvox.Volume.surface`.
+        threshold
+            of voxels: their faces' surface, of those above it, or without either of those that are not 0; options as for
+            `bitvox.surface`.
         """
         if level is not None:
             if threshold is not None:
@@ -121,9 +125,12 @@ class ImageAccessor:
     def boolean(self, other: Any, operation: Operation, scalars: str | None = None) -> Any:
         """An ImageData of these voxels and those of ``other``: an ImageData or a `bitvox.Grid` of the same place.
 
-        Args:
-            operation: "union", "intersection", "difference" or "xor".
-            scalars: which data of both images.
+        Parameters
+        ----------
+        operation
+            "union", "intersection", "difference" or "xor".
+        scalars
+            which data of both images.
         """
         mine = self.grid(scalars)
         theirs = other if isinstance(other, Grid) else ImageAccessor(other).grid(scalars)
@@ -138,8 +145,12 @@ class ImageAccessor:
     def components(self, scalars: str | None = None, *, connectivity: int = 6) -> Any:
         """An ImageData with the cell data "component": 0 where nothing is set, else the number of the connected part.
 
-        Args:
-            scalars: which data; None: the active ones. connectivity: 6, 18 or 26.
+        Parameters
+        ----------
+        scalars
+            which data; None: the active ones.
+        connectivity
+            6, 18 or 26.
         """
         grid = self.grid(scalars)
         image = grid.to_pyvista()

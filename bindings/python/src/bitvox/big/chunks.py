@@ -17,8 +17,18 @@ Index = tuple[int, int, int]
 class Chunks:
     """A lattice cut into boxes of one size; those at the high sides are smaller where it does not divide the shape.
 
-    Args:
-        lattice: what is cut. size: voxels of a chunk along x, y, z, or one number for all.
+    Parameters
+    ----------
+    lattice
+        what is cut.
+    size
+        voxels of a chunk along x, y, z, or one number for all.
+
+    Examples
+    --------
+    >>> cut = bitvox.big.Chunks(bitvox.Lattice((100, 100, 100)), 64)
+    >>> cut.counts, cut.window((1, 0, 0))
+    ((2, 2, 2), Window(low=(64, 0, 0), size=(36, 64, 64)))
     """
 
     __slots__ = ("lattice", "size", "counts")

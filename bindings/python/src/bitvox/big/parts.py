@@ -19,12 +19,22 @@ def label(volume: Volume, *, connectivity: int = 6) -> tuple[Any, int]:
     Each chunk numbers its own parts on the workers; what touches across the chunks' sides is joined here, which computes the
     chunks once. The array numbers them again when it is computed.
 
-    Args:
-        connectivity: 6 (across faces), 18 (and edges) or 26 (and corners).
+    Parameters
+    ----------
+    connectivity
+        6 (across faces), 18 (and edges) or 26 (and corners).
 
-    Returns:
+    Returns
+    -------
+    tuple[Any, int]
         A Dask array of uint32 [x, y, z] with the chunks of the volume, and how many parts there are: the labels of
         ``volume.compute().label()``.
+
+    Examples
+    --------
+    >>> labels, count = bitvox.big.label(bitvox.big.voxelize('knot.ply', resolution=64, chunks=32))
+    >>> int(labels.max().compute()) == count
+    True
     """
     dask, da, np = need("dask", "big"), need("dask.array", "big"), arrays.numpy("bitvox.big")
     if connectivity not in _STEPS:

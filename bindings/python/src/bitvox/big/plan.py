@@ -30,9 +30,19 @@ def load(source: Any) -> Mesh:
 class Task:
     """One piece of work: call it, on any machine, any number of times; the result is always the same.
 
-    Attributes:
-        source: the mesh or its file. chunks, index: the cut lattice, and which chunk of it.
-        result: "surface" or "grid". options, surface_options: as for `plan`.
+    Attributes
+    ----------
+    source
+        the mesh or its file.
+    chunks, index
+        the cut lattice, and which chunk of it.
+    result
+        "surface" or "grid". options, surface_options: as for `plan`.
+
+    Examples
+    --------
+    >>> bitvox.big.plan('knot.ply', resolution=32, chunks=16, result='grid').tasks[0]().shape
+    (16, 16, 13)
     """
 
     __slots__ = ("source", "chunks", "index", "result", "options", "surface_options")
@@ -78,8 +88,19 @@ def voxelize_window(mesh: Mesh, lattice: Lattice, window: Window, options: dict[
 class Plan:
     """All tasks of a job, and how their results are put together.
 
-    Attributes:
-        chunks: the cut lattice. tasks: one `Task` a chunk. result: "surface" or "grid".
+    Attributes
+    ----------
+    chunks
+        the cut lattice.
+    tasks
+        one `Task` a chunk.
+    result
+        "surface" or "grid".
+
+    Examples
+    --------
+    >>> len(bitvox.big.plan('knot.ply', resolution=32, chunks=32).tasks) >= 1
+    True
     """
 
     chunks: Chunks
@@ -145,16 +166,31 @@ def plan(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[in
         plan = bitvox.big.plan("/data/dragon.ply", resolution=2048, chunks=512)
         mesh = plan.merge(pool.map(operator.call, plan.tasks))      # concurrent.futures, Ray, a batch queue ...
 
-    Args:
-        mesh: a file that every worker can read, or a mesh, which then travels with each task.
-        lattice, resolution, spacing, padding, corner: where; as for `bitvox.voxelize`.
-        chunks: voxels of a chunk along each axis; multiples of 64 along x are fastest.
-        result: "surface" or "grid".
-        surface_options: face_rule, dtype and local_frame of `bitvox.surface`.
-        options: rules of `bitvox.voxelize`; not fill "flood" or "regions", which look at the whole.
+    Parameters
+    ----------
+    mesh
+        a file that every worker can read, or a mesh, which then travels with each task.
+    lattice, resolution, spacing, padding, corner
+        where; as for `bitvox.voxelize`.
+    chunks
+        voxels of a chunk along each axis; multiples of 64 along x are fastest.
+    result
+        "surface" or "grid".
+    surface_options
+        face_rule, dtype and local_frame of `bitvox.surface`.
+    options
+        rules of `bitvox.voxelize`; not fill "flood" or "regions", which look at the whole.
 
-    Returns:
+    Returns
+    -------
+    Plan
         A `Plan`: ``plan.tasks`` are callables without arguments, ``plan.merge(results)`` makes the whole.
+
+    Examples
+    --------
+    >>> plan = bitvox.big.plan('knot.ply', resolution=32, chunks=16)
+    >>> plan.merge([task() for task in plan.tasks]).check().closed
+    True
     """
     if result not in ("surface", "grid"):
         raise ArgumentError(f"result is {result!r}; it must be 'surface' or 'grid'")

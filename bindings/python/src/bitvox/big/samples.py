@@ -20,9 +20,19 @@ from .volume import Volume
 class Samples:
     """A volume of samples in chunks, nothing of it computed before it is requested: what `bitvox.Volume` is for one machine.
 
-    Attributes:
-        array: a Dask array [x, y, z] of whole numbers or floats.
-        lattice: the lattice whose voxels' centres the samples are.
+    Attributes
+    ----------
+    array
+        a Dask array [x, y, z] of whole numbers or floats.
+    lattice
+        the lattice whose voxels' centres the samples are.
+
+    Examples
+    --------
+    >>> import dask.array
+    >>> samples = bitvox.big.Samples(dask.array.ones((8, 8, 8), chunks=4))
+    >>> samples.surface(0.5).check().closed, samples.threshold(0.5).count()
+    (True, 512)
     """
 
     __slots__ = ("array", "lattice")
@@ -57,9 +67,18 @@ class Samples:
     def threshold(self, low: float = float("-inf"), high: float = float("inf"), *, chunks: int | Sequence[int] | None = None) -> Volume:
         """The voxels of `bitvox.Volume.threshold` of the whole.
 
-        Args:
-            low, high: as there.
-            chunks: of the result; None: the array's own.
+        Parameters
+        ----------
+        low, high
+            as there.
+        chunks
+            of the result; None: the array's own.
+
+        Examples
+        --------
+        >>> import dask.array
+        >>> bitvox.big.Samples(dask.array.arange(8, chunks=8).reshape(2, 2, 2)).threshold(3, 5).count()
+        3
         """
         if low > high:
             raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
@@ -70,12 +89,23 @@ class Samples:
                 local_frame: bool = False, chunks: int | Sequence[int] | None = None) -> Mesh:
         """The closed surface of a level: chunk by chunk on the workers, merged here.
 
-        Args:
-            level, below, face_rule, dtype, local_frame: as for `bitvox.Volume.surface`.
-            chunks: samples of a task along each axis; None: the array's own chunks.
+        Parameters
+        ----------
+        level, below, face_rule, dtype, local_frame
+            as for `bitvox.Volume.surface`.
+        chunks
+            samples of a task along each axis; None: the array's own chunks.
 
-        Returns:
+        Returns
+        -------
+        Mesh
             A `Mesh` with keys: the bytes of ``samples.compute().surface(level, keys=True, dtype=dtype)``.
+
+        Examples
+        --------
+        >>> import dask.array
+        >>> bitvox.big.Samples(dask.array.ones((6, 6, 6), chunks=3)).surface(0.5).check().closed
+        True
         """
         options = {"below": below, "face_rule": face_rule, "dtype": dtype, "local_frame": local_frame}
         dask, cut = need("dask", "big"), self._cut(chunks)
@@ -101,11 +131,23 @@ def samples_from_zarr(path: str | os.PathLike[str], *, dataset: str | None = Non
                       chunks: int | Sequence[int] | None = None) -> Samples:
     """Samples of OME-Zarr (0.4 and 0.5) or of a plain Zarr array [z, y, x].
 
-    Args:
-        path: a folder or a URL that all workers reach.
-        dataset: of the group; None: the first, which is the finest.
-        channel: index along the axes before z, such as time and channel: one number for the last of them, or one for each.
-        chunks: samples of a task along each axis; None: the array's own chunks or shards.
+    Parameters
+    ----------
+    path
+        a folder or a URL that all workers reach.
+    dataset
+        of the group; None: the first, which is the finest.
+    channel
+        index along the axes before z, such as time and channel: one number for the last of them, or one for each.
+    chunks
+        samples of a task along each axis; None: the array's own chunks or shards.
+
+    Examples
+    --------
+    >>> import zarr
+    >>> array = zarr.open_array('s.zarr', mode='w', shape=(2, 8, 8, 8), chunks=(1, 4, 4, 4), dtype='float32')
+    >>> bitvox.big.samples_from_zarr('s.zarr', channel=1)
+    Samples(8 x 8 x 8, float32)
     """
     da = need("dask.array", "big")
     found, lattice, lead, _ = array_of(path, dataset, channel)

@@ -24,12 +24,24 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
 
     A task writes one whole shard, so one that is tried again does no harm.
 
-    Args:
-        path: a folder or a URL that all workers reach.
-        inner: voxels of the pieces that can be read alone, along each axis; the chunks' sides must be multiples of it.
-        unit: of the world, such as "millimeter" (OME-Zarr's names).
-        overwrite: replace what is there.
-        compute: False returns the delayed tasks.
+    Parameters
+    ----------
+    path
+        a folder or a URL that all workers reach.
+    inner
+        voxels of the pieces that can be read alone, along each axis; the chunks' sides must be multiples of it.
+    unit
+        of the world, such as "millimeter" (OME-Zarr's names).
+    overwrite
+        replace what is there.
+    compute
+        False returns the delayed tasks.
+
+    Examples
+    --------
+    >>> bitvox.big.to_zarr(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'knot.zarr', inner=16)
+    >>> bitvox.big.from_zarr('knot.zarr').shape[0]
+    31
     """
     dask, zarr = need("dask", "big"), need("zarr", "big")
     cut, name = volume.chunks, _path_of(path)
@@ -69,16 +81,31 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
               chunks: int | Sequence[int] | None = None, threshold: float | None = None) -> Volume:
     """A volume from OME-Zarr (0.4 and 0.5) or a plain Zarr array [z, y, x].
 
-    Args:
-        path: a folder or a URL that all workers reach.
-        dataset: of the group; None: the first, which is the finest.
-        channel: index along the axes before z, such as time and channel: one number for the last of them, or one for each. Needed where there
-            are several.
-        chunks: of the volume; None: the shards, or where there are none pieces of about 256.
-        threshold: values above it are set; None: all other than 0.
+    Parameters
+    ----------
+    path
+        a folder or a URL that all workers reach.
+    dataset
+        of the group; None: the first, which is the finest.
+    channel
+        index along the axes before z, such as time and channel: one number for the last of them, or one for each. Needed where there
+        are several.
+    chunks
+        of the volume; None: the shards, or where there are none pieces of about 256.
+    threshold
+        values above it are set; None: all other than 0.
 
-    Returns:
+    Returns
+    -------
+    Volume
         A `Volume` on the lattice that was written, or on the one that scale and translation tell.
+
+    Examples
+    --------
+    >>> import zarr
+    >>> array = zarr.open_array('z.zarr', mode='w', shape=(4, 5, 6), chunks=(2, 5, 6), dtype='uint8', fill_value=1)
+    >>> bitvox.big.from_zarr('z.zarr').count()
+    120
     """
     array, lattice, lead, place = array_of(path, dataset, channel)
     if chunks is None:

@@ -26,9 +26,18 @@ class Volume:
     Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`). All
     methods give the bits and numbers of a single run, whatever the chunks are.
 
-    Attributes:
-        chunks: the `Chunks` of its lattice.
-        blocks: for each chunk's index (x, y, z) a Dask delayed `Grid` (bits: an eighth of the array's bytes).
+    Attributes
+    ----------
+    chunks
+        the `Chunks` of its lattice.
+    blocks
+        for each chunk's index (x, y, z) a Dask delayed `Grid` (bits: an eighth of the array's bytes).
+
+    Examples
+    --------
+    >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+    >>> (volume - volume.erode()).compute() <= volume.compute()
+    True
     """
 
     __slots__ = ("chunks", "blocks")
@@ -55,17 +64,38 @@ class Volume:
         return _dask_array(self.chunks, {i: made(block) for i, block in self.blocks.items()}, "bool")
 
     def count(self) -> int:
-        """Set voxels; computes."""
+        """Set voxels; computes.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.count() == volume.compute().count
+        True
+        """
         dask = need("dask", "big")
         return sum(dask.compute(*[dask.delayed(_count, pure=True)(block) for block in self.blocks.values()]))
 
     def compute(self, **options: Any) -> Grid:
-        """The whole grid, here: a bit a voxel; ``options`` are those of ``dask.compute``."""
+        """The whole grid, here: a bit a voxel; ``options`` are those of ``dask.compute``.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.compute().shape[0]
+        31
+        """
         parts = need("dask", "big").compute(*self.blocks.values(), **options)
         return _whole(parts, self.lattice)
 
     def persist(self, **options: Any) -> Volume:
-        """The same volume whose chunks are computed (and, on a cluster, stay on the workers); ``options`` are those of ``dask.persist``."""
+        """The same volume whose chunks are computed (and, on a cluster, stay on the workers); ``options`` are those of ``dask.persist``.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> len(volume.persist().blocks) == len(volume.chunks)
+        True
+        """
         return Volume(self.chunks, dict(zip(self.blocks, need("dask", "big").persist(*self.blocks.values(), **options))))
 
     # ---- Dask's collection protocol: dask.compute, persist, optimize and visualize take volumes ----
@@ -105,7 +135,14 @@ class Volume:
                             "corner": self.lattice.corner, "tasks": len(self.__dask_graph__())})
 
     def rechunk(self, chunks: int | Sequence[int]) -> Volume:
-        """The same voxels in other ``chunks``: voxels along each axis, one number or three."""
+        """The same voxels in other ``chunks``: voxels along each axis, one number or three.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.rechunk(32).chunks.counts
+        (1, 1, 1)
+        """
         cut, made = Chunks(self.lattice, chunks), need("dask", "big").delayed(join, pure=True)
         return Volume(cut, {i: made(self.lattice, cut.window(i), _parts(self, cut.window(i))) for i in cut})
 
@@ -141,10 +178,14 @@ class Volume:
     def around(self, function: Callable[..., Grid], margin: int | Sequence[int], *arguments: Any) -> Volume:
         """A volume of ``function(grid, *arguments)``, for operations that look at neighbours.
 
-        Args:
-            function: takes a chunk with a halo, a `Grid` of a larger window; what it returns is cut to the chunk.
-            margin: voxels of the halo on either side, one number or three; the lattice's own sides end it.
-            arguments: passed on as they are.
+        Parameters
+        ----------
+        function
+            takes a chunk with a halo, a `Grid` of a larger window; what it returns is cut to the chunk.
+        margin
+            voxels of the halo on either side, one number or three; the lattice's own sides end it.
+        arguments
+            passed on as they are.
         """
         made, halo = need("dask", "big").delayed(_around, pure=True), _margin(margin)
         return Volume(self.chunks, {i: made(function, arguments, self.lattice, self.chunks.grown(i, halo), self.chunks.window(i),
@@ -160,13 +201,28 @@ class Volume:
     def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
         """`Grid.dilate` of the whole, with a halo of ``steps`` voxels, or of the ``radius``, around each chunk.
 
-        Args:
-            steps, neighbourhood, radius, beyond: as for `Grid.dilate`; ``beyond`` the lattice, that is.
+        Parameters
+        ----------
+        steps, neighbourhood, radius, beyond
+            as for `Grid.dilate`; ``beyond`` the lattice, that is.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.dilate(2).compute() == volume.compute().dilate(2)
+        True
         """
         return self._morphed("dilate", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
 
     def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.erode` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` and halo as for `dilate`."""
+        """`Grid.erode` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` and halo as for `dilate`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.erode().compute() <= volume.compute()
+        True
+        """
         return self._morphed("erode", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
 
     def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
@@ -180,8 +236,10 @@ class Volume:
     def hollow(self, thickness: float, *, beyond: bool = False) -> Volume:
         """`Grid.hollow` of the whole, without a drain hole, which would have to look at all of it; the halo is the thickness.
 
-        Args:
-            thickness, beyond: as for `Grid.hollow`.
+        Parameters
+        ----------
+        thickness, beyond
+            as for `Grid.hollow`.
         """
         Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).hollow(thickness)
         return self.around(_morph, _reach(self.lattice, thickness), "hollow", (thickness,), {"beyond": beyond})
@@ -192,9 +250,18 @@ class Volume:
         A task sees its chunk and a halo of the limit, so it costs memory: a chunk of 256 with a limit of 64 voxels holds 384^3
         numbers for a while.
 
-        Args:
-            limit: largest distance that is distinguished; above 0, and infinite only where one task may see the whole [world].
-            side, beyond, dtype: as for `Grid.distance`; ``beyond`` the lattice, that is. "signed": from -limit to limit.
+        Parameters
+        ----------
+        limit
+            largest distance that is distinguished; above 0, and infinite only where one task may see the whole [world].
+        side, beyond, dtype
+            as for `Grid.distance`; ``beyond`` the lattice, that is. "signed": from -limit to limit.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.distance(0.5).shape == volume.shape
+        True
         """
         if not limit > 0:
             raise ArgumentError(f"limit is {limit}; it must be above 0")
@@ -223,8 +290,16 @@ class Volume:
     def downsample(self, factor: Any, rule: Reduce = "any") -> Volume:
         """`Grid.downsample` of the whole; chunks keep their size in the world, rounded up to whole blocks.
 
-        Args:
-            factor, rule: as for `Grid.downsample`.
+        Parameters
+        ----------
+        factor, rule
+            as for `Grid.downsample`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.downsample(2).shape
+        (16, 16, 7)
         """
         cut, windows, by = self._blocks(factor, rule)
         made = need("dask", "big").delayed(_downsampled, pure=True)
@@ -233,8 +308,16 @@ class Volume:
     def coverage(self, factor: Any) -> Any:
         """`Grid.coverage` of the whole: a Dask array [x, y, z] of uint32, in chunks as those of `downsample`.
 
-        Args:
-            factor: as for `Grid.coverage`.
+        Parameters
+        ----------
+        factor
+            as for `Grid.coverage`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> int(volume.coverage(2).max().compute())
+        8
         """
         cut, windows, by = self._blocks(factor, "any")
         made = need("dask", "big").delayed(_coverage, pure=True)
@@ -349,14 +432,26 @@ def _part(chunks: Chunks, index: Index, options: dict[str, Any], *grids: Grid) -
 def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[int] = 512, **options: Any) -> Volume:
     """The voxels of a mesh in chunks.
 
-    Args:
-        mesh: a file that every worker can read, or what `Mesh.of` takes, which then is sent to each worker once.
-        lattice: a `bitvox.Lattice`, or resolution, spacing, padding, corner as for `bitvox.voxelize`.
-        chunks: voxels of a chunk along each axis; multiples of 64 along x are fastest.
-        options: rules of `bitvox.voxelize`; not fill "flood" or "regions", which look at the whole.
+    Parameters
+    ----------
+    mesh
+        a file that every worker can read, or what `Mesh.of` takes, which then is sent to each worker once.
+    lattice
+        a `bitvox.Lattice`, or resolution, spacing, padding, corner as for `bitvox.voxelize`.
+    chunks
+        voxels of a chunk along each axis; multiples of 64 along x are fastest.
+    options
+        rules of `bitvox.voxelize`; not fill "flood" or "regions", which look at the whole.
 
-    Returns:
+    Returns
+    -------
+    Volume
         A `Volume`; ``volume.array`` is a Dask array, ``volume.compute()`` a `Grid`.
+
+    Examples
+    --------
+    >>> bitvox.big.voxelize('knot.ply', resolution=32, chunks=16).count() == bitvox.voxelize('knot.ply', resolution=32).count
+    True
     """
     dask = need("dask", "big")
     source = source_of(mesh)
@@ -375,9 +470,18 @@ def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any]) 
 def from_dask(array: Any, lattice: Lattice | None = None, *, chunks: int | Sequence[int] | None = None) -> Volume:
     """A volume from a Dask array [x, y, z]; values other than 0 are set.
 
-    Args:
-        lattice: where it lies. Default: corner 0, spacing 1.
-        chunks: of the volume; None: the array's own, which must be regular.
+    Parameters
+    ----------
+    lattice
+        where it lies. Default: corner 0, spacing 1.
+    chunks
+        of the volume; None: the array's own, which must be regular.
+
+    Examples
+    --------
+    >>> import dask.array
+    >>> bitvox.big.from_dask(dask.array.ones((4, 4, 4), chunks=2)).count()
+    64
     """
     dask = need("dask", "big")
     if array.ndim != 3:
@@ -398,11 +502,20 @@ def _from_array(array: Any, lattice: Lattice, low: Any) -> Grid:
 def surface(volume: Volume, *, face_rule: FaceRule = "separate", dtype: Any = None, local_frame: bool = False) -> Mesh:
     """The closed surface of a volume: chunk by chunk on the workers, merged here.
 
-    Args:
-        face_rule, dtype, local_frame: as for `bitvox.surface`.
+    Parameters
+    ----------
+    face_rule, dtype, local_frame
+        as for `bitvox.surface`.
 
-    Returns:
+    Returns
+    -------
+    Mesh
         A `Mesh` with keys: the bytes of ``bitvox.surface(volume.compute(), keys=True)``.
+
+    Examples
+    --------
+    >>> bitvox.big.surface(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)).check().closed
+    True
     """
     return merge(need("dask", "big").compute(*surface_parts(volume, face_rule=face_rule, dtype=dtype, local_frame=local_frame)))
 

@@ -18,11 +18,19 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
     """One mesh of all objects of an AMF file, or of all instances of its constellations where it has some, in the file's own
     unit. Curved triangles are taken as flat.
 
-    Args:
-        path: .amf, plain, zipped or packed as .gz.
+    Parameters
+    ----------
+    path
+        .amf, plain, zipped or packed as .gz.
 
-    Raises:
-        FormatError: damaged XML, numbers that are none, vertex indices that are not there.
+    Raises
+    ------
+    FormatError
+        damaged XML, numbers that are none, vertex indices that are not there.
+
+    Examples
+    --------
+    >>> bitvox.formats.read_amf('part.amf')  # doctest: +SKIP
     """
     with open(path, "rb") as file:
         data = file.read()

@@ -25,10 +25,18 @@ def _files(source: Any) -> list[str]:
 def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series: str | None = None) -> Grid:
     """A grid from a DICOM series.
 
-    Args:
-        source, series: as for `read_dicom_volume`, which also says what is refused.
-        threshold: values above it are set; (low, high): from low to high.
-        labels: values that are set. Without either, all values other than 0.
+    Parameters
+    ----------
+    source, series
+        as for `read_dicom_volume`, which also says what is refused.
+    threshold
+        values above it are set; (low, high): from low to high.
+    labels
+        values that are set. Without either, all values other than 0.
+
+    Examples
+    --------
+    >>> bitvox.formats.read_dicom('folder', threshold=300)  # doctest: +SKIP
     """
     volume = read_dicom_volume(source, series=series)
     if (volume.direction != arrays.numpy("DICOM").eye(3)).any():
@@ -40,13 +48,23 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
     """The samples of a DICOM series after slope and intercept (Hounsfield units of CT), in the patient's millimetres (x to the left,
     y to the back, z to the head).
 
-    Args:
-        source: a folder, or the files of the slices in any order. Files that hold no picture are passed over.
-        series: SeriesInstanceUID, when the files are of several.
+    Parameters
+    ----------
+    source
+        a folder, or the files of the slices in any order. Files that hold no picture are passed over.
+    series
+        SeriesInstanceUID, when the files are of several.
 
-    Raises:
-        FormatError: slices that do not belong together, are missing or not evenly spaced.
-        UnsupportedError: slices that are shifted against each other. What lies oblique keeps its ``direction``.
+    Raises
+    ------
+    FormatError
+        slices that do not belong together, are missing or not evenly spaced.
+    UnsupportedError
+        slices that are shifted against each other. What lies oblique keeps its ``direction``.
+
+    Examples
+    --------
+    >>> bitvox.formats.read_dicom_volume('folder')  # doctest: +SKIP
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
     slices = []
@@ -125,17 +143,35 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
 def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None = None, tolerance: float = 0.01) -> Sections:
     """Contours of structures from a DICOM RTSTRUCT file, in the patient's millimetres.
 
-    Args:
-        path: the file. names: only these structures; a name that is not there is an error.
-        tolerance: how far points may lie off their plane [mm].
+    Parameters
+    ----------
+    path
+        the file.
+    names
+        only these structures; a name that is not there is an error.
+    tolerance
+        how far points may lie off their plane [mm].
 
-    Returns:
+    Returns
+    -------
+    Sections
         `Sections` whose loops carry the structures' names as labels. Points and open lines are left out. Contours that reach
         their holes by a line there and back ("keyholes") become an outer and an inner loop.
 
-    Raises:
-        FormatError: no RTSTRUCT, or no structure of a name. EmptyError: no closed contour of these structures.
-        ArgumentError: contours that do not lie in parallel planes.
+    Raises
+    ------
+    FormatError
+        no RTSTRUCT, or no structure of a name.
+    EmptyError
+        no closed contour of these structures.
+    ArgumentError
+        contours that do not lie in parallel planes.
+
+    Examples
+    --------
+    >>> bitvox.formats.write_rtstruct(bitvox.slice_mesh('knot.ply', spacing=0.2), 'r.dcm')
+    >>> bitvox.formats.read_rtstruct('r.dcm').labels
+    ['1']
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
     try:

@@ -22,17 +22,32 @@ _COLOURS = ((230, 25, 75), (60, 180, 75), (0, 130, 200), (245, 130, 48), (145, 3
 def write_segmentation(segments: Any, path: str | os.PathLike[str], *, source: Any = None, description: str = "bitvox") -> None:
     """Write masks as a DICOM segmentation (SEG), each voxel in its place, whatever the directions are.
 
-    Args:
-        segments: a `Grid`; a `Volume`, whose labels other than 0 become segments named by their numbers; or a dict of names and grids or
-            volumes of 0 and 1 that share their place. Segments may overlap. Grids are in the patient's millimetres, "lps", as volumes
-            that do not say their frame; volumes in "ras" are turned.
-        path: of the file.
-        source: the series that was segmented: a folder, or files or pydicom's datasets of its slices. The file then belongs to its patient, study and frame of
-            reference. Default: a new study of a patient without a name.
-        description: of the new series.
+    Parameters
+    ----------
+    segments
+        a `Grid`; a `Volume`, whose labels other than 0 become segments named by their numbers; or a dict of names and grids or
+        volumes of 0 and 1 that share their place. Segments may overlap. Grids are in the patient's millimetres, "lps", as volumes
+        that do not say their frame; volumes in "ras" are turned.
+    path
+        of the file.
+    source
+        the series that was segmented: a folder, or files or pydicom's datasets of its slices. The file then belongs to its patient, study and frame of
+        reference. Default: a new study of a patient without a name.
+    description
+        of the new series.
 
-    Raises:
-        ArgumentError: masks that do not share their place. EmptyError: no voxel is set.
+    Raises
+    ------
+    ArgumentError
+        masks that do not share their place.
+    EmptyError
+        no voxel is set.
+
+    Examples
+    --------
+    >>> bitvox.formats.write_segmentation({'knot': bitvox.voxelize('knot.ply', resolution=16)}, 'seg.dcm')
+    >>> list(bitvox.formats.read_segmentation('seg.dcm'))
+    ['knot']
     """
     np, hd, pydicom = arrays.numpy("DICOM"), need("highdicom", "medical"), need("pydicom", "medical")
     masks = _masks(segments)
@@ -136,15 +151,28 @@ def _save(made: Any, path: str | os.PathLike[str], pydicom: Any) -> None:
 def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
     """The segments of a DICOM segmentation (SEG), in its place and directions, in the patient's millimetres ("lps").
 
-    Args:
-        path: the file.
+    Parameters
+    ----------
+    path
+        the file.
 
-    Returns:
+    Returns
+    -------
+    dict[str, Volume]
         Volumes by the segments' names (and a number behind names that come twice): uint8 of 0 and 1, or of a fractional segmentation
         float32 from 0 to 1. ``volume.threshold(0.5)`` makes a `Grid`, ``volume.surface(0.5)`` a mesh.
 
-    Raises:
-        FormatError: the file is not a segmentation, or its frames do not make a volume.
+    Raises
+    ------
+    FormatError
+        the file is not a segmentation, or its frames do not make a volume.
+
+    Examples
+    --------
+    >>> solid = bitvox.voxelize('knot.ply', resolution=16)
+    >>> bitvox.formats.write_segmentation(solid, 'seg.dcm')
+    >>> bitvox.formats.read_segmentation('seg.dcm')['segment'].threshold(0.5).count == solid.count
+    True
     """
     np, hd, pydicom = arrays.numpy("DICOM"), need("highdicom", "medical"), need("pydicom", "medical")
     name = os.fspath(path)
@@ -171,14 +199,27 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
 def write_rtstruct(sections: Any, path: str | os.PathLike[str], *, source: Any = None, description: str = "bitvox") -> None:
     """Write contours as a DICOM RTSTRUCT, in the patient's millimetres.
 
-    Args:
-        sections: `Sections`, whose labels name the structures, or a dict of names and `Sections` or meshes' slices.
-        path: of the file.
-        source: the series that the contours belong to, as for `write_segmentation`; each contour on one of its planes refers to it.
-        description: the structure set's label, of at most 16 characters.
+    Parameters
+    ----------
+    sections
+        `Sections`, whose labels name the structures, or a dict of names and `Sections` or meshes' slices.
+    path
+        of the file.
+    source
+        the series that the contours belong to, as for `write_segmentation`; each contour on one of its planes refers to it.
+    description
+        the structure set's label, of at most 16 characters.
 
-    Raises:
-        EmptyError: no contour.
+    Raises
+    ------
+    EmptyError
+        no contour.
+
+    Examples
+    --------
+    >>> bitvox.formats.write_rtstruct({'knot': bitvox.slice_mesh('knot.ply', spacing=0.2)}, 'rs.dcm')
+    >>> bitvox.read('rs.dcm').labels
+    ['knot']
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
     given = {"": sections} if isinstance(sections, Sections) else dict(sections)

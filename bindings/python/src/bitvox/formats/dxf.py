@@ -15,21 +15,40 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
              tolerance: float = 1e-6) -> Sections:
     """Closed polylines of DXF drawings as sections; labels are the layers' names.
 
-    Args:
-        path: a drawing, or several of them.
-        positions: one for each drawing, where each is one section drawn flat: its x and y stay, its z becomes the position.
-        layers: only these; a name that no drawing has is an error.
-        normal: of the sections' planes.
-        close: join the ends of open polylines too; otherwise they are left out.
-        sagitta: how far chords may lie off arcs [drawing units]. Default: a thousandth of the polyline's size.
-        tolerance: how far points may lie off their plane [drawing units].
+    Parameters
+    ----------
+    path
+        a drawing, or several of them.
+    positions
+        one for each drawing, where each is one section drawn flat: its x and y stay, its z becomes the position.
+    layers
+        only these; a name that no drawing has is an error.
+    normal
+        of the sections' planes.
+    close
+        join the ends of open polylines too; otherwise they are left out.
+    sagitta
+        how far chords may lie off arcs [drawing units]. Default: a thousandth of the polyline's size.
+    tolerance
+        how far points may lie off their plane [drawing units].
 
-    Returns:
+    Returns
+    -------
+    Sections
         `Sections`, from POLYLINE, LWPOLYLINE, SPLINE, CIRCLE and ELLIPSE in model space and in the blocks that it inserts.
 
-    Raises:
-        EmptyError: no closed polyline, a layer that is not there. FormatError: no drawing, or a damaged one.
-        ArgumentError: a polyline that does not lie in a plane across the normal.
+    Raises
+    ------
+    EmptyError
+        no closed polyline, a layer that is not there.
+    FormatError
+        no drawing, or a damaged one.
+    ArgumentError
+        a polyline that does not lie in a plane across the normal.
+
+    Examples
+    --------
+    >>> bitvox.formats.read_dxf('plan.dxf', layer='walls')  # doctest: +SKIP
     """
     names = [os.fspath(path)] if isinstance(path, (str, os.PathLike)) else [os.fspath(one) for one in path]
     if positions is not None and len(positions) != len(names):

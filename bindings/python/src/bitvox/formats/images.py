@@ -17,12 +17,23 @@ def read_images(source: Any, *, threshold: Any = None, labels: Any = None, spaci
                 corner: Sequence[float] = (0.0, 0.0, 0.0), flip_y: bool = True) -> Grid:
     """A grid from pictures of its slices, the first one lowest in z.
 
-    Args:
-        source: file names in order, a pattern such as ``"scan_*.png"`` (sorted by the numbers in the names), or one file of
-            several pages (TIFF).
-        threshold, labels: which values are set; without either, all other than 0. Colour pictures count by their brightness.
-        spacing, corner: of the lattice [world].
-        flip_y: pictures have their top row first, which is the highest y.
+    Parameters
+    ----------
+    source
+        file names in order, a pattern such as ``"scan_*.png"`` (sorted by the numbers in the names), or one file of
+        several pages (TIFF).
+    threshold, labels
+        which values are set; without either, all other than 0. Colour pictures count by their brightness.
+    spacing, corner
+        of the lattice [world].
+    flip_y
+        pictures have their top row first, which is the highest y.
+
+    Examples
+    --------
+    >>> names = bitvox.formats.write_images(bitvox.Grid.from_numpy(np.ones((4, 5, 6))), 't_%02d.png')
+    >>> bitvox.formats.read_images('t_*.png').shape
+    (4, 5, 6)
     """
     np = arrays.numpy("pictures")
     library = need("PIL.Image", "formats", "Pillow")
@@ -52,12 +63,22 @@ def _by_numbers(path: str) -> list[Any]:
 def write_images(grid: Grid, pattern: str | os.PathLike[str], *, flip_y: bool = True) -> list[str]:
     """Write a grid as pictures of its slices, white where set.
 
-    Args:
-        pattern: a name with ``%d`` (or ``%04d``) for the slice's number, or one that ends in .tif for one file of all slices.
-        flip_y: as for `read_images`.
+    Parameters
+    ----------
+    pattern
+        a name with ``%d`` (or ``%04d``) for the slice's number, or one that ends in .tif for one file of all slices.
+    flip_y
+        as for `read_images`.
 
-    Returns:
+    Returns
+    -------
+    list[str]
         The names of the files.
+
+    Examples
+    --------
+    >>> len(bitvox.formats.write_images(bitvox.voxelize('knot.ply', resolution=8), 's_%02d.png')) >= 1
+    True
     """
     np = arrays.numpy("pictures")
     library = need("PIL.Image", "formats", "Pillow")

@@ -17,12 +17,23 @@ def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None)
     """The samples of a NIfTI volume, in the file's world (millimetres, x to the right, y forward, z up: the frame "ras"), with the axes
     nearest to the world's first; what lies oblique to them keeps its ``direction``.
 
-    Args:
-        path: .nii or .nii.gz.
-        index: which volume of a series of them.
+    Parameters
+    ----------
+    path
+        .nii or .nii.gz.
+    index
+        which volume of a series of them.
 
-    Raises:
-        UnsupportedError: a series of volumes, without an index.
+    Raises
+    ------
+    UnsupportedError
+        a series of volumes, without an index.
+
+    Examples
+    --------
+    >>> bitvox.Volume(np.arange(24.0).reshape(2, 3, 4)).save('v.nii')
+    >>> bitvox.formats.read_nifti_volume('v.nii').frame
+    'ras'
     """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
     image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
@@ -44,10 +55,21 @@ def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None)
 def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: Any = None, index: int | None = None) -> Grid:
     """A grid from a NIfTI volume or mask.
 
-    Args:
-        path, index: as for `read_nifti_volume`, which also says what is refused.
-        threshold: values above it are set; (low, high): from low to high. labels: values (one or several) that are set.
-            Without either, all values other than 0.
+    Parameters
+    ----------
+    path, index
+        as for `read_nifti_volume`, which also says what is refused.
+    threshold
+        values above it are set; (low, high): from low to high.
+    labels
+        values (one or several) that are set.
+        Without either, all values other than 0.
+
+    Examples
+    --------
+    >>> bitvox.formats.write_nifti(bitvox.voxelize('knot.ply', resolution=16), 'm.nii.gz')
+    >>> bitvox.formats.read_nifti('m.nii.gz').shape[0]
+    16
     """
     volume = read_nifti_volume(path, index=index)
     if (volume.direction != np_eye()).any():
@@ -64,6 +86,10 @@ def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
     """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the centre of the first voxel.
 
     The format keeps places as float32: what is read back has the same voxels on a lattice that may lie a rounding beside.
+
+    Examples
+    --------
+    >>> bitvox.formats.write_nifti(bitvox.voxelize('knot.ply', resolution=16), 'w.nii.gz')
     """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
     affine = np.diag([*grid.spacing, 1.0])

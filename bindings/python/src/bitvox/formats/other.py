@@ -18,7 +18,12 @@ _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml")
 
 
 def read_other(path: str, kind: str) -> Any:
-    """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read."""
+    """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read.
+
+    Examples
+    --------
+    >>> bitvox.formats.read_other('part.3mf', '3mf')  # doctest: +SKIP
+    """
     if kind == "nii":
         raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so; bitvox.read_volume gives the samples")
     if kind == "dxf":
