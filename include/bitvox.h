@@ -2245,13 +2245,13 @@ typedef struct bvx_section_loop {
     int32_t reserved;
 } bvx_section_loop;
 
-/** Contours on parallel planes. A zeroed struct is empty and ready to receive;
+/** Contours on planes. A zeroed struct is empty and ready to receive;
  *  callers may also fill one with arrays of their own (owned 0). Loops and sections
  *  may stand in any order; loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
     double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
-    double *positions;       /**< where each section's plane lies along normal: point . normal / |normal|
+    double *positions;       /**< where each section's plane lies along its normal: point . normal / |normal|
                                   [Size: section_count] */
     uint64_t point_count;    /**< [Limit: < 2^31] */
     uint64_t loop_count;
@@ -2260,7 +2260,9 @@ typedef struct bvx_sections {
     double normal[3];                                         /**< of all planes, any length but 0 */
     int32_t owned; /**< 1 when bvx_sections_free frees the arrays */
     int32_t reserved;
-    uint64_t reserved2[4];
+    double *normals; /**< of each plane, in place of normal, any length but 0; NULL: the planes are parallel
+                          [Size: section_count * 3] */
+    uint64_t reserved2[3];
 } bvx_sections;
 
 /** Free what the library allocated and zero the struct. */
@@ -2348,7 +2350,10 @@ typedef struct bvx_sections_report {
     uint64_t joined_slabs;    /**< pairs that were not, since their levels would cross there: walls much
                                    thinner than a cell */
     uint64_t mended_loops;    /**< loops given that were split, joined or left out */
-    uint64_t reserved[4];
+    uint64_t planes;          /**< of all sections, where they are not parallel; else 0 */
+    uint64_t settled;         /**< places on lines where planes cross at which contours were moved to agree */
+    uint64_t gaps;      /**< stretches of such lines on which still only one of two sections is inside */
+    double largest_gap; /**< how far contours were apart there at most [Units: world] */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -2373,7 +2378,12 @@ typedef struct bvx_sections_options {
                         and borders that two loops have in common go, with points that lie on nothing else
                         [Limit: 0..1] [Default: 0, they are refused] */
     int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_LINEAR] */
-    int32_t reserved;
+    int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours'
+                        box; spacing gives the side of one instead [Limit: 0, or 8..1024] [Default: 0; with no
+                        spacing either: 64] */
+    double agree;  /**< planes that are not parallel: contours that are at most so far apart where two planes
+                        cross are moved to agree there [Units: world] [Limit: >= 0] [Default: 0: a hundredth
+                        of that longest side] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
@@ -2382,7 +2392,7 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  decides: its points are vertices with the coordinates given. Between planes the surface follows a blend
  *  of the sections' signed distances, by marching cubes over a grid of cells. The surface is oriented,
  *  edge- and vertex-manifold, and closed but for open caps. How loops in loops, cells that a contour
- *  crosses more than once, and ends of parts are treated: docs/rules.md.
+ *  crosses more than once, ends of parts, and planes that are not parallel are treated: docs/rules.md.
  *
  *  Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of
  *  the contours' extent and a quarter of the way to the next plane]
@@ -2850,12 +2860,12 @@ typedef struct bvx_read_sections_options {
 BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size);
 
 /** Read section contours from the bytes of a file. How holes and labels of CSL are read: docs/formats.md.
- *  BVX_FORMAT_CSL  planes with their equation, points and loops with labels; planes parallel within 1e-4
- *                  rad, points within 1/1000 of the largest coordinate of their plane
+ *  BVX_FORMAT_CSL  planes with their equation, points and loops with labels; normals are set unless all
+ *                  planes are parallel within 1e-4 rad, points lie within 1/1000 of the largest coordinate
  *  BVX_FORMAT_CSV  a head line and lines of section, position, loop, x, y (any order, others are ignored;
  *                  also label); comma, semicolon or tab. Planes are z = position; a first point that is
  *                  repeated at the end is left out
- *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (planes that are not parallel, no contour
+ *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (no contour
  *  format), BVX_ERR_EMPTY, BVX_ERR_RANGE.
  *  [Memory, the stack included: at most 40 times size and 32 KiB] [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,

@@ -81,6 +81,7 @@ struct cli_options {
     int32_t format;         /* of standard input and output, BVX_FORMAT_... */
     cli_list resolution, levels, triangles, window, size;
     double spacing;
+    double agree;
     cli_triple origin, from, up;
     int32_t padding;
     int32_t fill;          /* BVX_FILL_... */
@@ -113,7 +114,7 @@ struct cli_options {
     cli_list seeds;   /* three numbers each */
     const char *mesh; /* the file of a surface's mesh */
     int32_t connectivity;
-    int32_t layers, blend, caps, nesting, mend, crossings, subdivide, label; /* sections */
+    int32_t layers, blend, caps, nesting, mend, crossings, subdivide, label, cells; /* sections */
     const char *block_model;
     cli_triple block;
     double close_gap;      /* between the ends of a contour */

@@ -298,6 +298,11 @@ static const cli_argument arguments[] = {
          "cells over the sections [auto: sides of twice the mean length of the\ncontours' segments]"),
     BETWEEN("--spacing", "S", CLI_SECTIONS, spacing, 0, 1e300,
             "side of a cell in the contours' unit, in place of --grid"),
+    WHOLE("--cells", "N", CLI_SECTIONS, cells, 8, 1024,
+          "planes that are not parallel: cells along the longest side of the\ncontours' box [64]"),
+    FROM_TO(
+        "--agree", "D", CLI_SECTIONS, agree, 0, 1e300,
+        "planes that are not parallel: contours at most so far apart where two\nplanes cross are moved to agree [a hundredth of that longest side]"),
     FROM_TO(
         "--close-gap", "G", CLI_SECTIONS, close_gap, 0, 1e300,
         "of .csv: loops whose ends lie further apart than G are refused as open\npolylines; 0 closes all of them by a straight side [0]"),

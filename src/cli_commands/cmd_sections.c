@@ -59,6 +59,7 @@ static const cli_rule sections_rules[] = {
      .given = "--triangles --error --error-kind",
      .message = "%o needs a closed body, not --caps open"},
     {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
+    {.given = "--cells", .beside = "--spacing", .message = "%o and %b contradict each other"},
     {.given = "--block-model", .lacking = "--block", .message = "--block-model and --block go together"},
     {.given = "--block", .lacking = "--block-model", .message = "--block-model and --block go together"},
     {.unless = MODEL_IS_CSV, .given = "--block-model", .message = "%w: a block model's name ends in .csv"},
@@ -79,6 +80,8 @@ static int build_body(cli_run *run, sections_job *job)
     if (cli_given(run, "--grid"))
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)o->size.value[k];
     s.spacing = o->spacing;
+    s.cells = o->cells;
+    s.agree = o->agree;
     if (cli_given(run, "--layers")) s.layers = o->layers;
     if (cli_given(run, "--subdivide")) s.depth = o->subdivide;
     if (cli_given(run, "--label")) s.label = o->label;
@@ -219,6 +222,24 @@ static const char *verdict(const bvx_certificate *c)
                                                                  : "not manifold";
 }
 
+/* What there is to say of planes that are not parallel, from the end of the sections' line on. */
+static void say_planes(cli_run *run, const sections_job *job)
+{
+    const bvx_sections_report *const r = &job->report;
+    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+
+    cli_say(run, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
+    cli_say(run,
+            "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
+            " gaps left, %g apart at most\n",
+            r->settled, r->gaps, r->largest_gap);
+    cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges, r->unkept_points);
+    cli_tell_reduction(run, &job->reduction);
+    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
+            c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
+    cli_say(run, "  volume      %g by the mesh\n  time        %.1f ms\n", c->volume, job->seconds * 1e3);
+}
+
 static void say_body(cli_run *run, const sections_job *job)
 {
     const bvx_sections_report *const r = &job->report;
@@ -229,6 +250,10 @@ static void say_body(cli_run *run, const sections_job *job)
             r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
     if (r->mended_loops != 0) cli_say(run, "; %" PRIu64 " loops mended", r->mended_loops);
+    if (r->planes != 0) {
+        say_planes(run, job);
+        return;
+    }
     cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
             r->cell[0], r->cell[1]);
     cli_say(run,
@@ -287,6 +312,10 @@ static void report_body(cli_run *run, const sections_job *job)
     cli_json_count(t, "crossed_cells", r->crossed_cells);
     cli_json_count(t, "nested_slabs", r->nested_slabs);
     cli_json_count(t, "joined_slabs", r->joined_slabs);
+    cli_json_count(t, "planes", r->planes);
+    cli_json_count(t, "settled", r->settled);
+    cli_json_count(t, "gaps", r->gaps);
+    cli_json_value(t, "largest_gap", r->largest_gap);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -318,6 +347,15 @@ static void warn_of_body(cli_run *run, const sections_job *job)
     const bvx_sections_report *const r = &job->report;
     int32_t const depth = cli_given(run, "--subdivide") ? run->options->subdivide : USUAL_DEPTH;
 
+    if (r->planes != 0) {
+        if (r->unkept_edges + r->unkept_points + r->gaps != 0)
+            cli_warn(
+                run,
+                "at %" PRIu64 " points, %" PRIu64 " edges and %" PRIu64
+                " gaps where planes cross the surface does not follow the contours, which contradict each other",
+                r->unkept_points, r->unkept_edges, r->gaps);
+        return;
+    }
     if (r->unkept_edges + r->unkept_loops != 0)
         cli_warn(run,
                  "%" PRIu64 " edges and %" PRIu64
@@ -373,7 +411,7 @@ const cli_command cli_sections = {
     1,
     "IN -o OUT [options]",
     "a closed body from the contours of its sections",
-    "Reads closed contours on parallel planes (.csl; .csv with the columns section,position,loop,x,y and\n"
+    "Reads closed contours on planes (.csl, of any direction; .csv with the columns section,position,loop,x,y and\n"
     "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
     "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
     "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"

@@ -42,6 +42,14 @@ bvx_status bvxi_contour_add_section(bvxi_contour_file *f, double position)
     return BVX_OK;
 }
 
+bvx_status bvxi_contour_add_plane(bvxi_contour_file *f, double position, const double normal[3])
+{
+    bvx_sections *const s = &f->sections;
+    BVXI_TRY(contour_room(f, &s->normals, s->section_count, &f->normal_room, 24, "the sections"));
+    memcpy(s->normals + 3 * s->section_count, normal, 24);
+    return bvxi_contour_add_section(f, position);
+}
+
 bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &f->sections;
@@ -70,6 +78,10 @@ bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
     bvx_sections *const s = &f->sections;
 
     if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+    if (s->normals != NULL)
+        BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->normals, f->normal_room * 24, s->section_count * 24,
+                             "the sections"));
+    f->normal_room = s->section_count;
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->positions, s->section_capacity * 8, s->section_count * 8,
                          "the sections"));
     s->section_capacity = s->section_count;

@@ -10,6 +10,8 @@ typedef struct bvxi_contour_file {
     const char *format; /* "CSL" */
     const char *begin, *p, *end;
     bvx_sections sections; /* owned; freed by the caller after a failure */
+    uint64_t normal_room;  /* of its normals */
+    int oblique;           /* some planes are not parallel to the first one */
 } bvxi_contour_file;
 
 /* "FORMAT: line N: what". */
@@ -19,6 +21,8 @@ BVXI_COLD bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const 
                                               uint64_t number, const char *rest);
 
 bvx_status bvxi_contour_add_section(bvxi_contour_file *f, double position);
+/* One with a normal of its own. */
+bvx_status bvxi_contour_add_plane(bvxi_contour_file *f, double position, const double normal[3]);
 bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label);
 /* To the last loop. */
 bvx_status bvxi_contour_add_point(bvxi_contour_file *f, const double p[3]);

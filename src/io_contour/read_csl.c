@@ -8,8 +8,9 @@
  *
  * All space is equal. A loop's label is its body's. A hole's label is that of what fills it: the hole bounds
  * the body of the loop that it lies in, whatever its own label, and where that is another one and not 0 the
- * same loop bounds the body inside too. A plane's position is the mean of its points along the first plane's
- * normal, near that of its equation; planes without points have that of their equation. */
+ * same loop bounds the body inside too. A plane's position is the mean of its points along its normal, near
+ * that of its equation; planes without points have that of their equation. Planes that are parallel to the
+ * first one share its normal; where one is not, each keeps its own. */
 #include "io_contour/contour_text.h"
 #include "io/formats.h"
 
@@ -17,6 +18,7 @@
 
 enum { CSL_LEAST_POINT = 6, CSL_LEAST_INDEX = 2 };
 
+#define CSL_PARALLEL  1e-4 /* rad */
 #define CSL_PLANE_OFF 1e-3 /* of the largest coordinate: how far a plane's points may lie from its equation */
 
 static int csl_space(char c)
@@ -59,56 +61,60 @@ static bvx_status csl_real(bvxi_contour_file *f, const char *what, double *value
     return BVX_OK;
 }
 
-/* The unit normal of a plane, and its distance from the origin; the first plane's is the stack's. */
-static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const double equation[4], int first,
-                                   double *position)
+/* The unit normal of a plane, turned like the first one's where they are parallel, and its distance from the
+ * origin. */
+static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const double equation[4],
+                                   double unit[3], double *position)
 {
-    double const *const n = f->sections.normal;
     double const length = sqrt((equation[0] * equation[0] + equation[1] * equation[1]) +
                                equation[2] * equation[2]);
-    double unit[3], dot, cross[3], sine;
+    int const first = f->sections.section_count == 0;
+    double dot = 0.0, sine = 0.0, n[3];
 
     if (!(length > 0.0) || !(length < 1e300))
         return bvxi_contour_fail(f, at, BVX_ERR_FORMAT, "the plane's normal has no length");
     for (int i = 0; i < 3; i++) unit[i] = equation[i] / length;
-    if (first) memcpy(f->sections.normal, unit, sizeof unit);
-    dot = (unit[0] * n[0] + unit[1] * n[1]) + unit[2] * n[2];
+    memcpy(n, first ? unit : f->sections.normal, sizeof n);
+    memcpy(f->sections.normal, n, sizeof n);
+    *position = -equation[3] / length;
     for (int i = 0; i < 3; i++) {
         int const j = (i + 1) % 3, k = (i + 2) % 3;
-        cross[i] = unit[j] * n[k] - unit[k] * n[j];
+        double const cross = unit[j] * n[k] - unit[k] * n[j];
+        dot += unit[i] * n[i];
+        sine += cross * cross;
     }
-    sine = sqrt((cross[0] * cross[0] + cross[1] * cross[1]) + cross[2] * cross[2]);
-    if (sine > 1e-4)
-        return bvxi_contour_fail(f, at, BVX_ERR_UNSUPPORTED,
-                                 "the plane is not parallel to the first one (more than 1e-4 rad)");
-    *position = -equation[3] / length;
-    if (dot < 0.0) *position = -*position;
+    if (sqrt(sine) > CSL_PARALLEL) {
+        f->oblique = 1;
+        return BVX_OK;
+    }
+    if (dot >= 0.0) return BVX_OK;
+    *position = -*position;
+    for (int i = 0; i < 3; i++) unit[i] = -unit[i];
     return BVX_OK;
 }
 
-static double csl_height(const bvxi_contour_file *f, const double p[3])
+static double csl_height(const double n[3], const double p[3])
 {
-    double const *const n = f->sections.normal;
-
     return (p[0] * n[0] + p[1] * n[1]) + p[2] * n[2];
 }
 
 /* The position becomes that of the points that loops have, from first on in the stack. */
-static void csl_settle_position(bvxi_contour_file *f, uint64_t first, double *position)
+static void csl_settle_position(bvxi_contour_file *f, uint64_t first, uint64_t end, const double n[3],
+                                double *position)
 {
     const double *const points = f->sections.points;
-    uint64_t const count = f->sections.point_count - first;
+    uint64_t const count = end - first;
     double base, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
 
     if (count == 0) return;
-    base = csl_height(f, points + 3 * first);
-    for (uint64_t i = first; i < f->sections.point_count; i++) sum += csl_height(f, points + 3 * i) - base;
+    base = csl_height(n, points + 3 * first);
+    for (uint64_t i = first; i < end; i++) sum += csl_height(n, points + 3 * i) - base;
     *position = base + sum / (double)count;
 }
 
 /* A plane's points, some of which must be near its equation. */
-static bvx_status csl_points(bvxi_contour_file *f, const char *start, double *points, uint64_t count,
-                             double equation)
+static bvx_status csl_points(bvxi_contour_file *f, const char *start, const double n[3], double *points,
+                             uint64_t count, double equation)
 {
     double largest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
 
@@ -117,7 +123,7 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, double *po
         double height;
 
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
-        height = csl_height(f, p);
+        height = csl_height(n, p);
         low = height < low ? height : low;
         high = height > high ? height : high;
         for (int k = 0; k < 3; k++) largest = bvxi_absolute(p[k]) > largest ? bvxi_absolute(p[k]) : largest;
@@ -208,8 +214,7 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
 static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
 {
     uint64_t number, points, loops;
-    uint64_t const first = f->sections.point_count;
-    double equation[4], position = 0.0, *at = NULL;
+    double equation[4], normal[3], position = 0.0, *at = NULL;
     const char *start;
 
     csl_skip(f);
@@ -219,14 +224,34 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
                        &points));
     BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
-    BVXI_TRY(csl_plane_normal(f, start, equation, section == 0, &position));
+    BVXI_TRY(csl_plane_normal(f, start, equation, normal, &position));
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
-    BVXI_TRY(csl_points(f, start, at, points, position));
-    BVXI_TRY(bvxi_contour_add_section(f, position));
+    BVXI_TRY(csl_points(f, start, normal, at, points, position));
+    BVXI_TRY(bvxi_contour_add_plane(f, position, normal));
     BVXI_TRY(csl_loops(f, at, points, section, loops));
-    csl_settle_position(f, first, &f->sections.positions[section]);
     bvxi_drop(f->ctx, at);
     return BVX_OK;
+}
+
+/* Loops stand in the order of their planes, and so do their points; a loop of what fills a hole has points of
+ * a loop before it. */
+static void csl_settle_planes(bvxi_contour_file *f)
+{
+    bvx_sections *const s = &f->sections;
+    uint64_t loop = 0, point = 0;
+
+    for (uint64_t i = 0; i < s->section_count; i++) {
+        uint64_t const first = point;
+        for (; loop < s->loop_count && s->loops[loop].section == i; loop++) {
+            uint64_t const end = s->loops[loop].first_point + s->loops[loop].point_count;
+            point = end > point ? end : point;
+        }
+        csl_settle_position(f, first, point, f->oblique ? s->normals + 3 * i : s->normal, &s->positions[i]);
+    }
+    if (f->oblique) return;
+    bvxi_free(f->ctx, s->normals, f->normal_room * 24);
+    s->normals = NULL;
+    f->normal_room = 0;
 }
 
 bvx_status bvxi_read_csl(bvxi_contour_file *f)
@@ -247,5 +272,6 @@ bvx_status bvxi_read_csl(bvxi_contour_file *f)
     csl_skip(f);
     if (f->p < f->end)
         return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "there is more after the last plane");
+    csl_settle_planes(f);
     return BVX_OK;
 }

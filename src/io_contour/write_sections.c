@@ -53,6 +53,14 @@ static uint64_t count_labels(const bvx_sections *s)
     return (uint64_t)most + 1;
 }
 
+static void put_unit(bvxi_output *o, const double n[3])
+{
+    double const length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
+    double const unit[3] = {n[0] / length, n[1] / length, n[2] / length};
+
+    put_triple(o, unit);
+}
+
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
     bvxi_output_text(o, "CSLC\n");
@@ -70,7 +78,8 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
         bvxi_output_text(o, " ");
         bvxi_output_number(o, c.loops);
         bvxi_output_text(o, " ");
-        put_triple(o, normal);
+        if (s->normals == NULL) put_triple(o, normal);
+        else put_unit(o, s->normals + 3 * k);
         bvxi_output_text(o, " ");
         put_real(o, -s->positions[k]);
         bvxi_output_text(o, "\n\n");
@@ -212,21 +221,29 @@ static void put_sections(const bvx_sections *s, int32_t format, const double axi
 static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s,
                                        int32_t format, const double axis[3][3])
 {
+    for (uint64_t i = 0; i < s->section_count && s->normals != NULL; i++) {
+        double frame[3][3];
+        if (format == BVX_FORMAT_CSV || format == BVX_FORMAT_SVG)
+            return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
+                                 "%s: only CSL holds planes that each have a normal", function);
+        BVXI_TRY(bvxi_section_frame(ctx, function, s->normals + 3 * i, frame));
+    }
     if (format == BVX_FORMAT_CSV) {
         if (!(axis[2][2] == 1.0))
-            return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSV holds planes z = position only; take CSL",
-                             function);
+            return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
+                                 "%s: CSV holds planes z = position only; take CSL", function);
         for (uint64_t i = 0; i < s->loop_count; i++)
             for (uint64_t j = 0; j < s->loops[i].point_count; j++)
                 if (s->points[3 * (s->loops[i].first_point + j) + 2] != s->positions[s->loops[i].section])
-                    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                                     "%s: loop %i has points off its plane, which CSV cannot hold; take CSL",
-                                     function, i);
+                    return bvxi_fail_for(
+                        ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
+                        "%s: loop %i has points off its plane, which CSV cannot hold; take CSL", function, i);
     } else if (format == BVX_FORMAT_CSL) {
         for (uint64_t i = 0; i < s->loop_count; i++)
             if (s->loops[i].label < 0)
-                return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: CSL holds no negative labels (loop %i: %d)",
-                                 function, i, (int64_t)s->loops[i].label);
+                return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
+                                     "%s: CSL holds no negative labels (loop %i: %d)", function, i,
+                                     (int64_t)s->loops[i].label);
     } else if (format == BVX_FORMAT_SVG) {
         double low[2], high[2];
         bound_drawing(s, axis, low, high);
@@ -252,7 +269,10 @@ static bvx_status run_write_sections(bvx_context *context, const bvx_sections *s
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_sections_check(context, function, sections));
-    BVXI_TRY(bvxi_section_frame(context, function, sections->normal, axis));
+    BVXI_TRY(bvxi_section_frame(context, function,
+                                sections->normals != NULL && sections->section_count != 0 ? sections->normals
+                                                                                          : sections->normal,
+                                axis));
     BVXI_TRY(check_section_format(context, function, sections, format, (const double(*)[3])axis));
     put_sections(sections, format, (const double(*)[3])axis, &out);
     BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, out.size, "the contour file", &made.bytes));

@@ -12,6 +12,7 @@
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
 #include "section/mend.h"
 #include "section/nesting.h"
+#include "section/oblique.h"
 
 #include "mesh/mesh.h"
 
@@ -40,7 +41,7 @@ static const bvxi_option sections_rows[] = {
     BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
     BVXI_SWITCH(bvx_sections_options, mend),
     BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_LINEAR, BVX_BLEND_CUBIC),
-    BVXI_RESERVED(bvx_sections_options, reserved),
+    BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
 };
@@ -48,6 +49,13 @@ static const bvxi_option sections_rows[] = {
 static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, sections_name, o, BVXI_OPTIONS(sections_rows)));
+    if (o->cells != 0 && (o->cells < 8 || o->cells > 1024))
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: cells is %d; 0 or 8 to 1024 are possible", sections_name,
+                             (int64_t)o->cells);
+    if (o->cells != 0 && o->spacing != 0.0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: cells and spacing are both given", sections_name);
     if (o->grid[0] == 0 && o->grid[1] == 0) return BVX_OK;
 
     for (int32_t a = 0; a < 2; a++)
@@ -222,25 +230,14 @@ static bvx_status check_mended(bvx_context *ctx, const bvx_mesh *mesh)
         sections_name);
 }
 
-static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
-                                     const bvx_sections_options *options, bvx_mesh *mesh)
+static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
+                              const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
 {
-    bvx_sections_options o;
     bvxi_mended mended;
     bvxi_stack stack;
-    bvx_status status;
-    int own;
+    int const own = mesh->positions == NULL;
+    bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
-    own = mesh->positions == NULL;
-    bvx_sections_options_init(&o, sizeof o);
-    BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
-    BVXI_TRY(check_section_options(context, &o));
-    if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
-    BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
-    BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, &o, &mended, &stack));
     if (status == BVX_OK) {
         measure_prismoids(&stack);
         status = BVXI_SHARE(context, 0.15, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
@@ -249,15 +246,81 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
         status = BVXI_SHARE(context, 0.95, 1.0, check_mended(context, mesh));
         if (status != BVX_OK && own) bvx_mesh_free(context, mesh);
     }
-    if (status == BVX_OK && o.report != NULL) {
+    if (status == BVX_OK) {
         stack.report.skipped = stack.report.samples > stack.report.distances
                                    ? stack.report.samples - stack.report.distances
                                    : 0;
-        *o.report = stack.report;
+        *report = stack.report;
     }
     bvxi_stack_close(&stack);
     bvxi_mended_close(context, &mended);
     return status;
+}
+
+/* ---- planes that each have a normal ---- */
+
+#define SECTIONS_PARALLEL 1e-4 /* rad */
+
+/* 1: within so little of the first one; *against: it points the other way. */
+static int is_parallel(const double a[3], const double b[3], int *against)
+{
+    double const one = sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]);
+    double const two = sqrt((b[0] * b[0] + b[1] * b[1]) + b[2] * b[2]);
+    double square = 0.0, dot = 0.0;
+
+    for (int i = 0; i < 3; i++) {
+        int const j = (i + 1) % 3, k = (i + 2) % 3;
+        double const cross = a[j] / one * (b[k] / two) - a[k] / one * (b[j] / two);
+        square += cross * cross;
+        dot += a[i] / one * (b[i] / two);
+    }
+    *against = dot < 0.0;
+    return square <= SECTIONS_PARALLEL * SECTIONS_PARALLEL;
+}
+
+static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
+                                const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    uint64_t const bytes = sections->section_count * 8;
+    bvx_sections stack = *sections;
+    double *positions = NULL;
+    int parallel = 1;
+    bvx_status status;
+
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the sections' positions", &positions));
+    for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
+        int against;
+        parallel = is_parallel(sections->normals, sections->normals + 3 * i, &against);
+        positions[i] = against ? -sections->positions[i] : sections->positions[i];
+    }
+    memcpy(stack.normal, sections->normals, sizeof stack.normal);
+    stack.positions = positions;
+    stack.normals = NULL;
+    status = parallel ? build_stack(context, &stack, o, report, mesh)
+                      : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+    bvxi_drop(context, positions);
+    return status;
+}
+
+static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
+                                     const bvx_sections_options *options, bvx_mesh *mesh)
+{
+    bvx_sections_options o;
+    bvx_sections_report report;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
+    bvx_sections_options_init(&o, sizeof o);
+    BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
+    BVXI_TRY(check_section_options(context, &o));
+    if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
+    BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
+    BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
+    memset(&report, 0, sizeof report);
+    BVXI_TRY(sections->normals == NULL ? build_stack(context, sections, &o, &report, mesh)
+                                       : build_normals(context, sections, &o, &report, mesh));
+    if (o.report != NULL) *o.report = report;
+    return BVX_OK;
 }
 
 bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,

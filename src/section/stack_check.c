@@ -41,7 +41,7 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 {
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
     if (given->reserved != 0) return bvxi_fail_reserved(ctx, function, "sections.");
-    for (uint64_t i = 0; i < 4; i++)
+    for (uint64_t i = 0; i < 3; i++)
         if (given->reserved2[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: sections.reserved2[%u] must be 0", function, i);
@@ -60,6 +60,10 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
         if (!is_number(given->positions[i]))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: the position of section %i is not finite", function, i);
+    for (uint64_t i = 0; i < 3 * given->section_count && given->normals != NULL; i++)
+        if (!is_number(given->normals[i]))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: the normal of section %i is not finite", function, i / 3);
     for (uint64_t i = 0; i < given->loop_count; i++) BVXI_TRY(check_loop(ctx, function, given, i));
     for (uint64_t i = 0; i < 3 * given->point_count; i++)
         if (!is_number(given->points[i]))

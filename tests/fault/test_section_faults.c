@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed;
+static section_maker stack, walls, crossed, oblique;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -41,6 +41,10 @@ static int make_inputs(void **state)
         stack_round(&crossed, k, 7, 2, 1, 1, 12, 0, 0, 0);
         stack_round(&crossed, k, 8, 2, 1, 1, 12, 0, 0, 0);
     }
+    stack_oblique(&oblique);
+    for (int i = 0; i < 3; i++)
+        stack_ball_cut(&oblique, stack_plane(&oblique, i == 0, i == 1, 0.3 + 0.2 * i, 0.1 * i), 0, 0, 0, 1.0,
+                       9);
     return 0;
 }
 
@@ -61,6 +65,7 @@ enum {
     RUN_CUBIC,
     RUN_JOINED,
     RUN_MENDED,
+    RUN_OBLIQUE,
     RUN_FILES,
     RUN_SLICE,
     RUNS
@@ -81,6 +86,8 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 7;
     o.grid[1] = 5;
+    o.cells = 8;
+    o.agree = 0.5;
     if (run->kind == RUN_TAPER) o.caps = BVX_CAPS_TAPER;
     if (run->kind == RUN_PAPER) o.crossings = BVX_CROSSINGS_PAPER;
     if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.layers = 3;
@@ -88,9 +95,10 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,
-                                           run->kind == RUN_JOINED ? &walls.s
-                                           : o.mend                ? &crossed.s
-                                                                   : &stack.s,
+                                           run->kind == RUN_JOINED    ? &walls.s
+                                           : run->kind == RUN_OBLIQUE ? &oblique.s
+                                           : o.mend                   ? &crossed.s
+                                                                      : &stack.s,
                                            &o, &mesh);
     if (status == BVX_OK && report.mended_loops != (o.mend ? 6u : 0u)) run->wrong |= 4;
     if (status == BVX_OK && (report.joined_slabs == 1) != (run->kind == RUN_JOINED)) run->wrong |= 4;
@@ -102,18 +110,18 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 
 static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG};
+    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG, BVX_FORMAT_CSL};
     bvx_status status = BVX_OK;
 
-    for (int i = 0; i < 3 && status == BVX_OK; i++) {
+    for (int i = 0; i < 4 && status == BVX_OK; i++) {
         bvx_buffer file = {0};
         bvx_sections read;
         memset(&read, 0, sizeof read);
-        status = bvx_write_sections(ctx, &stack.s, formats[i], &file);
+        status = bvx_write_sections(ctx, i == 3 ? &oblique.s : &stack.s, formats[i], &file);
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
         bvx_read_sections_options o;
         bvx_read_sections_options_init(&o, sizeof o);
-        if (status == BVX_OK && i < 2)
+        if (status == BVX_OK && i != 2)
             status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
         if (status != BVX_OK) run->wrong |= read.points != NULL;
         bvx_sections_free(ctx, &read);

@@ -65,6 +65,8 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     o.mend = choice / 64 % 2;
     o.blend = choice / 128 % 2;
     o.label = s->loops[0].label;
+    o.cells = 8 + choice % 13;
+    o.agree = choice / 256 % 3 == 0 ? 0.0 : 1e9; /* of planes that are not parallel */
     status = bvx_build_sections(ctx, s, &o, &mesh);
     if (status == BVX_OK) {
         bvx_mesh_view_of(&mesh, &view);
@@ -111,6 +113,12 @@ static const char fuzz_csl[] =
     "CSLC\n2 2\n\n1 7 2 0 0 1 -0.5\n\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n1 1 .5\n2 1 .5\n1 2 .5\n\n4 1 0 1 2 3\n3h0 1 4 5 6\n"
     "2 3 1 0 0 -1 1.5\n0 0 1.5 4 0 1.5 4 4 1.5\n3 1 2 1 0\n";
 
+/* three planes that cross, two of them with squares */
+static const char fuzz_planes[] =
+    "CSLC\n3 2\n\n1 4 1 0 0 1 -0.5\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n4 1 0 1 2 3\n"
+    "2 4 1 0 1 0.1 -2\n0 2.2 -2\n4 2.2 -2\n4 1.8 2\n0 1.8 2\n4 1 0 1 2 3\n"
+    "3 4 1 1 0 0 -2\n2 0 -2\n2 4 -2\n2 4 2\n2 0 2\n4 1 0 1 2 3\n4 0 0 1 1 1 40\n";
+
 static const char *const fuzz_words[] = {
     "section",     "position",   "loop", "label", "x",     "y",      ",",
     ";",           "\t",         "\n",   "\"",    "#",     "CSLC\n", "h0 ",
@@ -122,6 +130,7 @@ static int fuzz_make_seeds(bvx_context *ctx, fuzz_file *seeds)
     (void)ctx;
     fuzz_seed_text(seeds, &n, "csv", fuzz_csv);
     fuzz_seed_text(seeds, &n, "csl", fuzz_csl);
+    fuzz_seed_text(seeds, &n, "csl", fuzz_planes);
     return n;
 }
 

@@ -153,6 +153,32 @@ static void mended_values(golden *g)
     golden_end(g);
 }
 
+/* A shell through planes of any direction, then planes along the axes, one of them without a loop. */
+static void oblique_values(golden *g)
+{
+    bvx_sections_options o;
+    bvx_mesh mesh = {0};
+    uint64_t seed = 23;
+
+    bvx_sections_options_init(&o, sizeof o);
+    o.cells = 24;
+    golden_begin(g, "oblique");
+    stack_oblique(&golden_stack);
+    for (int i = 0; i < 9; i++) {
+        uint32_t const k = stack_any_plane(&golden_stack, &seed, 0.8);
+        stack_ball_cut(&golden_stack, k, 0.1, 0, 0, 1.0, 60);
+        stack_ball_cut(&golden_stack, k, 0.1, 0, 0, 0.5, 40);
+    }
+    mesh_value(g, "shell", bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
+    stack_oblique(&golden_stack);
+    for (int i = 0; i < 9; i++)
+        stack_ball_cut(&golden_stack,
+                       stack_plane(&golden_stack, i % 3 == 0, i % 3 == 1, i % 3 == 2, 0.6 * (i / 3)), 0, 0, 0,
+                       1.0, 48);
+    mesh_value(g, "axes", bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
+    golden_end(g);
+}
+
 static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3",
@@ -176,6 +202,7 @@ static void section_cases(golden *g)
     }
     wall_values(g);
     mended_values(g);
+    oblique_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);

@@ -100,8 +100,12 @@ gives 'open polylines' 1 'line 6: the loop that ends before this line is open' s
 gives 'polylines that are nearly closed' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --close-gap 8
 printf 'CSLC\n2 1\n1 3 1 0 0 1 0\n0 0 0 4 0 0 4 4 0\n3 1 0 1 2\n2 3 1 0 0 1 -1\n0 0 1 4 0 1 4 4 1.2\n3 1 0 1 2\n' >off.csl
 gives 'points off their plane' 1 'off its plane' sections off.csl -o x.ply
-sed 's/^2 3 1 0 0 1/2 3 1 0 0.1 1/' off.csl >tilted.csl
-gives 'planes that are not parallel' 1 'line 6: the plane is not parallel to the first one' sections tilted.csl -o x.ply
+printf 'CSLC\n2 1\n1 4 1 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0\n4 1 0 1 2 3\n2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n' >cross.csl
+gives 'planes that cross' 0 'closed, manifold, oriented' sections cross.csl -o cross.ply --cells 16
+sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
+gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
+gives 'contours that are moved to agree' 0 'contours moved at 1 places' sections apart.csl -o cross.ply --agree 2.5
+gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
 gives 'no polylines in .csl' 2 '--close-gap is for .csv' sections off.csl -o x.ply --close-gap 1
 "$program" sections - --format csv -o piped.ply <prism.csv >out 2>err
 if [ $? = 0 ] && grep -q 'standard input' out; then ok 'contours from standard input'; else not_ok 'contours from standard input' "$(cat out)"; fi

@@ -6,12 +6,13 @@
 #include "bitvox.h"
 #include "tools/mesh_maker.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { STACK_POINTS = 60000, STACK_LOOPS = 2000, STACK_SECTIONS = 300 };
 
 typedef struct section_maker {
-    double point[3 * STACK_POINTS], position[STACK_SECTIONS];
+    double point[3 * STACK_POINTS], position[STACK_SECTIONS], normal[3 * STACK_SECTIONS];
     bvx_section_loop loop[STACK_LOOPS];
     bvx_sections s;
 } section_maker;
@@ -77,6 +78,64 @@ static inline void stack_round(section_maker *m, uint32_t section, double cx, do
         stack_circle(turn, &x, &y);
         stack_point(m, cx + rx * r * x, cy + ry * r * y);
     }
+}
+
+/* ---- planes that are not parallel ---- */
+
+static inline void stack_oblique(section_maker *m)
+{
+    stack_clear(m);
+    m->s.normals = m->normal;
+}
+
+/* A plane n . x = position |n|. */
+static inline uint32_t stack_plane(section_maker *m, double nx, double ny, double nz, double position)
+{
+    double *const n = m->normal + 3 * m->s.section_count;
+    n[0] = nx;
+    n[1] = ny;
+    n[2] = nz;
+    return stack_section(m, position);
+}
+
+/* One of any direction: the normal comes from a cube, as far out as is asked for. */
+static inline uint32_t stack_any_plane(section_maker *m, uint64_t *seed, double most)
+{
+    double n[3], position;
+    do {
+        for (int k = 0; k < 3; k++) n[k] = maker_between(seed, -1.0, 1.0, 1000);
+    } while (n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < 0.1);
+    position = maker_between(seed, -most, most, 1000);
+    return stack_plane(m, n[0], n[1], n[2], position);
+}
+
+/* The circle that a ball has on a plane, as n points; 0: it has none. */
+static inline int stack_ball_cut(section_maker *m, uint32_t section, double cx, double cy, double cz,
+                                 double r, int n)
+{
+    const double *const given = m->normal + 3 * (uint64_t)section;
+    double const length = sqrt(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
+    double const w[3] = {given[0] / length, given[1] / length, given[2] / length};
+    double const far = m->position[section] - (w[0] * cx + w[1] * cy + w[2] * cz);
+    double const square = r * r - far * far;
+    double const c[3] = {cx + far * w[0], cy + far * w[1], cz + far * w[2]};
+    double u[3] = {w[0] * w[0] < 0.5, w[0] * w[0] >= 0.5, 0.0}, v[3], dot, size;
+
+    if (square <= 1e-6 * r * r) return 0;
+    dot = u[0] * w[0] + u[1] * w[1];
+    for (int k = 0; k < 3; k++) u[k] -= dot * w[k];
+    size = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    for (int k = 0; k < 3; k++) u[k] /= size;
+    for (int k = 0; k < 3; k++) v[k] = w[(k + 1) % 3] * u[(k + 2) % 3] - w[(k + 2) % 3] * u[(k + 1) % 3];
+    stack_loop(m, section);
+    for (int i = 0; i < n; i++) {
+        double *const p = m->point + 3 * m->s.point_count++;
+        double x, y;
+        stack_circle((double)i / n, &x, &y);
+        for (int k = 0; k < 3; k++) p[k] = c[k] + sqrt(square) * (x * u[k] + y * v[k]);
+        m->loop[m->s.loop_count - 1].point_count++;
+    }
+    return 1;
 }
 
 /* Two to five sections of up to four bodies with holes and islands in them, some touching only in part. */

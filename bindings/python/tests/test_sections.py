@@ -99,8 +99,6 @@ def test_bad_stacks_are_named():
         with pytest.raises(kind, match=words):
             bitvox.loads(text.encode(), "csv").surface()
     tilted = b"CSLC\n2 1\n1 3 1 0 0 1 0\n0 0 0 4 0 0 4 4 0\n3 1 0 1 2\n2 3 1 0 0.1 1 -1\n0 0 1 4 0 1 4 4 1.2\n3 1 0 1 2\n"
-    with pytest.raises(bitvox.UnsupportedError, match="not parallel"):
-        bitvox.loads(tilted, "csl")
     with pytest.raises(bitvox.FormatError, match="off its plane"):
         bitvox.loads(tilted.replace(b"0 0.1 1", b"0 0 1"), "csl").surface()
     bent = SQUARE + [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0.5]]
@@ -167,3 +165,21 @@ def test_bishop(shared):
     assert len(sections) == 10 and len(sections.loops) == 22
     found = sections.surface(grid=(40, 40)).check()
     assert found.closed and found.edge_manifold and found.oriented
+
+
+def test_planes_of_any_direction() -> None:
+    text = (b"CSLC\n2 1\n1 4 1 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0\n4 1 0 1 2 3\n"
+            b"2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n")
+    crossed = bitvox.loads(text, "csl")
+    assert crossed.normals == ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)) and crossed.positions == [0.0, 2.0]
+    mesh = crossed.surface(cells=16)
+    vertices = {tuple(p) for p in mesh.vertices.tolist()}
+    assert all(tuple(p) in vertices for loop in crossed.loops for p in loop.points.tolist())
+    assert mesh.report.planes == 2 and mesh.report.gaps == 0
+    assert crossed.of(1) == crossed and crossed.of(1).normals is not None
+    apart = bitvox.loads(text.replace(b"2 4 -2 2 4 2", b"2 6 -2 2 6 2"), "csl")
+    with pytest.raises(bitvox.FormatError, match="sections 0 and 1 contradict each other"):
+        apart.surface(cells=16)
+    assert apart.surface(cells=16, agree=2.5).report.settled == 1
+    with pytest.raises(bitvox.ArgumentError, match="cells and spacing"):
+        crossed.surface(cells=16, spacing=1.0)

@@ -39,9 +39,10 @@ class Loop(NamedTuple):
 
 
 class Sections:
-    """Closed contours on parallel planes: what .csl, .csv, .dxf and DICOM RTSTRUCT files hold, and `slice_mesh` makes.
+    """Closed contours on planes: what .csl, .csv, .dxf and DICOM RTSTRUCT files hold, and `slice_mesh` makes.
 
     ``positions`` are the planes, ascending: point . normal [world]; ``section_of`` gives the plane of each of ``loops``.
+    ``normals`` is None where all planes are parallel, else a tuple with the normal of each: a .csl file may hold such planes.
 
     Loops inside loops are holes, in these islands, and so on; in any order and direction.
 
@@ -67,7 +68,8 @@ class Sections:
     ([0.0, 2.0], 2)
     """
 
-    __slots__ = ("loops", "normal", "positions", "section_of")
+    __slots__ = ("loops", "normal", "normals", "positions", "section_of")
+    normals: tuple[tuple[float, float, float], ...] | None
     positions: list[float]
     section_of: list[int]
 
@@ -78,6 +80,7 @@ class Sections:
         if not length > 0.0 or not np.isfinite(length):
             raise ArgumentError("normal has no direction")
         self.normal: tuple[float, float, float] = tuple((direction / length).tolist())
+        self.normals = None
         self.loops: list[Loop] = []
         heights = []
         for i, loop in enumerate(loops):
@@ -113,6 +116,7 @@ class Sections:
         if not chosen:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, self.labels))}")
         made.loops, made.normal, made.positions = [self.loops[i] for i in chosen], self.normal, self.positions
+        made.normals = self.normals
         made.section_of = [self.section_of[i] for i in chosen]
         return made
 
@@ -154,7 +158,10 @@ class Sections:
         made.loop_count = made.loop_capacity = len(self.loops)
         made.section_count = made.section_capacity = len(self.positions)
         made.normal = self.normal
-        run.keep((points, loops, positions))
+        normals = ffi.new("double[]", [x for normal in self.normals or () for x in normal] or [0.0])
+        if self.normals is not None:
+            made.normals = normals
+        run.keep((points, loops, positions, normals))
         return made
 
     @classmethod
@@ -169,6 +176,10 @@ class Sections:
         x, y, z = owner.normal
         length = (x * x + y * y + z * z) ** 0.5
         self.normal = (x / length, y / length, z / length)
+        self.normals = None
+        if owner.normals != ffi.NULL:
+            self.normals = tuple((owner.normals[3 * i], owner.normals[3 * i + 1], owner.normals[3 * i + 2])
+                                 for i in range(owner.section_count))
         return self
 
     def surface(self, **options: Any) -> Mesh:
@@ -197,7 +208,8 @@ class Sections:
         if not isinstance(other, Sections):
             return NotImplemented
         np = arrays.numpy("Sections")
-        return ((self.normal, self.section_of, self.positions) == (other.normal, other.section_of, other.positions)
+        return ((self.normal, self.normals, self.section_of, self.positions)
+                == (other.normal, other.normals, other.section_of, other.positions)
                 and all(a.label == b.label and np.array_equal(a.points, b.points) for a, b in zip(self.loops, other.loops)))
 
     __hash__: ClassVar[None] = None  # type: ignore[assignment]
@@ -251,6 +263,8 @@ def from_sections(
     *,
     grid: Sequence[int] | None = None,
     spacing: float | None = None,
+    cells: int | None = None,
+    agree: float | None = None,
     layers: int = 1,
     caps: Caps = "flat",
     blend: Blend = "linear",
@@ -277,6 +291,12 @@ def from_sections(
     grid
         cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
         of the contours' segments.
+    cells
+        planes that are not parallel: cells along the longest side of the contours' box. Default 64; ``spacing`` does the
+        same by a cell's side.
+    agree
+        planes that are not parallel: contours at most so far apart where two planes cross are moved to agree [world].
+        Default: a hundredth of that longest side.
     layers
         cells from section to section.
     caps
@@ -338,6 +358,12 @@ def from_sections(
         options.grid = [in_range("grid", n, 2, 8192) for n in grid]
     if spacing is not None:
         options.spacing = float(spacing)
+    if cells is not None:
+        if spacing is not None:
+            raise ArgumentError("cells and spacing contradict each other; give one of them")
+        options.cells = in_range("cells", cells, 8, 1024)
+    if agree is not None:
+        options.agree = float(agree)
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)

@@ -1,0 +1,258 @@
+/* oblique.h - bodies through contours on planes of any position: planes, lattice, tetrahedra. Not installed.
+ *
+ * All places are in cells of the lattice: one of its vertices is at whole numbers, and OBLIQUE_NEAR of a cell
+ * is nothing. What is decided (a side, a sign, which plane a vertex lies on) is decided once and kept; the
+ * tetrahedra change by splitting edges and faces only, so they fill their cells without gaps whatever
+ * rounding does. */
+#ifndef BVXI_OBLIQUE_H
+#define BVXI_OBLIQUE_H
+
+#include "section/section.h"
+
+#define BVXI_OBLIQUE_NEAR 1e-6 /* cells: what lies nearer to a plane or an edge lies on it */
+
+enum { BVXI_OBLIQUE_PLANES = 1024, BVXI_BLOCK_SIDE = 4, BVXI_BLOCK_SIZE = 64, BVXI_SIGN_UNKNOWN = 2 };
+
+/* A plane with its contours: frame has the units of fixed point, plane the loops. */
+typedef struct bvxi_oblique_plane {
+    double normal[3], offset, axis[2][3];
+    bvxi_stack frame;
+    bvxi_plane plane;
+    double low[2], high[2]; /* of its contours */
+    float *raster;          /* signed distances at whole steps, inside above 0; NULL: no loops */
+    double raster_low[2];
+    int32_t raster_size[2];
+    uint32_t knot; /* the first on its contours, or BVXI_NONE */
+} bvxi_oblique_plane;
+
+/* Where a contour crosses another plane: on the segment that begins at a point, or at that point. */
+typedef struct bvxi_knot {
+    double at[3];         /* where the contour has it */
+    double share;         /* of the segment's way */
+    uint32_t plane;       /* whose contour */
+    uint32_t segment;     /* or the point, when share is 0 */
+    uint32_t other;       /* the plane that is crossed there */
+    uint32_t next;        /* on the same plane */
+    uint32_t joined;      /* root of those that are one place */
+    uint32_t vertex;      /* of the tetrahedra, at the root */
+    double sum[3], count; /* at the root: of the places */
+    int exact;            /* at the root: a contour's point, which does not move */
+} bvxi_knot;
+
+typedef struct bvxi_tetra {
+    uint32_t v[4]; /* positive: the last one sees the others counter-clockwise from outside */
+    uint32_t n[4]; /* across the face opposite each; BVXI_NONE: nothing that is split */
+} bvxi_tetra;
+
+typedef struct bvxi_tetra_vertex {
+    double at[3];
+    uint32_t parent[2]; /* the edge that it split; BVXI_NONE: one of the lattice's */
+    uint32_t tetra;     /* one that it is a corner of */
+    float value;
+    int8_t sign; /* 1 inside, -1 outside, 0 on a contour */
+    int8_t lattice;
+} bvxi_tetra_vertex;
+
+/* Edges by their ends. */
+typedef struct bvxi_edge_map {
+    uint64_t *key;
+    uint32_t *value;
+    uint64_t room, count;
+} bvxi_edge_map;
+
+typedef struct bvxi_oblique {
+    bvx_context *ctx;
+    const char *function;
+    const bvx_sections *given;
+    bvx_sections_options options;
+    bvx_sections_report report;
+
+    bvxi_oblique_plane *plane;
+    uint32_t plane_count;
+    uint32_t plane_words;   /* of a set of planes */
+    double low[3], high[3]; /* box of the contours, in cells */
+    double origin[3], step; /* world = origin + step * cells */
+    double agree;           /* cells */
+    uint32_t point_count;   /* of all planes' contours */
+    double longest;         /* side of the box */
+    bvxi_plane all;         /* arrays that the planes have stretches of */
+    uint64_t group_room, box_room;
+
+    bvxi_knot *knot;
+    uint64_t knot_count, knot_room;
+
+    /* the lattice: blocks of 4 x 4 x 4 vertices */
+    int32_t blocks[3], side[3]; /* side: vertices */
+    uint8_t *block_sign;        /* of blocks whose vertices are not known */
+    int32_t *block_at;          /* among the known ones, or -1 */
+    uint64_t *contour_cells;    /* [blocks] a bit a cell that contours run through */
+    uint32_t *known;            /* blocks whose vertices are known */
+    uint32_t known_count;
+    uint64_t known_room;
+    float *value; /* [known * 64] */
+    uint64_t value_room;
+    bvxi_edge_map lattice_vertex; /* block, number in it: among those of the tetrahedra */
+    uint32_t *cell_at;            /* [known * 64] cells that are split, or BVXI_NONE */
+    uint64_t *active;             /* [known] a bit a cell: others whose corners differ */
+    uint64_t cell_at_room;
+
+    /* split cells: each has a chain of tetrahedra, and which planes touch it */
+    uint32_t (*cell)[2]; /* block, number in it; its first tetrahedron is 6 times its number */
+    uint64_t cell_count, cell_room;
+    uint32_t (*touch)[2]; /* cell, plane */
+    uint64_t touch_count, touch_room;
+    uint32_t *plane_touch; /* [plane + 1] where its cells begin in touch_cell */
+    uint32_t *touch_cell;
+
+    bvxi_tetra *tetra;
+    uint32_t *chain;                     /* the next of the same cell */
+    uint32_t *twin;                      /* scratch of splitting */
+    uint32_t *stamp;                     /* scratch of walking */
+    uint64_t tetra_count, tetra_room[4]; /* of these four arrays */
+    uint32_t stamps;
+
+    bvxi_tetra_vertex *vertex;
+    uint64_t *on; /* [vertex * plane_words] planes that it lies on */
+    uint64_t vertex_count, vertex_room, on_room;
+
+    uint32_t *ring, *star; /* scratch: tetrahedra round an edge, round a vertex */
+    uint64_t ring_count, ring_room, star_count, star_room;
+
+    bvxi_edge_map
+        contour_edge;       /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
+    uint32_t *point_vertex; /* [point_count] of each contour's points */
+
+    /* the surface */
+    bvxi_edge_map crossing; /* vertices on edges */
+    double *position;
+    uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
+    uint32_t *triangle;
+    uint32_t *output; /* [tetra vertex] of those on contours */
+    uint64_t position_count, position_room, kept_room, triangle_count, triangle_room, output_room;
+} bvxi_oblique;
+
+/* oblique.c: the closed surface through contours on planes that are not parallel. */
+bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_sections *given,
+                             const bvx_sections_options *options, bvx_sections_report *report,
+                             bvx_mesh *mesh);
+
+/* oblique_planes.c */
+bvx_status bvxi_oblique_take_planes(bvxi_oblique *o);
+void bvxi_oblique_free_planes(bvxi_oblique *o);
+/* Signed distance on a plane, exact in sign and value. */
+double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3]);
+
+/* A point given, in cells. */
+static inline void bvxi_oblique_in_cells(const bvxi_oblique *o, const double *point, double at[3])
+{
+    for (int k = 0; k < 3; k++) at[k] = (point[k] - o->origin[k]) / o->step;
+}
+
+/* oblique_lines.c: contours on lines where planes cross are held against each other. */
+bvx_status bvxi_oblique_settle(bvxi_oblique *o);
+
+/* oblique_field.c */
+bvx_status bvxi_oblique_raster(bvxi_oblique *o);
+/* The blend of the planes' distances. */
+double bvxi_oblique_blend(const bvxi_oblique *o, const double at[3]);
+/* Where the lattice's vertex is: on a plane that is very near. */
+void bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3]);
+/* The same, when all planes near it are among these. */
+void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                              uint32_t count, double at[3]);
+/* The sign of a point of a plane far from its contours; exact next to them. */
+int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3]);
+
+/* oblique_lattice.c: the lattice's values wherever the surface may be. */
+bvx_status bvxi_oblique_lattice(bvxi_oblique *o);
+
+/* The value of a vertex, never 0; 1 when it is inside, by the lattice that is made. */
+float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3]);
+int bvxi_oblique_inside(const bvxi_oblique *o, const int32_t vertex[3]);
+/* A point that a plane has in a cube; 0: none. */
+int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], double side, double at[3]);
+void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t first[3]);
+
+/* The block of a vertex or cell, and its number in it. */
+static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c[3], int *bit)
+{
+    *bit = (c[0] & 3) | (c[1] & 3) << 2 | (c[2] & 3) << 4;
+    return ((uint64_t)(c[2] >> 2) * (uint64_t)o->blocks[1] + (uint64_t)(c[1] >> 2)) * (uint64_t)o->blocks[0] +
+           (uint64_t)(c[0] >> 2);
+}
+
+/* oblique_cells.c: cells that planes and the surface share become tetrahedra, split by the planes. */
+bvx_status bvxi_oblique_cells(bvxi_oblique *o);
+bvx_status bvxi_oblique_split_planes(bvxi_oblique *o);
+bvx_status bvxi_oblique_lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], uint32_t *number);
+/* The number of a cell among those that are split, or BVXI_NONE. */
+uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
+extern const uint8_t bvxi_kuhn[6][4];
+
+/* oblique_contours.c: contours become edges of the tetrahedra. */
+bvx_status bvxi_oblique_contours(bvxi_oblique *o);
+
+/* oblique_signs.c */
+bvx_status bvxi_oblique_signs(bvxi_oblique *o);
+
+/* oblique_surface.c */
+bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
+
+/* ---- tetrahedra.c ---- */
+
+bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                             const char *what);
+bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number);
+bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
+                          uint32_t *number);
+/* The tetrahedra round an edge of one of them, into o->ring; *closed: they go all the way round. */
+bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, int *closed);
+/* Those round a vertex, into o->star. */
+bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex);
+/* Put a new vertex m into the edge a b of a tetrahedron, and into all others round it. */
+bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, const double at[3],
+                                 uint32_t *m);
+/* Put a new vertex into the face opposite a corner, of both tetrahedra there. */
+bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, const double at[3],
+                                 uint32_t *m);
+/* A tetrahedron with the edge, or BVXI_NONE; fills the star of a. */
+bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t *tetra);
+
+/* edges: the value of a key, BVXI_NONE at first; add makes room. */
+bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
+uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
+void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *map);
+
+static inline uint64_t *bvxi_tetra_on(const bvxi_oblique *o, uint32_t vertex)
+{
+    return o->on + (uint64_t)vertex * o->plane_words;
+}
+
+static inline int bvxi_is_on(const bvxi_oblique *o, uint32_t vertex, uint32_t plane)
+{
+    return (int)(bvxi_tetra_on(o, vertex)[plane / 64] >> plane % 64 & 1);
+}
+
+static inline void bvxi_set_on(bvxi_oblique *o, uint32_t vertex, uint32_t plane)
+{
+    bvxi_tetra_on(o, vertex)[plane / 64] |= UINT64_C(1) << plane % 64;
+}
+
+/* The corner of a tetrahedron that a vertex is; 4: none. */
+static inline int bvxi_corner_of(const bvxi_tetra *t, uint32_t vertex)
+{
+    return t->v[0] == vertex ? 0 : t->v[1] == vertex ? 1 : t->v[2] == vertex ? 2 : t->v[3] == vertex ? 3 : 4;
+}
+
+static inline double bvxi_oblique_height(const bvxi_oblique_plane *p, const double at[3])
+{
+    return ((p->normal[0] * at[0] + p->normal[1] * at[1]) + p->normal[2] * at[2]) - p->offset;
+}
+
+static inline void bvxi_oblique_uv(const bvxi_oblique_plane *p, const double at[3], double uv[2])
+{
+    for (int k = 0; k < 2; k++)
+        uv[k] = (p->axis[k][0] * at[0] + p->axis[k][1] * at[1]) + p->axis[k][2] * at[2];
+}
+
+#endif

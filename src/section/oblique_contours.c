@@ -1,0 +1,292 @@
+/* oblique_contours.c - contours become edges of the tetrahedra that their planes have split.
+ *
+ * The faces on a plane are a triangulation of what of it lies in split cells. First the places where contours
+ * of crossing planes meet become vertices, which lie on both planes; then each contour's points, in the
+ * triangle or edge that they lie in; then each segment is followed from vertex to vertex and splits the edges
+ * that it crosses. After that every contour is a way of edges, and each of its points a vertex. */
+#include "section/oblique.h"
+
+#include <math.h>
+
+enum { CONTOUR_STEPS = 1000000 };
+
+/* A triangle of a plane: the tetrahedron, and the corner opposite it. */
+typedef struct plane_face {
+    uint32_t tetra;
+    int corner;
+    double least; /* of the place's three shares */
+    int edge;     /* the corner whose share that is */
+} plane_face;
+
+static void vertex_uv(const bvxi_oblique *o, uint32_t plane, uint32_t v, double uv[2])
+{
+    bvxi_oblique_uv(&o->plane[plane], o->vertex[v].at, uv);
+}
+
+static double cross_uv(const double a[2], const double b[2], const double c[2])
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* How far inside a place is: its least distance to a side, in cells. */
+static int judge_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, int corner, const double uv[2],
+                      plane_face *best)
+{
+    double at[3][2], area, least = 1e300;
+    int edge = 0, n = 0, which[3];
+
+    for (int k = 0; k < 4; k++) {
+        if (k == corner) continue;
+        if (!bvxi_is_on(o, o->tetra[t].v[k], plane)) return 0;
+        vertex_uv(o, plane, o->tetra[t].v[k], at[n]);
+        which[n++] = k;
+    }
+    area = cross_uv(at[0], at[1], at[2]);
+    for (int k = 0; k < 3; k++) {
+        const double *const a = at[(k + 1) % 3], *const b = at[(k + 2) % 3];
+        double const length = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+        double in = cross_uv(a, b, uv) / (length > 0.0 ? length : 1.0);
+        if (area < 0.0) in = -in;
+        if (in >= least) continue;
+        least = in;
+        edge = which[k];
+    }
+    if (!(least > best->least)) return 0;
+    best->tetra = t;
+    best->corner = corner;
+    best->least = least;
+    best->edge = edge;
+    return 1;
+}
+
+static void judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t cell, const double uv[2],
+                             plane_face *best)
+{
+    for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t])
+        for (int k = 0; k < 4; k++) judge_face(o, plane, t, k, uv, best);
+}
+
+/* The triangle that holds a place: in its cell, or in one next to it, since vertices have moved a little. */
+static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double at[3])
+{
+    plane_face best = {BVXI_NONE, 0, -1e300, 0};
+    double uv[2];
+    int32_t c[3];
+    uint32_t cell;
+
+    bvxi_oblique_uv(&o->plane[plane], at, uv);
+    for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
+    cell = bvxi_oblique_cell_at(o, c);
+    if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
+    for (int n = 0; n < 27 && best.least < 0.0; n++) {
+        int32_t const d[3] = {c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
+        cell = n == 13 ? BVXI_NONE : bvxi_oblique_cell_at(o, d);
+        if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
+    }
+    if (best.least < -1e-3) best.tetra = BVXI_NONE;
+    return best;
+}
+
+/* ---- points ---- */
+
+/* The vertex at a place of a plane, a new one where there is none; on the plane exactly. */
+static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double given[3], uint32_t *vertex)
+{
+    const bvxi_oblique_plane *const p = &o->plane[plane];
+    double const height = bvxi_oblique_height(p, given);
+    double const at[3] = {given[0] - height * p->normal[0], given[1] - height * p->normal[1],
+                          given[2] - height * p->normal[2]};
+    plane_face const f = find_face(o, plane, at);
+    const bvxi_tetra *t;
+    uint32_t end[2];
+    int n = 0;
+
+    *vertex = BVXI_NONE;
+    if (f.tetra == BVXI_NONE) return BVX_OK;
+    t = &o->tetra[f.tetra];
+    for (int k = 0; k < 4; k++) {
+        double square = 0.0;
+        for (int x = 0; x < 3; x++)
+            square += (o->vertex[t->v[k]].at[x] - at[x]) * (o->vertex[t->v[k]].at[x] - at[x]);
+        if (k == f.corner || square > 4.0 * BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) continue;
+        *vertex = t->v[k];
+        return BVX_OK;
+    }
+    if (f.least > BVXI_OBLIQUE_NEAR) return bvxi_tetra_split_face(o, f.tetra, f.corner, at, vertex);
+    for (int k = 0; k < 4; k++)
+        if (k != f.corner && k != f.edge) end[n++ & 1] = t->v[k];
+    return bvxi_tetra_split_edge(o, f.tetra, end[0], end[1], at, vertex);
+}
+
+static const bvxi_knot *root_of(const bvxi_oblique *o, uint32_t knot)
+{
+    while (o->knot[knot].joined != knot) knot = o->knot[knot].joined;
+    return &o->knot[knot];
+}
+
+/* Meeting places first: on the lines of planes that cross no edge is missing yet. */
+static bvx_status insert_knots(bvxi_oblique *o)
+{
+    for (uint64_t i = 0; i < o->knot_count; i++) {
+        bvxi_knot *const k = &o->knot[i];
+        double at[3];
+
+        if (k->joined != i) continue;
+        for (int x = 0; x < 3; x++) at[x] = k->sum[x] / k->count;
+        BVXI_TRY(insert_point(o, k->plane, at, &k->vertex));
+        if (k->vertex != BVXI_NONE) o->vertex[k->vertex].sign = 0;
+    }
+    return BVX_OK;
+}
+
+static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *vertex)
+{
+    const bvxi_oblique_plane *const f = &o->plane[plane];
+    const bvxi_plane *const p = &f->plane;
+
+    memset(vertex, 0xff, (size_t)p->point_count * 4);
+    for (uint32_t k = f->knot; k != BVXI_NONE; k = o->knot[k].next)
+        if (o->knot[k].share == 0.0) {
+            uint32_t const at = root_of(o, k)->vertex;
+            if (at != BVXI_NONE && bvxi_is_on(o, at, plane)) vertex[o->knot[k].segment] = at;
+        }
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        double at[3];
+        if (vertex[i] != BVXI_NONE) continue;
+        bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
+        BVXI_TRY(insert_point(o, plane, at, &vertex[i]));
+        if (vertex[i] != BVXI_NONE) o->vertex[vertex[i]].sign = 0;
+    }
+    return BVX_OK;
+}
+
+/* ---- segments ---- */
+
+/* What a way along a plane meets next, from a vertex: another vertex on it, or an edge that it crosses. */
+typedef struct way_step {
+    uint32_t vertex;
+    uint32_t tetra, edge[2];
+    double at[3];
+} way_step;
+
+static void judge_step(const bvxi_oblique *o, uint32_t plane, const double a[2], const double b[2],
+                       uint32_t to, uint32_t t, const uint32_t v[2], double *nearest, way_step *step)
+{
+    double const d[2] = {b[0] - a[0], b[1] - a[1]};
+    double const length = sqrt(d[0] * d[0] + d[1] * d[1]);
+    double off[2], along[2], share;
+
+    for (int k = 0; k < 2; k++) {
+        double uv[2];
+        vertex_uv(o, plane, v[k], uv);
+        off[k] = ((uv[1] - a[1]) * d[0] - (uv[0] - a[0]) * d[1]) / length;
+        along[k] = ((uv[0] - a[0]) * d[0] + (uv[1] - a[1]) * d[1]) / length;
+        if (v[k] == to) off[k] = 0.0;
+        if (bvxi_absolute(off[k]) > BVXI_OBLIQUE_NEAR || !(along[k] > 0.0)) continue;
+        if (bvxi_absolute(off[k]) < *nearest || v[k] == to) {
+            *nearest = v[k] == to ? -1.0 : bvxi_absolute(off[k]);
+            step->vertex = v[k];
+        }
+    }
+    if (step->vertex != BVXI_NONE || (off[0] > 0.0) == (off[1] > 0.0)) return;
+    share = off[0] / (off[0] - off[1]);
+    if (!(along[0] + share * (along[1] - along[0]) > 0.0) || !(share > 0.0 && share < 1.0)) return;
+    step->tetra = t;
+    for (int k = 0; k < 2; k++) step->edge[k] = v[k];
+    for (int k = 0; k < 3; k++)
+        step->at[k] = o->vertex[v[0]].at[k] + share * (o->vertex[v[1]].at[k] - o->vertex[v[0]].at[k]);
+}
+
+static bvx_status next_step(bvxi_oblique *o, uint32_t plane, uint32_t from, uint32_t to, way_step *step)
+{
+    double a[2], b[2], nearest = 1e300;
+
+    step->vertex = step->tetra = BVXI_NONE;
+    vertex_uv(o, plane, from, a);
+    vertex_uv(o, plane, to, b);
+    BVXI_TRY(bvxi_tetra_star(o, from));
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++) {
+            uint32_t v[2];
+            int n = 0, on = t->v[k] != from;
+            for (int j = 0; j < 4; j++) {
+                if (j == k) continue;
+                on &= bvxi_is_on(o, t->v[j], plane);
+                if (t->v[j] != from) v[n++ & 1] = t->v[j];
+            }
+            if (on && n == 2) judge_step(o, plane, a, b, to, o->star[i], v, &nearest, step);
+        }
+    }
+    return BVX_OK;
+}
+
+/* From a vertex of a plane straight to another one; what it goes along becomes a contour's edge. */
+static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from, uint32_t to)
+{
+    if (from == BVXI_NONE || to == BVXI_NONE) {
+        o->report.unkept_edges++;
+        return BVX_OK;
+    }
+    for (uint32_t steps = 0; from != to; steps++) {
+        way_step step;
+        uint32_t *value;
+
+        BVXI_TRY(next_step(o, plane, from, to, &step));
+        if (step.vertex == BVXI_NONE && step.tetra != BVXI_NONE)
+            BVXI_TRY(bvxi_tetra_split_edge(o, step.tetra, step.edge[0], step.edge[1], step.at, &step.vertex));
+        if (step.vertex == BVXI_NONE || steps == CONTOUR_STEPS) {
+            o->report.unkept_edges++;
+            return BVX_OK;
+        }
+        o->vertex[step.vertex].sign = 0;
+        BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, from, step.vertex, &value));
+        *value = 2 * plane + (from > step.vertex);
+        from = step.vertex;
+    }
+    return BVX_OK;
+}
+
+/* A segment by way of the meeting places on it, in their order. */
+static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t from, uint32_t to)
+{
+    double done = 0.0;
+
+    for (;;) {
+        double next = 1.0;
+        uint32_t knot = BVXI_NONE, way;
+        for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
+            if (o->knot[k].segment == segment && o->knot[k].share > done && o->knot[k].share < next) {
+                next = o->knot[k].share;
+                knot = k;
+            }
+        way = knot == BVXI_NONE ? BVXI_NONE : root_of(o, knot)->vertex;
+        if (knot == BVXI_NONE) return insert_segment(o, plane, from, to);
+        done = next;
+        if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
+        BVXI_TRY(insert_segment(o, plane, from, way));
+        from = way;
+    }
+}
+
+bvx_status bvxi_oblique_contours(bvxi_oblique *o)
+{
+    uint32_t first = 0;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)o->point_count * 4, "the points of contours",
+                        &o->point_vertex));
+    BVXI_TRY(insert_knots(o));
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        BVXI_TRY(insert_points(o, i, o->point_vertex + first));
+        first += o->plane[i].plane.point_count;
+    }
+    first = 0;
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)i / o->plane_count));
+        for (uint32_t n = 0; n < p->point_count; n++)
+            BVXI_TRY(insert_way(o, i, n, o->point_vertex[first + n], o->point_vertex[first + p->next[n]]));
+        first += p->point_count;
+    }
+    return BVX_OK;
+}

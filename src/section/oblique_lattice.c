@@ -1,0 +1,358 @@
+/* oblique_lattice.c - the lattice's values in all blocks that the surface may run through.
+ *
+ * A block of 4 x 4 x 4 vertices is known where a contour runs through it, where a plane in it says another
+ * thing than its first vertex, and, from there on, where a vertex of a known block next to it has another
+ * sign than it. So wherever the surface runs, both ends of every edge that it crosses are known; all other
+ * blocks are on one side. What no contour leads to is not looked for. The set is the same in any order.
+ *
+ * Vertices next to a plane are moved onto it, and have its own distance and sign: no sliver of a cell is cut
+ * off there. The lattice's outermost vertices are outside, so the surface is closed. */
+#include "section/oblique.h"
+
+#include <math.h>
+
+enum { BLOCK_GRAIN = 8 };
+
+#define PLACE_SNAP \
+    0.15 /* cells: what lies so near to a plane moves onto it; tetrahedra keep 0.4 of their height */
+
+static void place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane, uint32_t count,
+                       double at[3])
+{
+    double least = PLACE_SNAP;
+    uint32_t nearest = BVXI_NONE;
+
+    for (int k = 0; k < 3; k++) at[k] = vertex[k];
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t const i = plane == NULL ? n : plane[n];
+        double const h = bvxi_absolute(bvxi_oblique_height(&o->plane[i], at));
+        if (h >= least) continue;
+        least = h;
+        nearest = i;
+    }
+    if (nearest != BVXI_NONE) {
+        const bvxi_oblique_plane *const p = &o->plane[nearest];
+        double const h = bvxi_oblique_height(p, at);
+        for (int k = 0; k < 3; k++) at[k] -= h * p->normal[k];
+    }
+}
+
+void bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3])
+{
+    place_onto(o, vertex, NULL, o->plane_count, at);
+}
+
+void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                              uint32_t count, double at[3])
+{
+    place_onto(o, vertex, plane, count, at);
+}
+
+/* What vertices move by, and half the way between the places of a segment that are marked. */
+#define MARK_REACH 0.3
+
+void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t first[3])
+{
+    int32_t const x = o->blocks[0], y = o->blocks[1];
+
+    first[0] = (int32_t)(block % (uint32_t)x) * BVXI_BLOCK_SIDE;
+    first[1] = (int32_t)(block / (uint32_t)x % (uint32_t)y) * BVXI_BLOCK_SIDE;
+    first[2] = (int32_t)(block / (uint32_t)x / (uint32_t)y) * BVXI_BLOCK_SIDE;
+}
+
+/* The value of a vertex, never 0. */
+float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
+{
+    double at[3], value = 0.0;
+    uint32_t on = BVXI_NONE;
+    float rounded;
+
+    for (int k = 0; k < 3; k++)
+        if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return -1.0F;
+    bvxi_oblique_place(o, vertex, at);
+    for (uint32_t i = 0; i < o->plane_count && on == BVXI_NONE; i++)
+        if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], at)) <= BVXI_OBLIQUE_NEAR) on = i;
+    value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at) : bvxi_oblique_blend(o, at);
+    rounded = (float)value;
+    if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
+    return rounded;
+}
+
+/* Known blocks have values; the others one sign. */
+int bvxi_oblique_inside(const bvxi_oblique *o, const int32_t vertex[3])
+{
+    int bit;
+    uint64_t const block = bvxi_oblique_block(o, vertex, &bit);
+
+    if (o->block_at[block] < 0) return o->block_sign[block];
+    return o->value[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit] > 0.0F;
+}
+
+/* ---- blocks ---- */
+
+static void first_vertex_piece(void *user, int32_t index, int32_t worker)
+{
+    bvxi_oblique *const o = user;
+    uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(n, bvxi_piece_count(n, 512), index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        int32_t first[3];
+        bvxi_oblique_block_place(o, (uint32_t)i, first);
+        o->block_sign[i] = bvxi_oblique_vertex_value(o, first) > 0.0F;
+    }
+}
+
+static bvx_status know_block(bvxi_oblique *o, uint64_t block)
+{
+    if (o->block_at[block] >= 0) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &o->known, o->known_count, &o->known_room, 4, "the blocks of the lattice"));
+    o->block_at[block] = (int32_t)o->known_count;
+    o->known[o->known_count++] = (uint32_t)block;
+    return BVX_OK;
+}
+
+typedef struct known_job {
+    bvxi_oblique *o;
+    uint32_t from;
+    int32_t pieces;
+} known_job;
+
+static void known_piece(void *user, int32_t index, int32_t worker)
+{
+    const known_job *const job = user;
+    bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->known_count - job->from, job->pieces, index, &begin, &end);
+    for (uint64_t i = job->from + begin; i < job->from + end; i++) {
+        int32_t first[3], at[3];
+        float *const value = o->value + i * BVXI_BLOCK_SIZE;
+
+        bvxi_oblique_block_place(o, o->known[i], first);
+        for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
+            at[0] = first[0] + (n & 3);
+            at[1] = first[1] + (n >> 2 & 3);
+            at[2] = first[2] + (n >> 4);
+            value[n] = bvxi_oblique_vertex_value(o, at);
+        }
+    }
+}
+
+/* 1 where a vertex of a known block that touches the one at (dx, dy, dz) has another sign than that. */
+static int disagrees(const float *value, const int d[3], int sign)
+{
+    for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
+        int const c[3] = {n & 3, n >> 2 & 3, n >> 4};
+        int touches = 1;
+        for (int k = 0; k < 3; k++) touches &= d[k] == 0 || c[k] == (d[k] < 0 ? 0 : BVXI_BLOCK_SIDE - 1);
+        if (touches && (value[n] > 0.0F) != sign) return 1;
+    }
+    return 0;
+}
+
+static bvx_status know_round(bvxi_oblique *o, uint32_t i)
+{
+    int32_t first[3];
+
+    bvxi_oblique_block_place(o, o->known[i], first);
+    for (int n = 0; n < 27; n++) {
+        int const d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        int32_t b[3];
+        int out = n == 13;
+        uint64_t block;
+        for (int k = 0; k < 3; k++) {
+            b[k] = first[k] / BVXI_BLOCK_SIDE + d[k];
+            out |= b[k] < 0 || b[k] >= o->blocks[k];
+        }
+        if (out) continue;
+        block = ((uint64_t)b[2] * (uint64_t)o->blocks[1] + (uint64_t)b[1]) * (uint64_t)o->blocks[0] +
+                (uint64_t)b[0];
+        if (o->block_at[block] < 0 &&
+            disagrees(o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_sign[block]))
+            BVXI_TRY(know_block(o, block));
+    }
+    return BVX_OK;
+}
+
+static bvx_status follow_surface(bvxi_oblique *o)
+{
+    uint32_t from = 0;
+
+    while (from < o->known_count) {
+        known_job job;
+        uint32_t const end = o->known_count;
+
+        BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
+                             (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
+        o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
+        job.o = o;
+        job.from = from;
+        job.pieces = bvxi_piece_count(end - from, BLOCK_GRAIN);
+        BVXI_TRY(bvxi_parallel(o->ctx, "field", 0.0, 1.0, job.pieces, known_piece, &job));
+        for (uint32_t i = from; i < end; i++) BVXI_TRY(know_round(o, i));
+        from = end;
+    }
+    return BVX_OK;
+}
+
+/* ---- contours ---- */
+
+/* Cells within reach of a place; vertices may have moved by PLACE_SNAP. */
+static void mark_place(bvxi_oblique *o, const double at[3])
+{
+    int32_t low[3], high[3], c[3];
+
+    for (int k = 0; k < 3; k++) {
+        low[k] = (int32_t)floor(at[k] - MARK_REACH);
+        high[k] = (int32_t)floor(at[k] + MARK_REACH);
+        if (low[k] < 0) low[k] = 0;
+        if (high[k] > o->side[k] - 2) high[k] = o->side[k] - 2;
+    }
+    for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
+        for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
+            for (c[0] = low[0]; c[0] <= high[0]; c[0]++) {
+                int bit;
+                uint64_t const block = bvxi_oblique_block(o, c, &bit);
+                o->contour_cells[block] |= UINT64_C(1) << bit;
+            }
+}
+
+static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
+{
+    double square = 0.0;
+    int32_t steps;
+
+    for (int k = 0; k < 3; k++) square += (b[k] - a[k]) * (b[k] - a[k]);
+    steps = (int32_t)(sqrt(square) * 4.0) + 1;
+    for (int32_t i = 0; i <= steps; i++) {
+        double const t = (double)i / steps;
+        double const at[3] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+        mark_place(o, at);
+    }
+}
+
+/* Along contours as given, and where knots move their segments to. */
+static void mark_contours(bvxi_oblique *o)
+{
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            double a[3], b[3];
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], a);
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[n]], b);
+            mark_segment(o, a, b);
+            for (uint32_t k = o->plane[i].knot; k != BVXI_NONE; k = o->knot[k].next) {
+                const bvxi_knot *root = &o->knot[k];
+                double moved[3];
+                if (o->knot[k].segment != n) continue;
+                while (root->joined != (uint32_t)(root - o->knot)) root = &o->knot[root->joined];
+                for (int c = 0; c < 3; c++) moved[c] = root->sum[c] / root->count;
+                mark_segment(o, a, moved);
+                mark_segment(o, moved, b);
+            }
+        }
+    }
+}
+
+/* ---- planes in blocks without contours ---- */
+
+/* A point that a plane has in a cube: the mean of its crossings with the edges. */
+int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], double side, double at[3])
+{
+    double height[8], count = 0.0;
+
+    at[0] = at[1] = at[2] = 0.0;
+    for (int c = 0; c < 8; c++) {
+        double const corner[3] = {first[0] + (c & 1 ? side : 0.0), first[1] + (c & 2 ? side : 0.0),
+                                  first[2] + (c & 4 ? side : 0.0)};
+        height[c] = bvxi_oblique_height(p, corner);
+    }
+    for (int c = 0; c < 8; c++)
+        for (int k = 0; k < 3; k++) {
+            int const e = c | 1 << k;
+            double t;
+            if (e == c || (height[c] < 0.0) == (height[e] < 0.0)) continue;
+            t = height[c] / (height[c] - height[e]);
+            for (int x = 0; x < 3; x++)
+                at[x] += first[x] + (c >> x & 1 ? side : 0.0) + (x == k ? t * side : 0.0);
+            count += 1.0;
+        }
+    if (count == 0.0) return 0;
+    for (int k = 0; k < 3; k++) at[k] /= count;
+    return 1;
+}
+
+static int plane_in_block(const bvxi_oblique_plane *p, const int32_t first[3])
+{
+    double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
+    double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
+                                bvxi_absolute(p->normal[2])) +
+                         0.01;
+    return bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach;
+}
+
+static void plane_block_piece(void *user, int32_t index, int32_t worker)
+{
+    bvxi_oblique *const o = user;
+    uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(n, bvxi_piece_count(n, 512), index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        int32_t first[3];
+        double at[3];
+        if (o->contour_cells[i] != 0) continue;
+        bvxi_oblique_block_place(o, (uint32_t)i, first);
+        for (uint32_t k = 0; k < o->plane_count; k++)
+            if (plane_in_block(&o->plane[k], first) &&
+                bvxi_oblique_in_cube(&o->plane[k], first, BVXI_BLOCK_SIDE, at) &&
+                (bvxi_oblique_side(o, k, at) > 0) != (o->block_sign[i] & 1))
+                o->block_sign[i] |= 2;
+    }
+}
+
+/* ---- all of it ---- */
+
+static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
+{
+    const int32_t *const b = o->blocks;
+    int32_t const pieces = bvxi_piece_count(n, 512);
+
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2,
+                        bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, first_vertex_piece, o)));
+    mark_contours(o);
+    BVXI_TRY(
+        BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, plane_block_piece, o)));
+    for (uint64_t i = 0; i < n; i++) {
+        int known = o->contour_cells[i] != 0 || (o->block_sign[i] & 2) != 0;
+        int32_t first[3];
+        bvxi_oblique_block_place(o, (uint32_t)i, first);
+        /* neighbours over a face whose first vertices differ */
+        for (int k = 0; k < 3; k++) {
+            uint64_t const step = k == 0 ? 1 : k == 1 ? (uint64_t)b[0] : (uint64_t)b[0] * (uint64_t)b[1];
+            if (first[k] / BVXI_BLOCK_SIDE + 1 < b[k])
+                known |= (o->block_sign[i] ^ o->block_sign[i + step]) & 1;
+            if (first[k] > 0) known |= (o->block_sign[i] ^ o->block_sign[i - step]) & 1;
+        }
+        if (known) BVXI_TRY(know_block(o, i));
+    }
+    for (uint64_t i = 0; i < n; i++) o->block_sign[i] &= 1;
+    return BVX_OK;
+}
+
+bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
+{
+    uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
+
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_sign));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
+    memset(o->block_at, 0xff, (size_t)n * 4);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
+    return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));
+}

@@ -1,0 +1,443 @@
+/* oblique_signs.c - inside or outside for every vertex of the tetrahedra, such that the surface is a manifold
+ * through the contours.
+ *
+ * A vertex on a plane has the sign of its region there, on the left or right of its contours; one on a
+ * contour has none. The surface is to run through
+ * a contour's edges and nothing else of a plane, once, and through a contour's vertex once. So:
+ * - an edge between two contour vertices that is no contour's, and a face between three, gets a vertex;
+ * - round a contour's edge, inside and outside must each be one stretch: a vertex in between that is not gets
+ *   one of the other sign between itself and the edge;
+ * - round a contour's vertex inside and outside must each hang together: what does not is parted from it in
+ *   the same way.
+ * Each step leaves what the ones before it made. */
+#include "section/oblique.h"
+
+typedef struct signs_job {
+    bvxi_oblique *o;
+    int32_t pieces;
+} signs_job;
+
+static uint32_t first_plane(const bvxi_oblique *o, uint32_t v)
+{
+    for (uint32_t p = 0; p < o->plane_count; p++)
+        if (bvxi_is_on(o, v, p)) return p;
+    return BVXI_NONE;
+}
+
+static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
+{
+    double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
+                                            : bvxi_oblique_blend(o, x->at);
+
+    x->sign = value > 0.0 ? 1 : -1;
+    x->value = (float)value;
+}
+
+static void signs_piece(void *user, int32_t index, int32_t worker)
+{
+    const signs_job *const job = user;
+    bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_tetra_vertex *const x = &o->vertex[i];
+        if (x->sign == 0) x->value = 0.0F;
+        else if (!x->lattice) give_sign(o, x, first_plane(o, (uint32_t)i));
+    }
+}
+
+/* ---- edges and faces between contours ---- */
+
+static void middle_of(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
+{
+    for (int k = 0; k < 3; k++) {
+        at[k] = 0.0;
+        for (int i = 0; i < n; i++) at[k] += o->vertex[v[i]].at[k];
+        at[k] /= n;
+    }
+}
+
+static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
+{
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++) {
+            uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+            double at[3];
+            uint32_t m;
+            if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
+            if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
+            middle_of(o, v, 2, at);
+            BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
+            give_sign(o, &o->vertex[m], first_plane(o, m));
+        }
+    for (int k = 0; k < 4; k++) {
+        uint32_t v[3], m;
+        double at[3];
+        int n = 0;
+        for (int j = 0; j < 4; j++)
+            if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
+        if (n < 3) continue;
+        middle_of(o, v, 3, at);
+        BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
+        give_sign(o, &o->vertex[m], first_plane(o, m));
+    }
+    return BVX_OK;
+}
+
+/* ---- regions ---- */
+
+/* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
+typedef struct oblique_region_work {
+    uint32_t *joined; /* [vertex] */
+    double *vote;     /* [vertex] area on the contours' left less that on their right */
+} oblique_region_work;
+
+static uint32_t region_root(oblique_region_work *w, uint32_t i)
+{
+    while (w->joined[i] != i) {
+        w->joined[i] = w->joined[w->joined[i]];
+        i = w->joined[i];
+    }
+    return i;
+}
+
+/* A triangle of the plane: x y z, z's side of the edge x y where that is a contour's. */
+static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane, uint32_t x, uint32_t y,
+                     uint32_t z)
+{
+    uint32_t const edge = bvxi_edge_find(&o->contour_edge, x, y);
+    double a[2], b[2], c[2], area;
+
+    if (edge == BVXI_NONE || edge / 2 != plane) return;
+    bvxi_oblique_uv(&o->plane[plane], o->vertex[x].at, a);
+    bvxi_oblique_uv(&o->plane[plane], o->vertex[y].at, b);
+    bvxi_oblique_uv(&o->plane[plane], o->vertex[z].at, c);
+    area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    w->vote[z] += (x > y) == (edge & 1) ? area : -area;
+}
+
+static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane,
+                               const uint32_t v[3])
+{
+    for (int k = 0; k < 3; k++) {
+        uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
+        if (o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
+            vote_for(o, w, plane, x, y, z);
+        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
+            uint32_t const a = region_root(w, x), b = region_root(w, y);
+            w->joined[a > b ? a : b] = a > b ? b : a;
+        }
+    }
+}
+
+/* step 0: every vertex for itself; 1: join and vote; 2: votes to the roots; 3: signs. */
+static void look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane, int step, uint32_t t)
+{
+    const uint32_t *const v = o->tetra[t].v;
+
+    for (int k = 0; k < 4; k++) {
+        uint32_t const x = v[k];
+        uint32_t face[3];
+        int n = 0, on = 1;
+
+        for (int j = 0; j < 4; j++)
+            if (j != k) {
+                face[n++] = v[j];
+                on &= bvxi_is_on(o, v[j], plane);
+            }
+        if (step == 1 && on) look_at_plane_face(o, w, plane, face);
+        if (!bvxi_is_on(o, x, plane) || o->vertex[x].sign == 0) continue;
+        if (step == 0) {
+            w->joined[x] = x;
+            w->vote[x] = 0.0;
+        }
+        if (step == 2 && region_root(w, x) != x) {
+            w->vote[region_root(w, x)] += w->vote[x];
+            w->vote[x] = 0.0;
+        }
+        if (step == 3 && first_plane(o, x) == plane) {
+            double const vote = w->vote[region_root(w, x)];
+            if (vote != 0.0 && (vote > 0.0) != (o->vertex[x].sign > 0)) {
+                o->vertex[x].sign = vote > 0.0 ? 1 : -1;
+                o->vertex[x].value = -o->vertex[x].value;
+            }
+        }
+    }
+}
+
+/* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
+ * it is told by the tetrahedra, from the direction in which the contours' edges run. */
+static bvx_status settle_regions(bvxi_oblique *o)
+{
+    uint64_t const n = o->vertex_count;
+    oblique_region_work w = {NULL, NULL};
+    bvx_status status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
+
+    if (status == BVX_OK) status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 8, "the regions of planes", &w.vote);
+    for (uint32_t p = 0; p < o->plane_count && status == BVX_OK; p++)
+        for (int step = 0; step < 4; step++)
+            for (uint32_t i = o->plane_touch[p]; i < o->plane_touch[p + 1]; i++)
+                for (uint32_t t = 6 * o->touch_cell[i]; t != BVXI_NONE; t = o->chain[t])
+                    look_at_region(o, &w, p, step, t);
+    bvxi_drop(o->ctx, w.vote);
+    bvxi_drop(o->ctx, w.joined);
+    return status;
+}
+
+/* ---- contours' edges ---- */
+
+/* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
+static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
+{
+    o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
+    o->vertex[m].value = -0.5F * o->vertex[of].value;
+    if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
+}
+
+/* The vertex of a ring's tetrahedron that the next one has too. */
+static uint32_t shared_in_ring(const bvxi_oblique *o, uint32_t t, uint32_t next, uint32_t a, uint32_t b)
+{
+    for (int k = 0; k < 4; k++) {
+        uint32_t const v = o->tetra[t].v[k];
+        if (v != a && v != b && bvxi_corner_of(&o->tetra[next], v) < 4) return v;
+    }
+    return BVXI_NONE;
+}
+
+static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u)
+{
+    int closed;
+    uint32_t t = BVXI_NONE, m;
+    double at[3];
+
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        const bvxi_tetra *const x = &o->tetra[o->ring[i]];
+        if (bvxi_corner_of(x, u) == 4) continue;
+        for (int k = 0; k < 3; k++)
+            at[k] = 0.4 * (o->vertex[a].at[k] + o->vertex[b].at[k]) + 0.2 * o->vertex[u].at[k];
+        for (int k = 0; k < 4; k++)
+            if (x->v[k] != a && x->v[k] != b && x->v[k] != u) {
+                BVXI_TRY(bvxi_tetra_split_face(o, o->ring[i], k, at, &m));
+                set_opposite(o, m, u);
+                return BVX_OK;
+            }
+    }
+    return BVX_OK;
+}
+
+/* Vertices round the edge, into o->star as scratch; their number, or 0 when the ring is open. */
+static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_t *count)
+{
+    uint32_t t;
+    int closed;
+
+    *count = 0;
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
+    if (!closed) return BVX_OK;
+    o->star_count = 0;
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        BVXI_TRY(
+            bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the vertices round an edge"));
+        o->star[o->star_count++] = shared_in_ring(o, o->ring[i], o->ring[(i + 1) % o->ring_count], a, b);
+    }
+    *count = o->star_count;
+    return BVX_OK;
+}
+
+/* Inside and outside as one stretch each: from the plane's vertex inside on, both ways, the first change is
+ * the only one. The vertices that stand against that are parted from the edge. */
+static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane)
+{
+    uint64_t n, start, end, wrong;
+
+    do {
+        uint64_t changes = 0;
+        BVXI_TRY(ring_vertices(o, a, b, &n));
+        if (n < 3) return BVX_OK;
+        start = end = n;
+        for (uint64_t i = 0; i < n; i++) {
+            uint32_t const v = o->star[i], w = o->star[(i + 1) % n];
+            changes += o->vertex[v].sign != o->vertex[w].sign;
+            if (!bvxi_is_on(o, v, plane)) continue;
+            if (o->vertex[v].sign > 0 && start == n) start = i;
+            if (o->vertex[v].sign < 0 && end == n) end = i;
+        }
+        if (changes <= 2) return BVX_OK;
+        for (uint64_t i = 0; i < n; i++) { /* contours that contradict each other leave the plane no say */
+            if (o->vertex[o->star[i]].sign > 0 && start == n) start = i;
+            if (o->vertex[o->star[i]].sign < 0 && end == n) end = i;
+        }
+        wrong = n;
+        for (int way = 0; way < 2 && wrong == n; way++) {
+            int left = 0;
+            for (uint64_t k = 1; k < n && wrong == n; k++) {
+                uint64_t const i = way == 0 ? (start + k) % n : (start + n - k) % n;
+                if (i == end) break;
+                if (o->vertex[o->star[i]].sign < 0) left = 1;
+                else if (left && o->vertex[o->star[i]].sign > 0) wrong = i;
+            }
+        }
+        if (wrong == n) return BVX_OK;
+        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong]));
+    } while (wrong < n);
+    return BVX_OK;
+}
+
+static bvx_status settle_edges(bvxi_oblique *o)
+{
+    uint64_t const room = o->contour_edge.room;
+
+    for (uint64_t i = 0; i < room; i++) {
+        uint64_t const key = o->contour_edge.key[i];
+        if (key == UINT64_MAX || o->contour_edge.value[i] == BVXI_NONE) continue;
+        BVXI_TRY(settle_edge(o, (uint32_t)(key >> 32), (uint32_t)key, o->contour_edge.value[i] / 2));
+    }
+    return BVX_OK;
+}
+
+/* ---- contours' vertices ---- */
+
+/* The vertices round a vertex, each once, and which of them hang together with the same sign. */
+typedef struct link_work {
+    uint32_t *vertex, *joined, *number; /* number: [vertex of the tetrahedra] */
+    uint64_t room[2], number_room;
+    uint32_t count;
+} link_work;
+
+static uint32_t link_root(const link_work *w, uint32_t i)
+{
+    while (w->joined[i] != i) i = w->joined[i];
+    return i;
+}
+
+static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    if (w->number[v] != BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
+    BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
+    w->number[v] = w->count;
+    w->vertex[w->count] = v;
+    w->joined[w->count] = w->count;
+    w->count++;
+    return BVX_OK;
+}
+
+static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    w->count = 0;
+    BVXI_TRY(bvxi_tetra_star(o, v));
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != v) BVXI_TRY(link_add(o, w, t->v[k]));
+    }
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t x, y;
+                if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
+                    o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
+                    continue;
+                x = link_root(w, w->number[t->v[a]]);
+                y = link_root(w, w->number[t->v[b]]);
+                w->joined[x > y ? x : y] = x > y ? y : x;
+            }
+    }
+    return BVX_OK;
+}
+
+static void close_link(link_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
+}
+
+/* The stretch of a sign that the vertex keeps: one on its first plane, where the contour bounds it. */
+static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, uint32_t plane)
+{
+    uint32_t found = BVXI_NONE;
+
+    for (uint32_t i = 0; i < w->count; i++) {
+        if (o->vertex[w->vertex[i]].sign != sign) continue;
+        if (found == BVXI_NONE) found = link_root(w, i);
+        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return link_root(w, i);
+    }
+    return found;
+}
+
+static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    uint32_t const plane = first_plane(o, v);
+    uint32_t keep[2], wrong = BVXI_NONE, t, m;
+    double at[3];
+
+    do {
+        bvx_status const status = open_link(o, w, v);
+        wrong = BVXI_NONE;
+        if (status == BVX_OK) {
+            keep[0] = main_root(o, w, -1, plane);
+            keep[1] = main_root(o, w, 1, plane);
+            for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++) {
+                int const sign = o->vertex[w->vertex[i]].sign;
+                if (sign != 0 && link_root(w, i) != keep[sign > 0]) wrong = w->vertex[i];
+            }
+        }
+        close_link(w);
+        if (status != BVX_OK) return status;
+        if (wrong == BVXI_NONE) return BVX_OK;
+        for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
+        BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
+        if (t == BVXI_NONE) return BVX_OK;
+        BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
+        set_opposite(o, m, wrong);
+        if (w->number_room <= m) {
+            uint64_t const room = o->vertex_room;
+            BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &w->number, w->number_room * 4, room * 4,
+                                 "the vertices round a vertex"));
+            memset(w->number + w->number_room, 0xff, (size_t)(room - w->number_room) * 4);
+            w->number_room = room;
+        }
+    } while (wrong != BVXI_NONE);
+    return BVX_OK;
+}
+
+static bvx_status settle_vertices(bvxi_oblique *o)
+{
+    link_work w;
+    uint64_t const count = o->vertex_count;
+    bvx_status status;
+
+    memset(&w, 0, sizeof w);
+    w.number_room = o->vertex_room;
+    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
+    if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t v = 0; v < count && status == BVX_OK; v++)
+        if (o->vertex[v].sign == 0) status = oblique_settle_vertex(o, &w, (uint32_t)v);
+    bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.vertex);
+    bvxi_drop(o->ctx, w.number);
+    return status;
+}
+
+bvx_status bvxi_oblique_signs(bvxi_oblique *o)
+{
+    signs_job job;
+
+    job.o = o;
+    job.pieces = bvxi_piece_count(o->vertex_count, 256);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.5,
+                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, signs_piece, &job)));
+    for (uint64_t t = 0; t < o->tetra_count; t++) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    BVXI_TRY(settle_regions(o));
+    BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.7));
+    BVXI_TRY(settle_edges(o));
+    BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.8));
+    return settle_vertices(o);
+}

@@ -1,0 +1,381 @@
+/* test_oblique.c - bodies from contours on planes that are not parallel: balls, shells and a torus whose
+ * contours are known, what is inside on the planes, contradictions, planes that are nearly something. */
+#include "section_support.h"
+
+#include <math.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* ---- what is looked at ---- */
+
+static void assert_no_crossings(void)
+{
+    bvx_mesh_view view;
+    uint64_t count = 1;
+
+    bvx_mesh_view_of(&mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &count, NULL, 0));
+    TEST_ASSERT_EQUAL_UINT64(0, count);
+}
+
+/* Each contour point is a vertex within 1e-12 of the extent: points that two planes share but for rounding
+ * are one vertex, which has the coordinates of the first. */
+static void assert_contours_kept(void)
+{
+    const double *const p = mesh.positions;
+    double const most = 1e-12 * 2.8;
+    uint64_t exact = 0;
+
+    TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points + report.unkept_edges);
+    for (uint64_t i = 0; i < stack.s.point_count; i++) {
+        double least = 1e300;
+        for (uint64_t v = 0; v < mesh.vertex_count && least > 0.0; v++) {
+            double off = 0.0;
+            for (uint64_t k = 0; k < 3; k++) off = fmax(off, fabs(p[3 * v + k] - stack.point[3 * i + k]));
+            least = fmin(least, off);
+        }
+        TEST_ASSERT_TRUE(least <= most);
+        exact += least == 0.0;
+    }
+    TEST_ASSERT_TRUE(exact * 10 >= stack.s.point_count * 9);
+}
+
+/* The winding number of the mesh round a place: 1 inside. The plain sum of solid angles. */
+static double winding_at(const double at[3])
+{
+    const double *const p = mesh.positions;
+    double sum = 0.0;
+
+    for (uint64_t t = 0; t < mesh.triangle_count; t++) {
+        double v[3][3], l[3], det, dots;
+        for (int k = 0; k < 3; k++) {
+            for (int x = 0; x < 3; x++)
+                v[k][x] = p[3 * (uint64_t)mesh.triangles[3 * t + (uint64_t)k] + (uint64_t)x] - at[x];
+            l[k] = sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
+        }
+        det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
+              v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
+              v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+        dots = l[0] * l[1] * l[2];
+        for (int k = 0; k < 3; k++) {
+            const double *const a = v[(k + 1) % 3], *const b = v[(k + 2) % 3];
+            dots += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * l[k];
+        }
+        sum += atan2(det, dots);
+    }
+    return sum / (2.0 * pi);
+}
+
+/* Places on a section at random: inside where an odd number of its loops' balls are, and not where those say
+ * nothing, between a circle and its polygon. */
+static void assert_sides(uint64_t *seed, int places, const double *radius, int radii)
+{
+    for (int i = 0; i < places; i++) {
+        uint64_t const k = (uint64_t)maker_below(seed, (int)stack.s.section_count);
+        const double *const n = stack.normal + 3 * k;
+        double const size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        double at[3], off, r;
+        int inside = 0, sure = 1;
+
+        for (int x = 0; x < 3; x++) at[x] = maker_between(seed, -1.1, 1.1, 1000);
+        off = (n[0] * at[0] + n[1] * at[1] + n[2] * at[2]) / size - stack.position[k];
+        for (int x = 0; x < 3; x++) at[x] -= off * n[x] / size;
+        r = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
+        for (int x = 0; x < radii; x++) {
+            inside ^= r < radius[x];
+            sure &= fabs(r - radius[x]) > 0.03;
+        }
+        if (sure) TEST_ASSERT_TRUE(fabs(inside - winding_at(at)) < 1e-6);
+    }
+}
+
+static void make_ball(uint64_t seed, int planes, double cavity)
+{
+    stack_oblique(&stack);
+    for (int i = 0; i < planes; i++) {
+        uint32_t const k = stack_any_plane(&stack, &seed, 0.85);
+        stack_ball_cut(&stack, k, 0, 0, 0, 1.0, 100);
+        if (cavity > 0.0) stack_ball_cut(&stack, k, 0, 0, 0, cavity, 60);
+    }
+}
+
+/* ---- bodies ---- */
+
+static void test_a_ball_through_planes_of_any_direction(void)
+{
+    static const int planes[] = {3, 6, 12, 24};
+    double const volume = 4.0 / 3.0 * pi, radius[1] = {1.0};
+    double worst[4];
+
+    for (int i = 0; i < 4; i++) {
+        double sum = 0.0;
+        for (uint64_t seed = 1; seed <= 3; seed++) {
+            uint64_t places = seed;
+            make_ball(10 * (uint64_t)i + seed, planes[i], 0.0);
+            o.cells = 24;
+            build_good();
+            assert_no_crossings();
+            assert_contours_kept();
+            TEST_ASSERT_EQUAL_UINT64((uint64_t)planes[i], report.planes);
+            assert_sides(&places, 30, radius, 1);
+            for (uint64_t v = 0; v < mesh.vertex_count; v++) {
+                const double *const p = (const double *)mesh.positions + 3 * v;
+                double const off = fabs(sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 1.0);
+                sum += off / (3.0 * (double)mesh.vertex_count);
+            }
+        }
+        worst[i] = sum;
+        if (i > 0) TEST_ASSERT_TRUE(worst[i] < worst[i - 1]);
+    }
+    TEST_ASSERT_TRUE(worst[3] < 0.012);
+    TEST_ASSERT_TRUE(fabs(volume - certificate.volume) < 0.02 * volume);
+}
+
+static void test_a_shell_keeps_its_cavity(void)
+{
+    double const radius[2] = {1.0, 0.5};
+
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        uint64_t places = seed;
+        make_ball(seed, 14, 0.5);
+        o.cells = 28;
+        build_good();
+        assert_no_crossings();
+        assert_contours_kept();
+        TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+        TEST_ASSERT_TRUE(fabs(4.0 / 3.0 * pi * 0.875 - certificate.volume) < 0.25);
+        assert_sides(&places, 20, radius, 2);
+    }
+}
+
+/* A torus by half planes through its axis, all of which cross in one line, and one across it. */
+static void test_many_planes_in_one_line(void)
+{
+    stack_oblique(&stack);
+    for (int i = 0; i < 9; i++) {
+        double x, y;
+        uint32_t k;
+        stack_circle(i / 18.0, &x, &y);
+        k = stack_plane(&stack, -y, x, 0.0, 0.0);
+        stack_ball_cut(&stack, k, x, y, 0, 0.4, 40);
+        stack_ball_cut(&stack, k, -x, -y, 0, 0.4, 40);
+    }
+    stack_plane(&stack, 0, 0, 1, 0.0);
+    stack_ball_cut(&stack, 9, 0, 0, 0, 1.4, 72);
+    stack_ball_cut(&stack, 9, 0, 0, 0, 0.6, 72);
+    o.cells = 32;
+    build_good();
+    assert_no_crossings();
+    assert_contours_kept();
+    TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+    TEST_ASSERT_TRUE(fabs(3.158 - certificate.volume) < 0.1 * 3.158);
+
+    /* and a body that has the line inside */
+    stack_oblique(&stack);
+    for (int i = 0; i < 9; i++) {
+        double x, y;
+        stack_circle(i / 18.0, &x, &y);
+        stack_ball_cut(&stack, stack_plane(&stack, -y, x, 0.0, 0.0), 0, 0, 0, 1.0, 80);
+    }
+    build_good();
+    assert_no_crossings();
+    assert_contours_kept();
+    TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+}
+
+/* Planes along the axes, where the lattice's own planes are. */
+static void test_planes_along_the_axes(void)
+{
+    stack_oblique(&stack);
+    for (int i = 0; i < 3; i++)
+        for (int j = -1; j < 2; j++)
+            stack_ball_cut(&stack, stack_plane(&stack, i == 0, i == 1, i == 2, 0.4 * j), 0, 0, 0, 1.0, 64);
+    for (int32_t cells = 8; cells <= 40; cells += 16) {
+        o.cells = cells;
+        build_good();
+        assert_no_crossings();
+        assert_contours_kept();
+        TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+    }
+}
+
+/* ---- options and their like ---- */
+
+static void test_normals_of_parallel_planes_change_nothing(void)
+{
+    uint64_t one, two;
+
+    stack_oblique(&stack);
+    for (int i = 0; i < 3; i++) {
+        uint32_t const k = stack_plane(&stack, 0, 0, 2, 0.5 * i);
+        stack_round(&stack, k, 0.1 * i, 0, 1, 1, 20, 0.1, 0, 0);
+    }
+    build_good();
+    TEST_ASSERT_EQUAL_UINT64(0, report.planes);
+    bvx_mesh_hash(ctx, &mesh, &one);
+    stack.normal[3 + 2] = -1.0;
+    stack.position[1] = -0.5;
+    build_good();
+    bvx_mesh_hash(ctx, &mesh, &two);
+    TEST_ASSERT_EQUAL_HEX64(one, two);
+    stack.s.normals = NULL;
+    stack.position[1] = 0.5;
+    build_good();
+    bvx_mesh_hash(ctx, &mesh, &two);
+    TEST_ASSERT_EQUAL_HEX64(one, two);
+}
+
+static void test_threads_change_no_oblique_body(void)
+{
+    uint64_t hash[3];
+
+    make_ball(5, 12, 0.5);
+    o.cells = 32;
+    for (int i = 0; i < 3; i++) {
+        bvx_context_options c;
+        bvx_context *other;
+        bvx_mesh made = {0};
+        bvx_context_options_init(&c, sizeof c);
+        c.threads = 1 + 3 * i;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_sections(other, &stack.s, &o, &made));
+        bvx_mesh_hash(ctx, &made, &hash[i]);
+        bvx_mesh_free(other, &made);
+        bvx_context_destroy(other);
+    }
+    TEST_ASSERT_EQUAL_HEX64(hash[0], hash[1]);
+    TEST_ASSERT_EQUAL_HEX64(hash[0], hash[2]);
+}
+
+static void test_cells_and_spacing_are_one_thing(void)
+{
+    uint64_t one, two;
+
+    make_ball(5, 5, 0.0);
+    o.cells = 16;
+    build_good();
+    bvx_mesh_hash(ctx, &mesh, &one);
+    o.spacing = report.cell[0];
+    o.cells = 0;
+    build_good();
+    bvx_mesh_hash(ctx, &mesh, &two);
+    TEST_ASSERT_EQUAL_HEX64(one, two);
+    o.cells = 16;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
+    o.spacing = 0.0;
+    o.cells = 7;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
+    o.cells = 1025;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
+}
+
+/* ---- contradictions ---- */
+
+static void refuse_with(bvx_status status, const char *words)
+{
+    TEST_ASSERT_EQUAL_INT32(status, build());
+    if (strstr(bvx_last_message(ctx), words) == NULL) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
+    TEST_ASSERT_NULL(mesh.positions);
+}
+
+static void test_contradictions_are_named_or_settled(void)
+{
+    stack_oblique(&stack);
+    stack_ball_cut(&stack, stack_plane(&stack, 0, 0, 1, 0), 0, 0, 0, 1.0, 64);
+    stack_ball_cut(&stack, stack_plane(&stack, 1, 0, 0, 0), 0, 0, 0, 0.95, 64);
+    o.cells = 24;
+    refuse_with(BVX_ERR_FORMAT,
+                "sections 0 and 1 contradict each other where their planes cross, near (0, -");
+    o.agree = 0.1;
+    build_good();
+    assert_no_crossings();
+    TEST_ASSERT_EQUAL_UINT64(2, report.settled);
+    TEST_ASSERT_TRUE(fabs(0.05 - report.largest_gap) < 1e-3);
+
+    /* a section that says that there is nothing */
+    stack_plane(&stack, 0, 1, 0, 0.5);
+    refuse_with(BVX_ERR_FORMAT, "sections 0 and 2 contradict each other");
+    stack.position[2] = 1.5; /* where there is nothing */
+    build_good();
+    TEST_ASSERT_EQUAL_UINT64(1, report.empty_sections);
+}
+
+/* However contours contradict each other: once they are allowed to, the surface is closed. */
+static void test_contours_that_do_not_belong_together(void)
+{
+    for (uint64_t seed = 1; seed <= 12; seed++) {
+        uint64_t s = seed;
+        stack_oblique(&stack);
+        for (int i = 0; i < 6; i++) {
+            uint32_t const k = stack_any_plane(&stack, &s, 0.5);
+            double const x = maker_between(&s, -0.4, 0.4, 100), y = maker_between(&s, -0.4, 0.4, 100);
+            double const r = maker_between(&s, 0.6, 1.0, 100);
+            stack_ball_cut(&stack, k, x, y, 0.0, r, 12 + (int)seed);
+        }
+        o.cells = 20;
+        o.agree = 1e3;
+        build_good();
+        assert_no_crossings();
+    }
+}
+
+static void test_what_planes_are_refused(void)
+{
+    make_ball(3, 4, 0.0);
+    memcpy(stack.normal + 3, stack.normal, 24);
+    stack.position[1] = stack.position[0];
+    refuse_with(BVX_ERR_FORMAT, "sections 0 and 1 lie on one plane");
+    for (int k = 0; k < 3; k++) stack.normal[3 + k] = -2.0 * stack.normal[k];
+    stack.position[1] = -stack.position[0];
+    refuse_with(BVX_ERR_FORMAT, "sections 0 and 1 lie on one plane");
+    make_ball(3, 4, 0.0);
+    stack.normal[3] = stack.normal[4] = stack.normal[5] = 0.0;
+    refuse_with(BVX_ERR_ARGUMENT, "no length");
+    make_ball(3, 4, 0.0);
+    stack.normal[3] = NAN;
+    refuse_with(BVX_ERR_RANGE, "the normal of section 1 is not finite");
+    make_ball(3, 4, 0.0);
+    stack.position[2] += 0.1;
+    refuse_with(BVX_ERR_FORMAT, "off its plane");
+    make_ball(3, 4, 0.0);
+    stack.loop[1].label = 2;
+    refuse_with(BVX_ERR_ARGUMENT, "several bodies");
+    make_ball(3, 4, 0.0);
+    stack.loop[1].point_count = 2;
+    refuse_with(BVX_ERR_EMPTY, "2 different points");
+}
+
+/* Planes that cross at a small angle, within the body and beside it. */
+static void test_nearly_parallel_planes(void)
+{
+    for (int i = 0; i < 4; i++) {
+        static const double lean[] = {0.3, 0.03, 0.003, 0.0003};
+        stack_oblique(&stack);
+        for (int j = -2; j < 3; j++)
+            stack_ball_cut(&stack, stack_plane(&stack, (j & 1) ? lean[i] : 0.0, 0, 1, 0.3 * j), 0, 0, 0, 1.0,
+                           64);
+        stack_ball_cut(&stack, stack_plane(&stack, lean[i], 0, 1, 0), 0, 0, 0, 1.0, 64);
+        o.cells = 24;
+        build_good();
+        assert_no_crossings();
+        assert_contours_kept();
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_ball_through_planes_of_any_direction);
+    RUN_TEST(test_a_shell_keeps_its_cavity);
+    RUN_TEST(test_many_planes_in_one_line);
+    RUN_TEST(test_planes_along_the_axes);
+    RUN_TEST(test_nearly_parallel_planes);
+    RUN_TEST(test_normals_of_parallel_planes_change_nothing);
+    RUN_TEST(test_threads_change_no_oblique_body);
+    RUN_TEST(test_cells_and_spacing_are_one_thing);
+    RUN_TEST(test_contradictions_are_named_or_settled);
+    RUN_TEST(test_contours_that_do_not_belong_together);
+    RUN_TEST(test_what_planes_are_refused);
+    return UNITY_END();
+}
