@@ -299,7 +299,7 @@ static const cli_argument arguments[] = {
     BETWEEN("--spacing", "S", CLI_SECTIONS, spacing, 0, 1e300,
             "side of a cell in the contours' unit, in place of --grid"),
     WHOLE("--cells", "N", CLI_SECTIONS, cells, 8, 1024,
-          "planes that are not parallel: cells along the longest side of the\ncontours' box [64]"),
+          "planes that are not parallel: cells along the longest side of the\ncontours' box [auto: 64]"),
     FROM_TO(
         "--agree", "D", CLI_SECTIONS, agree, 0, 1e300,
         "planes that are not parallel: contours at most so far apart where two\nplanes cross are moved to agree [a hundredth of that longest side]"),

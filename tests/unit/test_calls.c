@@ -788,7 +788,7 @@ static void test_sections_that_contradict_themselves(void)
         case 3: bad_sections.point_count = (uint64_t)1 << 31; break;
         case 4: bad_sections.loop_count = (uint64_t)1 << 31; break;
         case 5: bad_sections.section_count = (uint64_t)1 << 31; break;
-        case 6: bad_sections.reserved2[3] = 1; break;
+        case 6: bad_sections.reserved2[2] = 1; break;
         case 7: loops[1].reserved = 1; break;
         case 8: loops[1].label = BVX_LABEL_ONLY; break;
         case 9: loops[1].section = (uint32_t)sections.section_count; break;
