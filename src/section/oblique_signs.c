@@ -5,12 +5,16 @@
  * contour has none. The surface is to run through
  * a contour's edges and nothing else of a plane, once, and through a contour's vertex once. So:
  * - an edge between two contour vertices that is no contour's, and a face between three, gets a vertex;
+ * - a vertex on two planes whose contours contradict each other there, or on none next to the surface, has the
+ *   sign that makes no bridge and no hole of what lies round it, where there is one;
  * - round a contour's edge, inside and outside must each be one stretch: a vertex in between that is not gets
  *   one of the other sign between itself and the edge;
  * - round a contour's vertex inside and outside must each hang together: what does not is parted from it in
  *   the same way.
  * Each step leaves what the ones before it made. */
 #include "section/oblique.h"
+
+#define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
 
 typedef struct signs_job {
     bvxi_oblique *o;
@@ -86,13 +90,78 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
     return BVX_OK;
 }
 
+/* ---- the vertices round a vertex ---- */
+
+/* Each once, and which of them hang together with the same sign. */
+typedef struct link_work {
+    uint32_t *vertex, *joined, *number; /* number: [vertex of the tetrahedra] */
+    uint64_t room[2], number_room;
+    uint32_t count;
+} link_work;
+
+static uint32_t link_root(const link_work *w, uint32_t i)
+{
+    while (w->joined[i] != i) i = w->joined[i];
+    return i;
+}
+
+static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    if (w->number[v] != BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
+    BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
+    w->number[v] = w->count;
+    w->vertex[w->count] = v;
+    w->joined[w->count] = w->count;
+    w->count++;
+    return BVX_OK;
+}
+
+static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    w->count = 0;
+    BVXI_TRY(bvxi_tetra_star(o, v));
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != v) BVXI_TRY(link_add(o, w, t->v[k]));
+    }
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t x, y;
+                if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
+                    o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
+                    continue;
+                x = link_root(w, w->number[t->v[a]]);
+                y = link_root(w, w->number[t->v[b]]);
+                w->joined[x > y ? x : y] = x > y ? y : x;
+            }
+    }
+    return BVX_OK;
+}
+
+static void close_link(link_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
+}
+
 /* ---- regions ---- */
 
 /* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
 typedef struct oblique_region_work {
     uint32_t *joined; /* [vertex] */
     double *vote;     /* [vertex] area on the contours' left less that on their right */
+    uint32_t *torn;   /* vertices of which two planes say different things; once a plane but the first */
+    uint64_t torn_count, torn_room;
 } oblique_region_work;
+
+static void flip_sign(const bvxi_oblique *o, uint32_t v)
+{
+    o->vertex[v].sign = (int8_t)-o->vertex[v].sign;
+    o->vertex[v].value = -o->vertex[v].value;
+}
 
 static uint32_t region_root(oblique_region_work *w, uint32_t i)
 {
@@ -133,7 +202,8 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
 }
 
 /* step 0: every vertex for itself; 1: join and vote; 2: votes to the roots; 3: signs. */
-static void look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane, int step, uint32_t t)
+static bvx_status look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane, int step,
+                                 uint32_t t)
 {
     const uint32_t *const v = o->tetra[t].v;
 
@@ -157,14 +227,102 @@ static void look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t pla
             w->vote[region_root(w, x)] += w->vote[x];
             w->vote[x] = 0.0;
         }
-        if (step == 3 && first_plane(o, x) == plane) {
+        if (step == 3) {
             double const vote = w->vote[region_root(w, x)];
-            if (vote != 0.0 && (vote > 0.0) != (o->vertex[x].sign > 0)) {
-                o->vertex[x].sign = vote > 0.0 ? 1 : -1;
-                o->vertex[x].value = -o->vertex[x].value;
+            if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
+            if (first_plane(o, x) == plane) flip_sign(o, x);
+            else {
+                BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
+                                           "the vertices that planes contradict each other of"));
+                w->torn[w->torn_count++] = x;
             }
         }
     }
+    return BVX_OK;
+}
+
+static int has_inside(const bvxi_oblique *o, const link_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++)
+        if (o->vertex[w->vertex[i]].sign > 0) return 1;
+    return 0;
+}
+
+/* The Euler number of what is inside round a vertex: 1 where its own sign opens and closes nothing. *all: there
+ * is nothing else. */
+static bvx_status euler_round(bvxi_oblique *o, link_work *w, uint32_t v, int64_t *euler, int *all)
+{
+    int64_t corners = 0, edges = 0, faces = 0;
+
+    *all = 1;
+    BVXI_TRY(open_link(o, w, v));
+    for (uint32_t i = 0; i < w->count; i++) {
+        corners += o->vertex[w->vertex[i]].sign > 0;
+        *all &= o->vertex[w->vertex[i]].sign > 0;
+    }
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        int n = 0;
+        for (int k = 0; k < 4; k++) n += t->v[k] != v && o->vertex[t->v[k]].sign > 0;
+        edges += n == 3 ? 3 : n == 2; /* each is in two of them */
+        faces += n == 3;
+    }
+    *euler = corners - edges / 2 + faces;
+    return BVX_OK;
+}
+
+static int has_whole_star(const bvxi_oblique *o, uint32_t v)
+{
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != v && t->n[k] == BVXI_NONE) return 0;
+    }
+    return 1;
+}
+
+/* The sign that makes no bridge and no hole, where one does and the other does not. */
+static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    int64_t euler = 1;
+    int all = 0, inside;
+    bvx_status const status = euler_round(o, w, v, &euler, &all);
+
+    inside = all || (euler <= 0 && has_inside(o, w));
+    close_link(w);
+    if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v))
+        flip_sign(o, v);
+    return status;
+}
+
+/* Vertices on no plane that the blend has next to no say of. */
+static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
+{
+    const bvxi_tetra_vertex *const x = &o->vertex[v];
+
+    if (x->sign == 0 || first_plane(o, v) != BVXI_NONE) return 0;
+    return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
+}
+
+/* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
+ * so do those off all planes that lie between contours or next to the surface. */
+static bvx_status settle_signs(bvxi_oblique *o, const oblique_region_work *torn)
+{
+    bvx_status status;
+    link_work w;
+
+    memset(&w, 0, sizeof w);
+    w.number_room = o->vertex_count;
+    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
+    if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t i = 0; i < torn->torn_count && status == BVX_OK; i++)
+        status = settle_sign(o, &w, torn->torn[i]);
+    for (uint32_t v = 0; v < o->vertex_count && status == BVX_OK; v++)
+        if (is_loose_sign(o, v)) status = settle_sign(o, &w, v);
+    bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.vertex);
+    bvxi_drop(o->ctx, w.number);
+    return status;
 }
 
 /* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
@@ -172,15 +330,20 @@ static void look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t pla
 static bvx_status settle_regions(bvxi_oblique *o)
 {
     uint64_t const n = o->vertex_count;
-    oblique_region_work w = {NULL, NULL};
-    bvx_status status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
+    oblique_region_work w;
+    bvx_status status;
+
+    memset(&w, 0, sizeof w);
+    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
 
     if (status == BVX_OK) status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 8, "the regions of planes", &w.vote);
     for (uint32_t p = 0; p < o->plane_count && status == BVX_OK; p++)
         for (int step = 0; step < 4; step++)
             for (uint32_t i = o->plane_touch[p]; i < o->plane_touch[p + 1]; i++)
                 for (uint32_t t = 6 * o->touch_cell[i]; t != BVXI_NONE; t = o->chain[t])
-                    look_at_region(o, &w, p, step, t);
+                    if (status == BVX_OK) status = look_at_region(o, &w, p, step, t);
+    if (status == BVX_OK) status = settle_signs(o, &w);
+    bvxi_drop(o->ctx, w.torn);
     bvxi_drop(o->ctx, w.vote);
     bvxi_drop(o->ctx, w.joined);
     return status;
@@ -304,61 +467,6 @@ static bvx_status settle_edges(bvxi_oblique *o)
 
 /* ---- contours' vertices ---- */
 
-/* The vertices round a vertex, each once, and which of them hang together with the same sign. */
-typedef struct link_work {
-    uint32_t *vertex, *joined, *number; /* number: [vertex of the tetrahedra] */
-    uint64_t room[2], number_room;
-    uint32_t count;
-} link_work;
-
-static uint32_t link_root(const link_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) i = w->joined[i];
-    return i;
-}
-
-static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
-{
-    if (w->number[v] != BVXI_NONE) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
-    BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
-    w->number[v] = w->count;
-    w->vertex[w->count] = v;
-    w->joined[w->count] = w->count;
-    w->count++;
-    return BVX_OK;
-}
-
-static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
-{
-    w->count = 0;
-    BVXI_TRY(bvxi_tetra_star(o, v));
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        for (int k = 0; k < 4; k++)
-            if (t->v[k] != v) BVXI_TRY(link_add(o, w, t->v[k]));
-    }
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        for (int a = 0; a < 4; a++)
-            for (int b = a + 1; b < 4; b++) {
-                uint32_t x, y;
-                if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
-                    o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
-                    continue;
-                x = link_root(w, w->number[t->v[a]]);
-                y = link_root(w, w->number[t->v[b]]);
-                w->joined[x > y ? x : y] = x > y ? y : x;
-            }
-    }
-    return BVX_OK;
-}
-
-static void close_link(link_work *w)
-{
-    for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
-}
-
 /* The stretch of a sign that the vertex keeps: one on its first plane, where the contour bounds it. */
 static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, uint32_t plane)
 {
@@ -384,10 +492,11 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
         if (status == BVX_OK) {
             keep[0] = main_root(o, w, -1, plane);
             keep[1] = main_root(o, w, 1, plane);
-            for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++) {
-                int const sign = o->vertex[w->vertex[i]].sign;
-                if (sign != 0 && link_root(w, i) != keep[sign > 0]) wrong = w->vertex[i];
-            }
+            /* those inside first: to part them opens and closes nothing, to part others may */
+            for (int sign = 1; sign >= -1 && wrong == BVXI_NONE; sign -= 2)
+                for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++)
+                    if (o->vertex[w->vertex[i]].sign == sign && link_root(w, i) != keep[sign > 0])
+                        wrong = w->vertex[i];
         }
         close_link(w);
         if (status != BVX_OK) return status;

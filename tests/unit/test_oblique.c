@@ -148,6 +148,26 @@ static void test_a_shell_keeps_its_cavity(void)
     }
 }
 
+/* Sets of planes that had handles where signs next to contours contradict each other. */
+static void test_near_tangent_crossings_make_no_handle(void)
+{
+    static const struct {
+        uint64_t seed;
+        double cavity;
+        int32_t cells;
+    } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
+
+    for (size_t i = 0; i < sizeof set / sizeof *set; i++) {
+        int const shells = set[i].cavity > 0.0 ? 2 : 1;
+        make_ball(set[i].seed, 30, set[i].cavity);
+        o.cells = set[i].cells;
+        build_good();
+        assert_no_crossings();
+        TEST_ASSERT_EQUAL_UINT64(shells, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(2 * shells, certificate.euler);
+    }
+}
+
 /* A torus by half planes through its axis, all of which cross in one line, and one across it. */
 static void test_many_planes_in_one_line(void)
 {
@@ -368,6 +388,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_ball_through_planes_of_any_direction);
     RUN_TEST(test_a_shell_keeps_its_cavity);
+    RUN_TEST(test_near_tangent_crossings_make_no_handle);
     RUN_TEST(test_many_planes_in_one_line);
     RUN_TEST(test_planes_along_the_axes);
     RUN_TEST(test_nearly_parallel_planes);
