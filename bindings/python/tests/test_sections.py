@@ -92,7 +92,7 @@ def test_bad_stacks_are_named():
 
     for text, kind, words in (
         (head, bitvox.EmptyError, "no loop"),
-        (head + lines(1, 0), bitvox.EmptyError, "in one section alone"),
+        (head + lines(1, 0), bitvox.EmptyError, "in only one section"),
         (head + lines(1, 0) + lines(2, 0), bitvox.FormatError, "lie at one position, 0"),
         (head + lines(1, 0) + lines(2, 1).replace("4,4", "4,-4"), bitvox.FormatError, "crosses or touches itself"),
     ):
