@@ -134,7 +134,7 @@ bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
 /* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 
-/* Whose step this is, and its part of the work's progress: what steps hand on to those below them. */
+/* Whose step this is, and its part of the work's progress: what steps pass to those below them. */
 typedef struct bvxi_call {
     bvx_context *ctx;
     const char *function,

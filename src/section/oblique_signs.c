@@ -393,7 +393,7 @@ static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32
     return BVX_OK;
 }
 
-/* Vertices round the edge, into o->star as scratch; their number, or 0 when the ring is open. */
+/* Vertices around the edge, into o->star as scratch; their number, or 0 when the ring is open. */
 static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_t *count)
 {
     uint32_t t;

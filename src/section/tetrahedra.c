@@ -269,7 +269,7 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
     BVXI_TRY(keep_contour_edge(o, a, b, *m));
     BVXI_TRY(bvxi_tetra_ring(o, tetra, a, b, &closed));
 
-    /* The old one keeps a, its twin gets b; first all twins, so that they can be told of each other. */
+    /* The old one keeps a, its twin gets b; first all twins, so that they can be linked with each other. */
     for (uint64_t i = 0; i < o->ring_count; i++) {
         uint32_t const t = o->ring[i];
         bvxi_tetra const old = o->tetra[t];

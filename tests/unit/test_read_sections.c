@@ -130,7 +130,7 @@ static void test_csl_has_planes_of_any_direction(void)
     bvx_sections_free(ctx, &again);
 }
 
-/* Planes that lean by less than what is told apart are a stack, whichever way their normals point. */
+/* Planes that lean by less than what is distinguished are a stack, whichever way their normals point. */
 static void test_csl_of_parallel_planes_has_one_normal(void)
 {
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_text("CSLC\n2 2\n1 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n"
