@@ -213,21 +213,20 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     return bvxi_stack_open(ctx, sections_name, sections, options, stack);
 }
 
-/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be: such a
- * mesh is refused, not handed out. */
-static bvx_status check_mended(bvx_context *ctx, const bvx_mesh *mesh)
+/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be, and
+ * contours on crossing planes that are far from agreeing a tear: such a mesh is refused, not handed out. */
+static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, int own)
 {
     bvx_certificate c;
     bvx_mesh_view view;
+    bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvx_mesh_check(ctx, &view, 0, &c));
-    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
-    return bvxi_fail_for(
-        ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-        "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, "
-        "or mend the contours before",
-        sections_name);
+    status = bvx_mesh_check(ctx, &view, 0, &c);
+    if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
+        status = bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET, "%s: %s", sections_name, why);
+    if (status != BVX_OK && own) bvx_mesh_free(ctx, mesh);
+    return status;
 }
 
 static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
@@ -242,10 +241,13 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
         measure_prismoids(&stack);
         status = BVXI_SHARE(context, 0.15, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
     }
-    if (status == BVX_OK && mended.loops != 0) {
-        status = BVXI_SHARE(context, 0.95, 1.0, check_mended(context, mesh));
-        if (status != BVX_OK && own) bvx_mesh_free(context, mesh);
-    }
+    if (status == BVX_OK && mended.loops != 0)
+        status = BVXI_SHARE(
+            context, 0.95, 1.0,
+            check_body(context,
+                       "the mended loops run too near to each other for a closed, manifold mesh; take "
+                       "fewer points, or mend the contours before",
+                       mesh, own));
     if (status == BVX_OK) {
         stack.report.skipped = stack.report.samples > stack.report.distances
                                    ? stack.report.samples - stack.report.distances
@@ -278,6 +280,21 @@ static int is_parallel(const double a[3], const double b[3], int *against)
     return square <= SECTIONS_PARALLEL * SECTIONS_PARALLEL;
 }
 
+static bvx_status build_oblique(bvx_context *context, const bvx_sections *sections,
+                                const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    int const own = mesh->positions == NULL;
+
+    BVXI_TRY(
+        BVXI_SHARE(context, 0.0, 0.98, bvxi_oblique_body(context, sections_name, sections, o, report, mesh)));
+    return BVXI_SHARE(
+        context, 0.98, 1.0,
+        check_body(context,
+                   "the contours contradict each other too much for a closed, manifold mesh; move "
+                   "those apart that cross where their planes meet, or take a smaller agree",
+                   mesh, own));
+}
+
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
                                 const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
 {
@@ -297,7 +314,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     stack.positions = positions;
     stack.normals = NULL;
     status = parallel ? build_stack(context, &stack, o, report, mesh)
-                      : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+                      : build_oblique(context, sections, o, report, mesh);
     bvxi_drop(context, positions);
     return status;
 }

@@ -113,9 +113,9 @@ static const char fuzz_csl[] =
     "CSLC\n2 2\n\n1 7 2 0 0 1 -0.5\n\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n1 1 .5\n2 1 .5\n1 2 .5\n\n4 1 0 1 2 3\n3h0 1 4 5 6\n"
     "2 3 1 0 0 -1 1.5\n0 0 1.5 4 0 1.5 4 4 1.5\n3 1 2 1 0\n";
 
-/* three planes that cross, two of them with squares */
+/* planes that cross, three with squares and one that no loop lies on */
 static const char fuzz_planes[] =
-    "CSLC\n3 2\n\n1 4 1 0 0 1 -0.5\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n4 1 0 1 2 3\n"
+    "CSLC\n4 2\n\n1 4 1 0 0 1 -0.5\n0 0 0.5\n4 0 0.5\n4 4 0.5\n0 4 0.5\n4 1 0 1 2 3\n"
     "2 4 1 0 1 0.1 -2\n0 2.2 -2\n4 2.2 -2\n4 1.8 2\n0 1.8 2\n4 1 0 1 2 3\n"
     "3 4 1 1 0 0 -2\n2 0 -2\n2 4 -2\n2 4 2\n2 0 2\n4 1 0 1 2 3\n4 0 0 1 1 1 40\n";
 

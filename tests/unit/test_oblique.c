@@ -340,6 +340,42 @@ static void test_contours_that_do_not_belong_together(void)
     }
 }
 
+/* Contours with a few points moved far within their planes: a closed body, or a refusal and no mesh at all. */
+static void test_damaged_contours_make_no_open_body(void)
+{
+    uint64_t made = 0, seed = 41;
+
+    for (uint64_t i = 0; i < 150; i++) {
+        bvx_status status;
+        make_ball(i, 3 + (int)(i % 3), 0.0);
+        for (uint64_t n = 0; n <= i % 4; n++) {
+            const bvx_sections *const v = &stack.s;
+            uint32_t const l = maker_below(&seed, (uint32_t)v->loop_count);
+            uint64_t const from = v->loops[l].first_point, count = v->loops[l].point_count;
+            uint64_t const a = from + maker_below(&seed, (uint32_t)count);
+            uint64_t const b = from + maker_below(&seed, (uint32_t)count);
+            double const t = maker_between(&seed, -3.0, 3.0, 100);
+            for (uint64_t k = 0; k < 3; k++)
+                stack.point[3 * a + k] += t * (stack.point[3 * b + k] - stack.point[3 * a + k]);
+        }
+        o.cells = 12;
+        o.agree = 1e9;
+        status = bvx_build_sections(ctx, &stack.s, &o, &mesh);
+        if (status == BVX_OK) {
+            bvx_certificate c;
+            bvx_mesh_view view;
+            bvx_mesh_view_of(&mesh, &view);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
+            TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
+            made++;
+        } else {
+            TEST_ASSERT_NULL(mesh.positions);
+        }
+        bvx_mesh_free(ctx, &mesh);
+    }
+    TEST_ASSERT_TRUE(made > 20);
+}
+
 static void test_what_planes_are_refused(void)
 {
     make_ball(3, 4, 0.0);
@@ -397,6 +433,7 @@ int main(void)
     RUN_TEST(test_cells_and_spacing_are_one_thing);
     RUN_TEST(test_contradictions_are_named_or_settled);
     RUN_TEST(test_contours_that_do_not_belong_together);
+    RUN_TEST(test_damaged_contours_make_no_open_body);
     RUN_TEST(test_what_planes_are_refused);
     return UNITY_END();
 }
