@@ -29,11 +29,15 @@ static int base64_group(bvxi_base64 *b)
         if (b->p == b->end) return 0;
         uint8_t const d = b->digit[(unsigned char)*b->p];
         if (d == BASE64_SPACE) continue;
+        /* Padding stands for the third or fourth digit, and only
+         * padding follows it. A wrong character stays at p. */
         if (d == BASE64_NONE || (d == BASE64_PADDING ? digits < 2 : padding > 0)) return 0;
         if (d == BASE64_PADDING) padding++;
         else digits++;
         bits = bits << 6 | (d == BASE64_PADDING ? 0u : d);
     }
+    /* Two, three or four digits carry one, two or three
+     * whole bytes; the bits beyond them are not looked at. */
     b->held_count = digits - 1;
     b->held[0] = (uint8_t)(bits >> 16 & 0xff);
     b->held[1] = (uint8_t)(bits >> 8 & 0xff);
@@ -52,6 +56,7 @@ static uint64_t base64_plain(bvxi_base64 *b, uint8_t *BVXI_RESTRICT bytes, uint6
     for (; n < most; n++, p += 4, bytes += 3) {
         uint32_t const d0 = digit[(unsigned char)p[0]], d1 = digit[(unsigned char)p[1]];
         uint32_t const d2 = digit[(unsigned char)p[2]], d3 = digit[(unsigned char)p[3]];
+        /* Digits are below 64 and everything else is 64 or has that bit: one test for four characters. */
         if ((d0 | d1 | d2 | d3) >= BASE64_NONE) break;
         bytes[0] = (uint8_t)(d0 << 2 | d1 >> 4);
         bytes[1] = (uint8_t)((d1 << 4 | d2 >> 2) & 0xff);
@@ -63,6 +68,8 @@ static uint64_t base64_plain(bvxi_base64 *b, uint8_t *BVXI_RESTRICT bytes, uint6
 
 int bvxi_base64_take(bvxi_base64 *b, uint8_t *bytes, uint64_t count)
 {
+    /* Plain groups go straight to the caller. One with spaces or
+     * padding, or whose bytes are not all wanted yet, is held. */
     while (count > 0) {
         uint64_t const plain = b->held_count == 0 ? base64_plain(b, bytes, count / 3) : 0;
         bytes += 3 * plain;

@@ -36,8 +36,10 @@ static void make_file_piece(void *user, int32_t index, int32_t worker)
     uint8_t *start, *at;
 
     (void)worker;
+    /* The room before a piece suits the longest text, so no worker waits to know how much the others made. */
     bvxi_piece(job->things, job->pieces, index, &begin, &end);
     start = at = job->bytes + file_place(job, begin);
+    /* A piece may reach over several parts: each writes its share of it, at the end of the share before. */
     for (int32_t i = 0; i < job->parts; i++) {
         uint64_t const last = first + job->part[i].count;
         uint64_t const from = begin > first ? begin : first, to = end < last ? end : last;
@@ -53,6 +55,8 @@ static uint64_t close_file_gaps(const file_job *job)
     uint64_t size = 0, begin, end;
 
     for (int32_t i = 0; i < job->pieces; i++) {
+        /* Bytes move down only, and the piece below has been moved
+         * before: nothing is written over that is still needed. */
         bvxi_piece(job->things, job->pieces, i, &begin, &end);
         begin = file_place(job, begin);
         if (begin != size) memmove(job->bytes + size, job->bytes + begin, (size_t)job->made[i]);
@@ -68,6 +72,7 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
     bvx_status status;
     uint64_t most;
 
+    /* The room is for the greatest length, since the true one is only known when the text is made. */
     job.part = part;
     job.parts = parts;
     for (int32_t i = 0; i < parts; i++) job.things += part[i].count;
@@ -80,6 +85,8 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
         bvx_buffer_free(ctx, file);
         return status;
     }
+
+    /* What the greatest length has reserved beyond this stays as capacity. */
     file->size = head + close_file_gaps(&job);
     return BVX_OK;
 }
@@ -87,6 +94,7 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
 bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file)
 {
     if (file == NULL) return bvxi_fail_null(ctx, function, "file");
+    /* Bytes of another allocator cannot be freed here. */
     if (file->bytes != NULL && file->capacity == 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: file brings bytes, which are not used; zero it first", function);

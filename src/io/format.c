@@ -24,6 +24,7 @@ int32_t bvx_format_of_name(const char *name)
     size_t n;
     if (name == NULL) return BVX_FORMAT_UNKNOWN;
     n = bvxi_text_length(name);
+    /* A packed file is what it is when unpacked: the name before .gz decides. */
     if (name_ends_with(name, n, ".gz")) n -= 3;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (name_ends_with(name, n, known[i].ending)) return known[i].format;
@@ -45,6 +46,7 @@ bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *fun
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         size_t const k = bvxi_text_length(known[i].text);
 
+        /* What does not fit is left out: a list that is cut in a word would be worse than a shorter one. */
         if ((set >> known[i].format & 1) == 0 || n + k >= sizeof endings) continue;
         memcpy(endings + n, known[i].text, k + 1);
         n += k;

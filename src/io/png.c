@@ -46,6 +46,8 @@ static void png_adler_add(png_adler *s, const uint8_t *p, size_t n)
 {
     while (n > 0) {
         size_t const run = n < ADLER_RUN ? n : ADLER_RUN;
+        /* So many bytes leave the sums below 2^32 when they
+         * start below the modulus; RFC 1950 gives the bound. */
         for (size_t i = 0; i < run; i++) {
             s->a += p[i];
             s->b += s->a;
@@ -93,6 +95,8 @@ static void png_store(png_stored *s, const uint8_t *bytes, size_t n)
             bvxi_store_u16(s->p + 3, (uint16_t)(s->block ^ 0xffffu));
             s->p += STORED_HEAD;
         }
+
+        /* A row may cross from one block into the next, so it is copied in parts. */
         size_t const part = n < s->block ? n : s->block;
         memcpy(s->p, bytes, part);
         s->p += part;
@@ -114,6 +118,7 @@ static void png_put_pixels(uint8_t *p, const bvx_image *image, uint64_t raw)
     p[1] = 0x01;
     s.p = p + 2;
     s.left = raw;
+    /* A filter byte of 0 before each row: its bytes stand as they are. */
     for (int32_t y = 0; y < image->height; y++) {
         png_store(&s, &filter, 1);
         png_store(&s, image->pixels + (size_t)y * row, row);
@@ -135,6 +140,7 @@ static bvx_status run_write_png(bvx_context *context, const bvx_image *image, bv
         return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: the image of %d x %d pixels is empty", function,
                          (int64_t)image->width, (int64_t)image->height);
 
+    /* The size follows from the image, as nothing is compressed: the buffer is made once, exactly. */
     uint64_t const raw = (uint64_t)image->height * (1 + 3 * (uint64_t)image->width); /* below 2^64 */
     uint64_t const stream = raw / STORED_BLOCK * (STORED_BLOCK + STORED_HEAD) + ZLIB_AROUND +
                             (raw % STORED_BLOCK != 0 ? STORED_HEAD + raw % STORED_BLOCK : 0);

@@ -14,6 +14,8 @@ bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
 {
     double const done = (double)(at - source->begin) / (double)(source->end - source->begin);
     double const fraction = source->from + (source->to - source->from) * done;
+
+    /* The next report is due a megabyte further on; at the end of the bytes none is made. */
     source->ask = source->end - at > SOURCE_ASK_BYTES ? at + SOURCE_ASK_BYTES : source->end;
     if (source->ask == at) return BVX_OK;
     if (fraction > source->reached) source->reached = fraction;
@@ -42,6 +44,7 @@ bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32
         int32_t const n = count - i < SOURCE_GROUP ? count - i : SOURCE_GROUP;
         source_group g = {task, user, 0};
         g.first = i;
+        /* The last group ends exactly at to, whatever the sum of shares rounds to. */
         source->reached = i + n == count ? to : from + share * (double)(i + n);
         BVXI_TRY(bvxi_parallel(source->ctx, "read", from + share * (double)i, source->reached, n,
                                source_run_piece, &g));
@@ -64,6 +67,7 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
     size_t const n = (size_t)(stop - at);
     size_t const shown = n < SOURCE_WORD_SHOWN ? n : SOURCE_WORD_SHOWN;
 
+    /* Pieces that are read side by side are silent: the first that failed is read again with a context. */
     if (source->ctx == NULL) return BVX_ERR_FORMAT;
     if (at == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the file ends where %s was expected",
@@ -72,6 +76,8 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: the line ends where %s was expected",
                          source->format, bvxi_source_line(source, at), expected);
     memcpy(word, at, shown);
+
+    /* A message ends at a zero byte, so one in the word must not cut it short. */
     for (size_t i = 0; i < shown; i++)
         if (word[i] == 0) word[i] = '?';
     memcpy(word + shown, n > shown ? "..." : "", n > shown ? 4 : 1);

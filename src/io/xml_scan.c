@@ -82,9 +82,11 @@ static bvx_status xml_check_attribute(bvxi_xml *x)
     bvxi_xml_text const name = xml_take_name(x);
     bvxi_xml_text before = {NULL, NULL}, other, unused, value;
 
+    /* Names and values are checked here once, so that those who look them up later need not check an end. */
     if (name.p == name.end) return xml_expected(x, "an attribute, '/>' or '>'");
     before.p = x->attributes.p;
     before.end = start;
+    /* Attributes are few (XML_ATTRIBUTES), so comparing with each before costs less than a table. */
     while (xml_next_attribute(&before, &other, &unused))
         if (xml_equal(other, name)) {
             x->p = start;
@@ -119,12 +121,16 @@ static bvx_status xml_take_open(bvxi_xml *x)
     if (x->depth == BVXI_XML_DEPTH) return xml_expected(x, "elements nested less deeply");
     bvxi_xml_text const name = xml_take_name(x);
     if (name.p == name.end) return xml_expected(x, "an element's name");
+
+    /* The name stays open until its closing tag: that is compared with the last one here. */
     x->open[x->depth++] = name;
     x->attributes.p = x->attributes.end = x->p;
     for (;;) {
         const char *const behind = x->p;
         x->p = bvxi_skip_space(x->p, end);
         if (x->p < end && (*x->p == '>' || *x->p == '/')) break;
+
+        /* a="1"b="2" is not well formed; where the text has ended, the next step has the better message. */
         if (x->p == behind && x->p < end) return xml_expected(x, "white space before an attribute");
         if (++count > XML_ATTRIBUTES) return xml_expected(x, "fewer attributes");
         BVXI_TRY(xml_check_attribute(x));
@@ -143,6 +149,7 @@ static bvx_status xml_take_close(bvxi_xml *x)
     const char *const start = x->p;
     bvxi_xml_text const name = xml_take_name(x);
 
+    /* The name must be that of the innermost open element, or the tags cross each other. */
     if (x->depth == 0 || !xml_equal(name, x->open[x->depth - 1])) {
         x->p = start;
         return xml_expected(x, "the closing tag of the element that was opened last");
@@ -171,12 +178,14 @@ bvx_status bvxi_xml_next(bvxi_xml *x)
     const char *const end = x->source.end;
 
     if (x->is_empty) {
+        /* <a/> opens and closes: its second event comes without a character read. */
         x->is_empty = 0;
         x->depth--;
         x->event = BVXI_XML_CLOSE;
         return BVX_OK;
     }
     for (;;) {
+        /* Text between tags is passed over; comments and instructions may hold a '<' of their own. */
         x->p = bvxi_find_byte(x->p, end, '<');
         x->tag = x->p;
         if (x->p == end) {

@@ -24,6 +24,7 @@ bvx_status bvxi_contour_fail_number(const bvxi_contour_file *f, const char *at, 
 static bvx_status contour_room(bvxi_contour_file *f, void *block, uint64_t count, uint64_t *room,
                                uint64_t item, const char *what)
 {
+    /* Half as much again, so adding one at a time costs a constant each on average. */
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
     if (count < *room) return BVX_OK;
     if (larger > INT32_MAX)
@@ -56,6 +57,7 @@ bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t
     bvx_section_loop *l;
 
     BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
+    /* The points follow as they are read; a loop owns those from here on. */
     l = &s->loops[s->loop_count++];
     memset(l, 0, sizeof *l);
     l->first_point = s->point_count;
@@ -78,6 +80,8 @@ bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
     bvx_sections *const s = &f->sections;
 
     if (s->loop_count == 0) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file holds no loop", f->format);
+
+    /* Arrays are cut to what they hold: the result has no room that nobody asked for. */
     if (s->normals != NULL)
         BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->normals, f->normal_room * 24, s->section_count * 24,
                              "the sections"));
@@ -91,6 +95,8 @@ bvx_status bvxi_contour_finish(bvxi_contour_file *f, bvx_sections *sections)
     BVXI_TRY(bvxi_resize(f->ctx, BVXI_RESULT, &s->points, s->point_capacity * 24, s->point_count * 24,
                          "the points"));
     s->point_capacity = s->point_count;
+
+    /* The old stack is freed only when the new one is complete; f gives up its arrays with the copy. */
     bvx_sections_free(f->ctx, sections);
     *sections = *s;
     memset(s, 0, sizeof *s);

@@ -67,6 +67,7 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
     static const char *const name[TABLE_COLUMNS] = {"section", "position", "loop", "x", "y", "label"};
     int32_t number = 0;
 
+    /* The first separator in the head line is the file's: a name holds none of them. */
     r->between = ',';
     for (const char *c = p; c < end; c++)
         if (*c == ';' || *c == '\t') {
@@ -76,11 +77,15 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
             break;
         }
     for (int i = 0; i < TABLE_COLUMNS; i++) r->column[i] = -1;
+
+    /* Every column is compared with every name, so their order is free and unknown ones are left alone. */
     for (;; number++) {
         const char *const stop = bvxi_find_byte(p, end, r->between);
         table_word const w = trim_word(p, stop);
         for (int i = 0; i < TABLE_COLUMNS; i++) {
             if (!word_is(w, name[i])) continue;
+
+            /* Which of two columns was meant cannot be known. */
             if (r->column[i] >= 0)
                 return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
                                          "a column stands in the head line twice");
@@ -89,6 +94,8 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
         if (stop == end) break;
         p = stop + 1;
     }
+
+    /* label is the last of the names, and the only one that may be missing. */
     for (int i = 0; i < TABLE_LABEL; i++)
         if (r->column[i] < 0)
             return bvxi_fail(
@@ -102,6 +109,7 @@ static bvx_status split_table_line(table_reader *r, const char *p, const char *e
 {
     int found = 0, wanted = 0;
 
+    /* A short line must not take the words that the line before it left. */
     for (int i = 0; i < TABLE_COLUMNS; i++) wanted += r->column[i] >= 0;
     for (int32_t number = 0;; number++) {
         const char *const stop = bvxi_find_byte(p, end, r->between);
@@ -121,6 +129,7 @@ static bvx_status split_table_line(table_reader *r, const char *p, const char *e
 static bvx_status table_number(table_reader *r, int column, const char *what, double *value)
 {
     table_word const w = r->word[column];
+    /* The number must be the whole word: 1.5mm is refused rather than read as 1.5. */
     if (w.size == 0 || bvxi_parse_double(w.at, w.at + w.size, value) != w.size)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, what);
     if (!(*value - *value == 0.0))
@@ -138,6 +147,7 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
     const double *first, *last;
     double x, y;
 
+    /* Loops of the library are closed without a repeated point; tables often repeat it. */
     if (s->loop_count == 0) return BVX_OK;
     l = &s->loops[s->loop_count - 1];
     first = s->points + 3 * l->first_point;
@@ -148,6 +158,7 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
         l->point_count--;
         s->point_count--;
     } else if (r->close_gap > 0.0 && x * x + y * y > r->close_gap * r->close_gap) {
+        /* Without a limit any loop closes; with one, a gap is taken for lines that are missing. */
         return bvxi_contour_fail(
             r->f, at, BVX_ERR_FORMAT,
             "the loop that ends before this line is open: its ends lie further apart than close_gap");
@@ -185,11 +196,14 @@ static bvx_status find_table_section(table_reader *r, double position, uint32_t 
     bvx_sections *const s = &r->f->sections;
     uint64_t const next = s->section_count, room = r->section_room;
 
+    /* The new hash stands where the section's number would: the tree compares it with the others there. */
     BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
     if (r->sections.key == NULL)
         BVXI_TRY(bvxi_key_tree_open(r->f->ctx, &r->sections, section_key, r, r->section_room));
     else if (r->section_room > room) BVXI_TRY(bvxi_key_tree_grow(r->f->ctx, &r->sections, r->section_room));
     *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
+
+    /* A name that is known must lie where it lay: a second position is a mistake in the table. */
     if (*section != next) {
         if (s->positions[*section] != position)
             return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
@@ -210,9 +224,13 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     BVXI_TRY(table_number(r, TABLE_Y, "expected a number as y", &point[1]));
     if (r->column[TABLE_LABEL] >= 0)
         BVXI_TRY(table_number(r, TABLE_LABEL, "expected a number as the label", &label));
+
+    /* Compared as doubles first: a cast of what is out of range is undefined. */
     if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is not a whole number");
     point[2] = position;
+
+    /* A new loop begins where the name of the loop or of its section changes. */
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
         !same_word(r->section, r->word[TABLE_SECTION])) {
         uint32_t section = 0;
@@ -224,6 +242,8 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
         r->loop = r->word[TABLE_LOOP];
         r->section = r->word[TABLE_SECTION];
     }
+
+    /* Lines of a loop agree with its first one. */
     if (s->positions[s->loops[s->loop_count - 1].section] != position)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
                                  "the section has another position on an earlier line");
@@ -242,6 +262,7 @@ static bvx_status refuse_parted_loops(table_reader *r)
     bvx_status status = bvxi_alloc(r->f->ctx, BVXI_SCRATCH, n * 4, "the names of loops", &order);
 
     if (status != BVX_OK) return status;
+    /* Sorted by the hash of section and loop, equal names become neighbours. */
     for (uint64_t i = 0; i < n; i++) order[i] = (uint32_t)i;
     status = bvxi_radix_sort(r->f->ctx, r->loop_hash, order, n);
     for (uint64_t i = 1; i < n && status == BVX_OK; i++)
@@ -266,15 +287,19 @@ static bvx_status read_table_lines(table_reader *r)
         const char *const end = table_line_end(f, f->p);
         table_word const all = trim_word(f->p, end);
         r->line = f->p;
+        /* Empty lines and comments may stand anywhere, before the head line too. */
         if (all.size != 0 && *all.at != '#') {
             BVXI_TRY(headed ? read_table_line(r, f->p, end) : read_table_head(r, f->p, end));
             headed = 1;
         }
         f->p = end < f->end ? end + 1 : end;
+        /* Every 65,536 lines: a call for each would cost more than reading it. */
         if ((++lines & 0xffff) == 0)
             BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
     }
     if (!headed) return bvxi_fail(f->ctx, BVX_ERR_EMPTY, "%s: the file has no head line", f->format);
+
+    /* The last loop has no line after it that would end it. */
     BVXI_TRY(end_table_loop(r, f->end));
     return refuse_parted_loops(r);
 }
@@ -286,6 +311,7 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     memset(&r, 0, sizeof r);
     r.f = f;
     r.close_gap = close_gap;
+    /* The planes of a table are z = position. */
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
     BVXI_TRY(read_table_lines(&r));

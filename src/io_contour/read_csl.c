@@ -38,12 +38,14 @@ static bvx_status csl_whole(bvxi_contour_file *f, const char *what, uint64_t mos
 
     csl_skip(f);
     start = f->p;
+    /* Beyond 17 digits the value stays above every limit, and the sum cannot leave 64 bits. */
     for (; f->p < f->end && *f->p >= '0' && *f->p <= '9'; f->p++)
         if (v < UINT64_C(100000000000000000)) v = v * 10 + (uint64_t)(*f->p - '0');
     if (f->p == start || (f->p < f->end && !csl_space(*f->p) && *f->p != 'h')) {
         f->p = start;
         return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, what);
     }
+    /* Limits come from the bytes that are left, so a number alone cannot make the reader allocate. */
     if (v > most) return bvxi_contour_fail_number(f, start, "the number ", v, " is more than can be there");
     *value = v;
     return BVX_OK;
@@ -70,13 +72,14 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
                                equation[2] * equation[2]);
     int const first = f->sections.section_count == 0;
     double dot = 0.0, sine = 0.0, n[3];
-
     if (!(length > 0.0) || !(length < 1e300))
         return bvxi_contour_fail(f, at, BVX_ERR_FORMAT, "the plane's normal has no length");
     for (int i = 0; i < 3; i++) unit[i] = equation[i] / length;
+    /* The first plane gives the direction of the stack; the others are compared with it. */
     memcpy(n, first ? unit : f->sections.normal, sizeof n);
     memcpy(f->sections.normal, n, sizeof n);
     *position = -equation[3] / length;
+    /* Dot and cross product of two unit vectors: the sine is accurate near 0, where the dot is flat. */
     for (int i = 0; i < 3; i++) {
         int const j = (i + 1) % 3, k = (i + 2) % 3;
         double const cross = unit[j] * n[k] - unit[k] * n[j];
@@ -87,6 +90,7 @@ static bvx_status csl_plane_normal(bvxi_contour_file *f, const char *at, const d
         f->oblique = 1;
         return BVX_OK;
     }
+    /* The same plane seen from its other side: normal and position change their sign together. */
     if (dot >= 0.0) return BVX_OK;
     *position = -*position;
     for (int i = 0; i < 3; i++) unit[i] = -unit[i];
@@ -121,9 +125,9 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
         double height;
-
         for (int k = 0; k < 3; k++) BVXI_TRY(csl_real(f, "expected a point's coordinate", &p[k]));
         height = csl_height(n, p);
+        /* The span of the heights, and the largest coordinate: rounding grows with it. */
         low = height < low ? height : low;
         high = height > high ? height : high;
         for (int k = 0; k < 3; k++) largest = bvxi_absolute(p[k]) > largest ? bvxi_absolute(p[k]) : largest;
@@ -161,6 +165,7 @@ static bvx_status csl_loop(bvxi_contour_file *f, const double *points, uint64_t 
     BVXI_TRY(csl_whole(f, "expected a loop's label", INT32_MAX, &label));
     if (corners == 0) return bvxi_contour_fail(f, start, BVX_ERR_FORMAT, "a loop without points");
     BVXI_TRY(bvxi_contour_add_loop(f, section, (int32_t)label));
+    /* Points are copied for each loop: a stack of the library holds each loop's points side by side. */
     for (uint64_t i = 0; i < corners; i++) {
         csl_skip(f);
         BVXI_TRY(csl_whole(f, "expected the index of a point", UINT32_MAX, &index));
@@ -178,6 +183,7 @@ static bvx_status csl_settle_holes(bvxi_contour_file *f, uint64_t first, uint64_
 {
     bvx_sections *const s = &f->sections;
 
+    /* New loops are added after all of the plane, so the numbers in around stay valid. */
     for (uint64_t i = 0; i < loops; i++) {
         bvx_section_loop const hole = s->loops[first + i];
         if (around[i] == 0 || hole.label == 0 || hole.label == s->loops[first + around[i] - 1].label)
@@ -202,6 +208,7 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
 {
     uint64_t const first = f->sections.loop_count;
     uint32_t *around = NULL;
+    /* Made per plane and freed with it: around has one entry for each of its loops. */
     bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
 
     for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
@@ -217,6 +224,7 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     double equation[4], normal[3], position = 0.0, *at = NULL;
     const char *start;
 
+    /* start is kept for messages about the plane as a whole. */
     csl_skip(f);
     start = f->p;
     BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
@@ -224,6 +232,8 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
                        &points));
     BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
+
+    /* The equation is checked against the points while both are at hand. */
     BVXI_TRY(csl_plane_normal(f, start, equation, normal, &position));
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
     BVXI_TRY(csl_points(f, start, normal, at, points, position));
@@ -240,6 +250,7 @@ static void csl_settle_planes(bvxi_contour_file *f)
     bvx_sections *const s = &f->sections;
     uint64_t loop = 0, point = 0;
 
+    /* Loops and points are walked together once, as both stand in the order of the planes. */
     for (uint64_t i = 0; i < s->section_count; i++) {
         uint64_t const first = point;
         for (; loop < s->loop_count && s->loops[loop].section == i; loop++) {
@@ -248,6 +259,8 @@ static void csl_settle_planes(bvxi_contour_file *f)
         }
         csl_settle_position(f, first, point, f->oblique ? s->normals + 3 * i : s->normal, &s->positions[i]);
     }
+
+    /* Parallel planes share one normal: the list says nothing more, and its absence says that they do. */
     if (f->oblique) return;
     bvxi_free(f->ctx, s->normals, f->normal_room * 24);
     s->normals = NULL;
@@ -269,6 +282,8 @@ bvx_status bvxi_read_csl(bvxi_contour_file *f)
         BVXI_TRY(bvxi_progress(f->ctx, "read", (double)(f->p - f->begin) / (double)(f->end - f->begin)));
         BVXI_TRY(csl_plane(f, (uint32_t)i));
     }
+
+    /* More after the last plane means that a count was wrong, and with it everything that was read. */
     csl_skip(f);
     if (f->p < f->end)
         return bvxi_contour_fail(f, f->p, BVX_ERR_FORMAT, "there is more after the last plane");

@@ -37,6 +37,7 @@ typedef struct section_counts {
 static section_counts count_section(const bvx_sections *s, uint64_t section)
 {
     section_counts c = {0, 0};
+    /* The loops of a section need not stand together, so all of them are looked at. */
     for (uint64_t i = 0; i < s->loop_count; i++)
         if (s->loops[i].section == section) {
             c.points += s->loops[i].point_count;
@@ -68,6 +69,8 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
     bvxi_output_text(o, " ");
     bvxi_output_number(o, count_labels(s));
     bvxi_output_text(o, "\n");
+    /* Points of the plane are numbered from 0 in the order
+     * of its loops: each loop's indices follow each other. */
     for (uint64_t k = 0; k < s->section_count; k++) {
         section_counts const c = count_section(s, k);
         uint64_t from = 0;
@@ -78,6 +81,7 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
         bvxi_output_text(o, " ");
         bvxi_output_number(o, c.loops);
         bvxi_output_text(o, " ");
+        /* A stack of one direction has its unit normal in the frame already. */
         if (s->normals == NULL) put_triple(o, normal);
         else put_unit(o, s->normals + 3 * k);
         bvxi_output_text(o, " ");
@@ -91,6 +95,8 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
             }
         }
         bvxi_output_text(o, "\n");
+        /* The second walk over the loops is in the same order,
+         * so from counts through the points just written. */
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             bvxi_output_number(o, s->loops[i].point_count);
@@ -112,6 +118,8 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
     bvxi_output_text(o, "section,position,loop,label,x,y\n");
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
+        /* One line a point, with all that is known of its
+         * section and loop: tables have no other place for it. */
         for (uint64_t j = 0; j < l->point_count; j++) {
             const double *const p = s->points + 3 * (l->first_point + j);
             bvxi_output_number(o, l->section);
@@ -171,7 +179,9 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     uint64_t const rows = (s->section_count + columns - 1) / columns;
 
     bound_drawing(s, axis, low, high);
+    /* One scale for all sections, so that their sizes can be compared. */
     extent = high[0] - low[0] > high[1] - low[1] ? high[0] - low[0] : high[1] - low[1];
+    /* An extent near 0 would make the scale infinite: a point is drawn as one. */
     scale = extent > 0x1p-1000 ? (DRAWING_CELL - 2 * DRAWING_MARGIN) / extent : 1.0;
     bvxi_output_text(o, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"");
     bvxi_output_number(o, columns * DRAWING_CELL);
@@ -181,6 +191,7 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     for (uint64_t k = 0; k < s->section_count; k++) {
         uint64_t const column = k % columns, row = k / columns;
         double const x = (double)column * DRAWING_CELL + DRAWING_MARGIN;
+        /* y runs down in SVG: the origin of a cell is its lower left corner, and v is subtracted from it. */
         double const y = (double)(row + 1) * DRAWING_CELL - DRAWING_MARGIN;
         bvxi_output_text(o, "<text x=\"");
         put_place(o, x);
@@ -191,6 +202,7 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
         bvxi_output_text(
             o,
             "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
+        /* One path a section with the even-odd rule: holes are left open whatever way their loops run. */
         for (uint64_t i = 0; i < s->loop_count; i++) {
             if (s->loops[i].section != k) continue;
             for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
@@ -221,6 +233,7 @@ static void put_sections(const bvx_sections *s, int32_t format, const double axi
 static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s,
                                        int32_t format, const double axis[3][3])
 {
+    /* A stack whose planes differ has its frames checked here, as there is no common one. */
     for (uint64_t i = 0; i < s->section_count && s->normals != NULL; i++) {
         double frame[3][3];
         if (format == BVX_FORMAT_CSV || format == BVX_FORMAT_SVG)
@@ -228,6 +241,7 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
                                  "%s: only CSL holds planes that each have a normal", function);
         BVXI_TRY(bvxi_section_frame(ctx, function, s->normals + 3 * i, frame));
     }
+    /* CSV has no column for z, so it must be the position. */
     if (format == BVX_FORMAT_CSV) {
         if (!(axis[2][2] == 1.0))
             return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
@@ -245,6 +259,7 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
                                      "%s: CSL holds no negative labels (loop %i: %d)", function, i,
                                      (int64_t)s->loops[i].label);
     } else if (format == BVX_FORMAT_SVG) {
+        /* The drawing scales by the extent, which must be a finite number for that. */
         double low[2], high[2];
         bound_drawing(s, axis, low, high);
         for (int k = 0; k < 2; k++)
@@ -274,6 +289,7 @@ static bvx_status run_write_sections(bvx_context *context, const bvx_sections *s
                                                                                           : sections->normal,
                                 axis));
     BVXI_TRY(check_section_format(context, function, sections, format, (const double(*)[3])axis));
+    /* The first run counts, as o has no bytes; the second writes the same ones. */
     put_sections(sections, format, (const double(*)[3])axis, &out);
     BVXI_TRY(bvxi_alloc(context, BVXI_RESULT, out.size, "the contour file", &made.bytes));
     made.size = made.capacity = out.size;

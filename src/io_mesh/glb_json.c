@@ -33,6 +33,7 @@ void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin)
     static const uint64_t size[BVXI_GLB_ARRAYS] = {12, 12, 8, 8, 0};
     uint64_t at = begin;
 
+    /* Arrays lie one after the other; those that the mesh lacks have a count of 0 and take no byte. */
     memcpy(glb->size, size, sizeof glb->size);
     glb->size[BVXI_GLB_INDEX] = glb->vertices <= UINT16_MAX ? 2 : 4; /* 65535 itself is no index in glTF */
     glb->count[BVXI_GLB_POSITION] = glb->count[BVXI_GLB_NORMAL] = glb->vertices;
@@ -109,6 +110,7 @@ static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
     double const finest = (double)file->level[0].mesh->triangle_count;
     double coverage = 1.0;
 
+    /* The first hint is for the finest level itself, so there is one for each level and the last is 0. */
     bvxi_output_text(out, ",\"extras\":{\"MSFT_screencoverage\":[");
     for (uint64_t i = 1; i < file->levels; i++) {
         double const share = (double)file->level[i].mesh->triangle_count / finest;
@@ -122,8 +124,10 @@ static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
 static void glb_put_level_nodes(const bvxi_glb_file *file, bvxi_output *out)
 {
     const double *const centre = file->level[0].centre;
+    /* A matrix holds its translation in the axes of the parent: the centre is turned like everything else. */
     double const turned[3] = {centre[0], centre[2], 0.0 - centre[1]};
 
+    /* The extension is used, not required: a reader that does not know it shows the finest level. */
     bvxi_output_text(out, "\"extensionsUsed\":[\"MSFT_lod\"],");
     glb_put_scene(out);
     for (uint64_t i = 0; i < file->levels; i++) {
@@ -175,6 +179,7 @@ static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
 static void glb_put_views(const bvxi_glb *glb, bvxi_output *out)
 {
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
+        /* Views and accessors are numbered alike, so both leave out the arrays that are not there. */
         if (glb->count[i] == 0) continue;
         bvxi_output_text(out, glb->at[i] > 0 ? ",{\"buffer\":0," : "{\"buffer\":0,");
         json_whole(out, "byteOffset", glb->at[i]);
@@ -205,6 +210,8 @@ static void glb_put_accessors(const bvxi_glb *glb, uint64_t *number, bvxi_output
 {
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
         const glb_kind *const kind = &glb_kinds[i];
+
+        /* Indices have the one type that depends on the mesh. */
         int32_t const index = glb->size[BVXI_GLB_INDEX] == 2 ? GLB_U16 : GLB_U32;
         if (glb->count[i] == 0) continue;
         bvxi_output_text(out, *number > 0 ? ",{" : "{");
@@ -231,6 +238,7 @@ void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
     else glb_put_nodes(&file->level[0], out);
     glb_put_meshes(file, out);
 
+    /* All levels share one buffer, which ends where the last one does. */
     bvxi_output_text(out, "\"buffers\":[{");
     json_whole(out, "byteLength", file->level[file->levels - 1].end);
     bvxi_output_text(out, "}],\"bufferViews\":[");

@@ -34,6 +34,8 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
         status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the corners' numbers", &corner);
     if (status == BVX_OK) {
         for (uint64_t c = 0; c < corners; c++) {
+            /* Vertex above, texture coordinate below: equal keys
+             * are corners that can share one vertex of the file. */
             keys[c] = (uint64_t)mesh->triangles[c] << 32 | mesh->uv_triangles[c];
             corner[c] = (uint32_t)c;
         }
@@ -56,6 +58,8 @@ static void number_vertices_by_use(const bvx_mesh *mesh, bvxi_seams *seams)
             seams->uv[n] = mesh->uv_triangles[c];
             seams->triangles[c] = n++;
         } else {
+            /* The leader comes before its group, so its entry is
+             * an index of the file by now, no longer a corner. */
             seams->triangles[c] = seams->triangles[seams->triangles[c]];
         }
     }
@@ -68,6 +72,8 @@ bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles with seams",
                         &seams->triangles));
     status = sort_corners(ctx, mesh, seams);
+
+    /* Both lists have one entry a pair, which is known only after the sort. */
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex);
     if (status == BVX_OK)

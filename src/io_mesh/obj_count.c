@@ -28,6 +28,8 @@ static void obj_count_piece(void *user, int32_t index, int32_t worker)
         p = obj_skip_blank(f, p);
         switch (p < f->end ? obj_take_keyword(f, &p) : OBJ_OTHER) {
         case OBJ_VERTEX:
+            /* Where the first vertex and face begin: they decide
+             * whether the file has colours and texture coordinates. */
             if (piece->vertices++ == 0) piece->vertex = p;
             p = obj_next_statement(f, p);
             break;
@@ -38,6 +40,7 @@ static void obj_count_piece(void *user, int32_t index, int32_t worker)
         case OBJ_FACE:
             if (piece->face == NULL) piece->face = p;
             p = obj_next_line(f, obj_count_corners(f, p, &corners));
+            /* A fan has two triangles fewer than its polygon has corners. */
             piece->triangles += corners < 3 ? 0 : corners - 2; /* fewer are refused later, with their line */
             piece->polygons += corners > 3;
             break;
@@ -60,6 +63,7 @@ static bvx_status obj_make_pieces(obj_file *f)
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, count * sizeof *f->pieces, "the pieces of the file",
                              &f->pieces));
     for (uint64_t i = 0; i < count; i++) {
+        /* A line that crosses the aim belongs to the piece before it, so each line is read once and whole. */
         const char *const aim = i + 1 < count ? s->begin + (size_t)(size / count * (i + 1)) : s->end;
         f->pieces[i].begin = p;
         while (p < s->end && (p < aim || obj_is_continued_end(f, p - 1)))
@@ -83,6 +87,8 @@ bvx_status bvxi_obj_count(obj_file *file)
 
     BVXI_TRY(obj_make_pieces(f));
     BVXI_TRY(bvxi_source_pieces(f->source, 0, 0.25, f->piece_count, obj_count_piece, f));
+
+    /* Counts become first indices: what comes before each piece. */
     for (int32_t i = 0; i < f->piece_count; i++) {
         obj_piece *const piece = &f->pieces[i];
         f->vertices = obj_count_before(&piece->vertices, f->vertices);
@@ -90,6 +96,8 @@ bvx_status bvxi_obj_count(obj_file *file)
         f->triangles = obj_count_before(&piece->triangles, f->triangles);
         f->polygons = obj_count_before(&piece->polygons, f->polygons);
     }
+
+    /* Indices are 32 bits wide. */
     if (f->vertices > UINT32_MAX || f->uvs > UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "OBJ: the file has %u vertices and %u texture coordinates, the limit is below "

@@ -39,6 +39,8 @@ static bvx_status ply_take_items(ply_file *f, const ply_property *property, uint
     int const is_corners = property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP;
     const char *at = f->p;
 
+    /* What to do with a value depends on its property only,
+     * and its size is known: the end was checked before. */
     for (int64_t i = 0; i < count; i++, at += size) {
         const uint8_t *const p = (const uint8_t *)at;
         if (is_corners)
@@ -56,6 +58,8 @@ static bvx_status ply_take_row(ply_file *f, const ply_element *e, uint64_t row)
         const ply_property *const property = &f->header->properties[i];
         size_t const size = ply_type_size(property->type);
         int64_t count = 1;
+
+        /* The length comes from the file, so the bytes that it promises are checked before one is read. */
         if (property->count_type != PLY_NONE) {
             size_t const count_size = ply_type_size(property->count_type);
             if (!ply_has(f, count_size)) return bvxi_ply_fail_end(f, e, row);
@@ -103,6 +107,8 @@ static bvx_status ply_take_floats(ply_file *f, const ply_element *e, const uint8
         out[0] = bvxi_load_f32(p, f->big);
         out[1] = bvxi_load_f32(p + 4, f->big);
         out[2] = bvxi_load_f32(p + 8, f->big);
+
+        /* An infinity or a NaN times 0 is NaN: one sum tests all three coordinates. */
         float const sum = out[0] * 0.0f + out[1] * 0.0f + out[2] * 0.0f;
         if (!(sum == 0.0f) && !f->source->takes_any)
             return bvxi_ply_fail_finite(f, (const char *)p, row + i, PLY_ROLE_X);
@@ -134,6 +140,7 @@ static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i,
     const ply_property *const property = &h->properties[i];
 
     *taken = 3;
+    /* Positions in doubles take the general loop below, which widens each value. */
     if (ply_is_run(h, e, i, PLY_ROLE_X, 3, PLY_F32) && f->mesh->position_type == BVX_F32)
         return ply_take_floats(f, e, p, row, count);
     if (ply_is_run(h, e, i, PLY_ROLE_RED, 3, PLY_U8)) {
@@ -152,9 +159,14 @@ static bvx_status ply_take_columns(ply_file *f, const ply_element *e)
     for (uint64_t row = 0; row < e->count; row += PLY_BLOCK) {
         uint64_t const count = e->count - row < PLY_BLOCK ? e->count - row : PLY_BLOCK;
         const uint8_t *p = (const uint8_t *)f->p;
+
+        /* The rows have one size, so one comparison covers the
+         * block; a short file is reported with the row it ends in. */
         BVXI_TRY(bvxi_source_at(f->source, f->p));
         if (!ply_has(f, count * e->least_bytes))
             return bvxi_ply_fail_end(f, e, row + (uint64_t)(f->source->end - f->p) / e->least_bytes);
+        /* Column by column: each loop has one type and no
+         * decision in it, while the block stays in the cache. */
         for (uint32_t i = e->first, taken; i < e->end; i += taken) {
             BVXI_TRY(ply_take_column(f, e, i, p, row, count, &taken));
             for (uint32_t k = 0; k < taken; k++) p += ply_type_size(f->header->properties[i + k].type);
@@ -173,6 +185,8 @@ static bvx_status ply_take_simple_faces(ply_file *f, const ply_element *e)
     for (uint64_t row = 0; row < e->count; row++) {
         const uint8_t *const p = (const uint8_t *)f->p;
         BVXI_TRY(bvxi_source_at(f->source, f->p));
+        /* 13 bytes: the length and three corners. A corner
+         * out of range goes the long way, which reports it. */
         if (ply_has(f, 13) && p[0] == 3 && f->triangle_count < f->room) {
             uint32_t *const t = f->mesh->triangles + (size_t)f->triangle_count * 3;
             t[0] = bvxi_load_u32(p + 1, f->big);
@@ -207,6 +221,8 @@ bvx_status bvxi_ply_take_binary(ply_file *f, const ply_element *e)
         f->p += (size_t)(e->count * e->least_bytes);
         return BVX_OK;
     }
+
+    /* Shapes that have no loop of their own take the specification. */
     if (e->kind == PLY_VERTEX && e->lists == 0) return ply_take_columns(f, e);
     return ply_is_simple_faces(f, e) ? ply_take_simple_faces(f, e) : ply_take_rows(f, e);
 }

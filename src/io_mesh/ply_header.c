@@ -103,16 +103,18 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
     ply_element *const e = &h->elements[h->element_count];
     const char *word;
     size_t n;
-
     memset(e, 0, sizeof *e);
     e->name_size = ply_word(line, &e->name);
     if (e->name_size == 0) return bvxi_fail_expected(s, e->name, "an element's name");
     n = ply_word(line, &word);
+    /* A count of too many digits stops growing while it is large: the bytes refuse it later. */
     for (size_t i = 0; i < n; i++) {
         if (word[i] < '0' || word[i] > '9') n = 0;
         else if (e->count < UINT64_MAX / 16) e->count = e->count * 10 + (uint64_t)(word[i] - '0');
     }
     if (n == 0) return bvxi_fail_expected(s, word, "a count of rows");
+    /* The three elements with a meaning are remembered by kind;
+     * a second one of the same name would hide the first. */
     ply_element **const places[] = {NULL, &h->vertex, &h->face, &h->strips};
     e->kind = ply_is(e->name, e->name_size, "vertex")      ? PLY_VERTEX
               : ply_is(e->name, e->name_size, "face")      ? PLY_FACE
@@ -122,6 +124,8 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
         if (*places[e->kind] != NULL) return ply_fail_line(s, word, "a second element of this name");
         *places[e->kind] = e;
     }
+
+    /* Its properties are those that follow in the header. */
     e->first = e->end = h->property_count;
     h->element_count++;
     return ply_expect_end(s, line);
@@ -164,6 +168,8 @@ static void ply_find_role(const ply_element *e, int is_list, const char *word, s
         {"vertex_indices", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0},
         {"vertex_index", PLY_STRIPS, 1, PLY_ROLE_STRIP, 0},
     };
+
+    /* Several names have one meaning; which set a name is of decides later, when all of them are known. */
     property->role = PLY_ROLE_NONE;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if (known[i].kind == e->kind && ply_is(word, n, known[i].name) &&
@@ -179,11 +185,11 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
     ply_property *const property = &h->properties[h->property_count];
     const char *const start = line->p, *word;
     size_t n;
-
     if (h->element_count == 0) return ply_fail_line(s, start, "a property before any element");
     ply_element *const e = &h->elements[h->element_count - 1];
     memset(property, 0, sizeof *property);
     n = ply_word(line, &word);
+    /* Where the word is not 'list', it is read once more, as a type. */
     int const is_list = ply_is(word, n, "list");
     if (is_list) BVXI_TRY(ply_take_type(s, line, 1, &property->count_type));
     else line->p = start;
@@ -191,6 +197,8 @@ static bvx_status ply_take_property(const bvxi_source *s, ply_line *line, ply_he
     n = ply_word(line, &word);
     if (n == 0) return bvxi_fail_expected(s, word, "a property's name");
     ply_find_role(e, is_list, word, n, property);
+
+    /* Two columns of one meaning would write over each other, and a wrong type would fail in every row. */
     if (property->role != PLY_ROLE_NONE) {
         for (uint32_t i = e->first; i < e->end; i++)
             if (h->properties[i].role == property->role && h->properties[i].set == property->set)
@@ -235,6 +243,7 @@ static uint64_t ply_least_bytes(const ply_header *h, const ply_element *e)
     for (uint32_t i = e->first; i < e->end; i++) {
         const ply_property *const p = &h->properties[i];
         uint64_t const items = p->count_type == PLY_NONE ? 1 : p->role == PLY_ROLE_CORNERS ? 3 : 0;
+        /* In a text even an empty list has its length; in bytes the sizes are those of the types. */
         if (h->encoding == PLY_ASCII) n += 2 * (items + (p->count_type != PLY_NONE));
         else n += items * ply_type_size(p->type) + ply_type_size(p->count_type);
     }
@@ -246,6 +255,7 @@ static bvx_status ply_check_sizes(const bvxi_source *s, ply_header *h)
     /* the last value needs no space */
     uint64_t left = (uint64_t)(s->end - h->data) + (h->encoding == PLY_ASCII);
 
+    /* Elements share what is there: each takes at least its fewest bytes from the next one's. */
     for (uint32_t i = 0; i < h->element_count; i++) {
         ply_element *const e = &h->elements[i];
         e->least_bytes = ply_least_bytes(h, e);
@@ -270,12 +280,14 @@ static int ply_has_role(const ply_header *h, const ply_element *e, int32_t role)
  * needed. */
 static int32_t ply_keep_set(ply_header *h, int32_t first, int32_t needed, int32_t last)
 {
+    /* Bits of the roles first..needed, as a role is the bit of its value. */
     uint32_t const all = (2u << needed) - (1u << first);
     uint32_t roles[4] = {0, 0, 0, 0};
     int32_t set = 0;
 
     for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
         if (h->properties[i].role >= 0) roles[h->properties[i].set] |= 1u << h->properties[i].role;
+    /* Programs write several sets beside each other (red and diffuse_red): taking from two would mix them. */
     while (set < 4 && (roles[set] & all) != all) set++;
     for (uint32_t i = h->vertex->first; i < h->vertex->end; i++) {
         ply_property *const p = &h->properties[i];
@@ -293,6 +305,8 @@ static void ply_find_attributes(ply_header *h)
     if (h->uvs == 0 && h->strips == NULL && h->face != NULL && ply_has_role(h, h->face, PLY_ROLE_UVS))
         h->uvs = 2;
     if (h->uvs == 2) return;
+
+    /* Coordinates of corners are not used, so the rows need not keep them. */
     for (uint32_t i = 0; i < h->property_count; i++)
         if (h->properties[i].role == PLY_ROLE_UVS) h->properties[i].role = PLY_ROLE_NONE;
 }
@@ -312,6 +326,8 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
         if (!ply_has_role(h, h->vertex, a))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "PLY: line %u: element vertex has no property %s",
                              bvxi_source_line(s, h->vertex->name), names[a]);
+
+    /* Positions are floats only where all three coordinates are: one double would lose its digits. */
     for (uint32_t i = h->vertex->first; i < h->vertex->end; i++)
         floats += h->properties[i].role >= PLY_ROLE_X && h->properties[i].role <= PLY_ROLE_Z &&
                   h->properties[i].type == PLY_F32;
@@ -324,6 +340,7 @@ static bvx_status ply_check_meaning(const bvxi_source *s, ply_header *h)
         return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "PLY: %u vertices, the limit is below 2^32", h->vertex->count);
     h->position_type = floats == 3 ? BVX_F32 : BVX_F64;
+    /* Elements without rows, and faces where only points are wanted, are as if they were not named. */
     if (!has_faces || h->points) h->face = NULL;
     if (!has_strips || h->points) h->strips = NULL;
     ply_find_attributes(h);
@@ -353,6 +370,7 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     ply_line line;
     int done = 0;
 
+    /* The lists are made in their exact size, so a header of many lines costs one pass more and no growth. */
     BVXI_TRY(ply_count_names(source, &h->name_count));
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, h->name_count * sizeof *h->elements,
                         "the header's elements", &h->elements));

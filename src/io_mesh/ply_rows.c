@@ -59,9 +59,9 @@ bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_
                      ply_place(f, f->p), bvxi_source_line(f->source, e->name), count);
 }
 
-/* Floats are shares of 1, 16 bits are brought down to 8, and other integers are taken as bytes. */
 /* ---- what values mean ---- */
 
+/* Floats are shares of 1, 16 bits are brought down to 8, and other integers are taken as bytes. */
 static uint8_t ply_colour(int32_t type, double value)
 {
     if (type == PLY_F32 || type == PLY_F64) return bvxi_colour_byte(value);
@@ -72,6 +72,7 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
 {
     bvx_mesh *const mesh = f->mesh;
     int32_t const role = property->role;
+    /* Floats are for colours and texture coordinates too; doubles stay what they are. */
     float const narrow = (float)value;
 
     if (!(value - value == 0.0) && !(f->source->takes_any && role <= PLY_ROLE_Z))
@@ -83,10 +84,13 @@ bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *a
     } else if (role <= PLY_ROLE_ALPHA) {
         mesh->colours[(size_t)row * 4 + (size_t)(role - PLY_ROLE_RED)] = ply_colour(property->type, value);
     } else {
+        /* A value that no float can hold would be an infinity in the mesh. */
         if (!(narrow - narrow == 0.0f)) return bvxi_ply_fail_finite(f, at, row, role);
         if (role != PLY_ROLE_UVS) {
             mesh->uvs[(size_t)row * 2 + (size_t)(role - PLY_ROLE_U)] = narrow;
         } else {
+            /* Numbers beyond the list are counted all the same:
+             * the end of the row says how many there were. */
             uint64_t const i = f->uv_count * 2 + f->uv_numbers++;
             if (f->uvs_at_corners && i < mesh->uv_count * 2) mesh->uvs[i] = narrow;
         }
@@ -107,6 +111,8 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
         return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
                          "PLY: face %i (%s %u) has %u corners and %u numbers in texcoord", row, ply_unit(f),
                          ply_place(f, f->p), f->corners, f->uv_numbers);
+
+    /* The same fan as that of the corners: first, previous, this one. */
     for (uint64_t k = 0; triangle < f->triangle_count && triangle < f->room; triangle++, k++) {
         uint32_t *const t = f->mesh->uv_triangles + (size_t)triangle * 3;
         t[0] = (uint32_t)f->uv_count;
@@ -120,6 +126,8 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
 bvx_status bvxi_ply_end_row(ply_file *f, const ply_element *e, uint64_t row)
 {
     if (e->kind != PLY_FACE) return BVX_OK;
+
+    /* The row's triangles are the last ones, so its fan begins that many before the end. */
     uint64_t const triangle = f->triangle_count - (f->corners - 2);
     if (f->corners > 3) {
         if (f->fans != NULL) {

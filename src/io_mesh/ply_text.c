@@ -29,6 +29,7 @@ static bvx_status ply_text_number(ply_file *f, const ply_property *property, uin
                                                       : property->type == PLY_F32;
     float v32 = 0;
     double v = 0;
+    /* Reading the text as a float at once avoids the second rounding that a double on the way would bring. */
     size_t const used = is_float ? bvxi_parse_float(at, end, &v32) : bvxi_parse_double(at, end, &v);
 
     f->p = at + used;
@@ -62,6 +63,8 @@ bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e)
         for (uint32_t i = e->first; i < e->end; i++) {
             const ply_property *const property = &f->header->properties[i];
             int64_t count = 1;
+            /* A row is read value by value: what is not wanted
+             * must be stepped over, as lists have no known length. */
             if (property->count_type != PLY_NONE)
                 BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
             if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))

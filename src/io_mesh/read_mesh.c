@@ -17,6 +17,8 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
                      : format == BVX_FORMAT_OBJ ? "OBJ"
                      : format == BVX_FORMAT_PLY ? "PLY"
                                                 : "OFF";
+
+    /* An empty file is refused first, or its reader would name a line that nobody wrote. */
     if (source->begin == source->end)
         return bvxi_fail(source->ctx, BVX_ERR_EMPTY, "%s: the file has no bytes", source->format);
     if (format != BVX_FORMAT_STL && is_utf16(source))
@@ -52,11 +54,16 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: mesh brings arrays, which are not used; zero it first", function);
+
+    /* Nothing is read into the caller's mesh: after a failure it is as it was. */
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
     source.takes_any = dropped != NULL;
     status = read_mesh_as(&source, format, &made);
+
+    /* Vertices with odd coordinates are kept by the readers
+     * only so that their triangles can be dropped here. */
     if (status == BVX_OK && dropped != NULL) {
         status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
         if (status == BVX_OK && made.triangle_count == 0)
@@ -68,6 +75,8 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
         bvx_mesh_free(context, &made);
         return status;
     }
+
+    /* The old arrays are freed only now, when the new ones are complete. */
     bvx_mesh_free(context, mesh);
     *mesh = made;
     if (dropped != NULL) *dropped = count;

@@ -28,6 +28,7 @@ static int obj_take_numbers(const obj_file *f, const char **p, int most, double 
 {
     int n = 0;
 
+    /* A number that a slash or a letter follows is no number here, and stays at *p. */
     for (; n < most; n++) {
         const char *const at = obj_skip_blank(f, *p);
         size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[n]);
@@ -46,6 +47,7 @@ static bvx_status obj_take_colour(obj_reader *r, const char *p)
     int const n = obj_take_numbers(f, &p, 5, number);
     float *const out = f->colours + (size_t)r->vertices * 3;
 
+    /* One vertex without a colour is enough to drop them all: this piece says so, and the end decides. */
     if ((n != 3 && n != 4) || !obj_statement_ends(f, obj_skip_blank(f, p))) {
         r->piece->pale = 1;
         return BVX_OK;
@@ -56,6 +58,8 @@ static bvx_status obj_take_colour(obj_reader *r, const char *p)
             return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
                                     "OBJ: line %u: vertex %u has a colour that is not finite",
                                     bvxi_source_line(&r->source, at), r->vertices + 1);
+
+        /* Whether 1 or 255 is the whole is known at the end, so the number itself is kept for now. */
         out[c] = v < 0.0 ? 0.0f : v < 255.0 ? (float)v : 255.0f;
     }
     return BVX_OK;
@@ -67,6 +71,8 @@ static bvx_status obj_take_vertex(obj_reader *r, const char *p)
     double *const out = (double *)f->mesh->positions + (size_t)r->vertices * 3;
 
     for (int a = 0; a < 3; a++) {
+        /* Nothing is a coordinate after the end of the statement,
+         * even when the next line begins with a number. */
         const char *const at = obj_skip_blank(f, p);
         size_t const used = obj_statement_ends(f, at) ? 0 : bvxi_parse_double(at, f->end, &out[a]);
         p = at + used;
@@ -86,6 +92,7 @@ static bvx_status obj_take_uv(obj_reader *r, const char *p)
 {
     const obj_file *const f = r->file;
 
+    /* Coordinates that no corner uses are counted only: the count is what negative indices refer to. */
     if (f->mesh->uvs != NULL) {
         float *const out = f->mesh->uvs + (size_t)r->uvs * 2;
         const char *const at = obj_skip_blank(f, p);
@@ -107,6 +114,8 @@ static bvx_status obj_take_uv(obj_reader *r, const char *p)
 static bvx_status obj_find_index(const obj_reader *r, const char *at, const char *what, int64_t number,
                                  uint64_t before, uint64_t total, uint32_t *index)
 {
+    /* Counting back needs what stands before this line in the
+     * whole file, which the first pass counted for each piece. */
     int64_t const i = number < 0 ? (int64_t)before + number : number - 1;
     if (i < 0 || (uint64_t)i >= total)
         return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_RANGE,
@@ -127,6 +136,7 @@ static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[
     int have[2] = {0, 0};
     int const good = bvxi_take_integer(p, f->end, &number);
 
+    /* v//n has nothing between its slashes: then have stays 0 for the texture coordinate. */
     for (int slash = 0; good && slash < 2 && *p < f->end && **p == '/'; slash++) {
         ++*p;
         have[slash] = bvxi_take_integer(p, f->end, &other[slash]);
@@ -134,6 +144,8 @@ static bvx_status obj_take_corner(obj_reader *r, const char **p, uint32_t index[
     if (!good || !obj_word_ends(f, *p))
         return bvxi_fail_expected(&r->source, at, "a face's corner (v, v/t, v//n or v/t/n)");
     BVXI_TRY(obj_find_index(r, at, "vertex", number, r->vertices, f->vertices, &index[0]));
+
+    /* Without texture coordinates both halves are the vertex, so the fan copies them without a question. */
     index[1] = index[0];
     if (f->mesh->uvs == NULL) return BVX_OK;
     if (have[0]) BVXI_TRY(obj_find_index(r, at, "texture coordinate", other[0], r->uvs, f->uvs, &index[1]));
@@ -165,6 +177,7 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
     uint32_t first[2] = {0, 0}, previous[2] = {0, 0}, corner[2];
     uint64_t corners = 0;
 
+    /* Each corner from the third on makes a triangle with the first and the one before it. */
     for (*p = obj_skip_blank(f, *p); !obj_statement_ends(f, *p); *p = obj_skip_blank(f, *p), corners++) {
         BVXI_TRY(obj_take_corner(r, p, corner));
         if (corners == 0) memcpy(first, corner, sizeof first);
@@ -175,6 +188,9 @@ static bvx_status obj_take_face(obj_reader *r, const char **p)
         return BVXI_SOURCE_FAIL(&r->source, BVX_ERR_FORMAT,
                                 "OBJ: line %u: a face of %u corners; it needs three",
                                 bvxi_source_line(&r->source, at), corners);
+
+    /* The fan is right for a triangle only: larger faces are
+     * remembered, to be cut when all vertices are known. */
     if (corners > 3) {
         bvxi_polygon_fan *const fan = &f->fans[r->polygons++];
         fan->triangle = (uint32_t)triangle;
@@ -193,11 +209,16 @@ static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *
     r.piece = piece;
     r.source = *f->source;
     r.source.ctx = ctx;
+
+    /* The first pass counted what comes before this piece,
+     * so its arrays begin there whoever reads the others. */
     r.vertices = piece->vertices;
     r.uvs = piece->uvs;
     r.triangles = piece->triangles;
     r.polygons = piece->polygons;
     for (const char *p = piece->begin; p < piece->end;) {
+        /* The next statement is found before this one is read:
+         * a bad number must not move the reader's place. */
         const char *next;
         p = obj_skip_blank(f, p);
         switch (p < f->end ? obj_take_keyword(f, &p) : OBJ_OTHER) {
@@ -256,8 +277,11 @@ static int obj_first_has_uv(const obj_file *f)
 {
     int64_t number;
 
+    /* The first face decides, wherever the file has its first piece with one. */
     for (int32_t i = 0; i < f->piece_count && f->uvs > 0; i++) {
         const char *p = f->pieces[i].face;
+
+        /* Only v/t counts: v//n has a normal in the third place and no texture coordinate. */
         if (p == NULL) continue;
         p = obj_skip_blank(f, p);
         return bvxi_take_integer(&p, f->end, &number) && p < f->end && *p++ == '/' &&
@@ -272,6 +296,8 @@ static bvx_status obj_make_arrays(obj_file *f)
 
     BVXI_TRY(bvxi_make_positions(ctx, f->mesh, BVX_F64, f->vertices));
     BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, f->triangles));
+
+    /* Room for what the first face has; the end drops it again when another face lacks it. */
     if (obj_first_has_uv(f)) {
         BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->uvs));
         BVXI_TRY(bvxi_make_uv_triangles(ctx, f->mesh));
@@ -287,9 +313,12 @@ static bvx_status obj_finish_colours(obj_file *f)
     bvx_mesh *const mesh = f->mesh;
     double whole = 1;
 
+    /* A file with a vertex that has no colour has none at all: there is nothing to put in its place. */
     for (int32_t i = 0; i < f->piece_count; i++)
         if (f->pieces[i].pale) return BVX_OK;
     BVXI_TRY(bvxi_make_colours(f->source->ctx, mesh));
+
+    /* One number above 1 shows that the file counts to 255; below, both readings are shares of 1. */
     for (uint64_t i = 0; i < f->vertices * 3; i++)
         if (f->colours[i] > 1.0f) whole = 255;
     for (size_t v = 0; v < (size_t)f->vertices; v++) {
@@ -310,6 +339,9 @@ static void obj_finish_uvs(obj_file *f)
         bare |= f->pieces[i].bare;
         differs |= f->pieces[i].differs;
     }
+
+    /* Equal indices everywhere mean that the vertices' own
+     * coordinates say it all, and the list is not needed. */
     if (bare) {
         bvxi_drop_uvs(ctx, f->mesh);
     } else if (!differs) {
@@ -320,6 +352,7 @@ static void obj_finish_uvs(obj_file *f)
 
 static bvx_status obj_read(obj_file *f)
 {
+    /* Counting, making arrays, filling: the second pass relies on counts that the first has made. */
     BVXI_TRY(bvxi_obj_count(f));
     BVXI_TRY(obj_make_arrays(f));
     BVXI_TRY(obj_fill(f));
@@ -336,6 +369,8 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 
     f.source = source;
     f.mesh = mesh;
+
+    /* A file without a newline has lines that end with a carriage return, as older machines wrote them. */
     f.end = source->end;
     f.line_end = bvxi_find_byte(source->begin, source->end, '\n') == source->end &&
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end

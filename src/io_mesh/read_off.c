@@ -79,6 +79,7 @@ static bvx_status off_take_integer(off_file *f, const char *expected, int64_t *v
 
     p += negative || (p < end && *p == '+');
     const char *const digits = p;
+    /* More digits stay beyond every limit here, and the sum cannot leave 64 bits. */
     for (; p < end && *p >= '0' && *p <= '9'; p++)
         if (v < INT64_C(100000000000000000)) v = v * 10 + (*p - '0');
     if (p == digits || !off_word_ends(p, end)) return bvxi_fail_expected(f->source, at, expected);
@@ -102,11 +103,13 @@ static const char *off_add_word(off_words *words, const char *p, const char *end
     const char *stop = p;
     double value = 0.0;
 
+    /* Every word is stepped over, also one that cannot be a colour: the line must end where it does. */
     while (!off_word_ends(stop, end)) stop++;
     if (words->count == OFF_LINE_WORDS || bvxi_parse_double(p, end, &value) != (size_t)(stop - p)) {
         words->good = 0;
         return stop;
     }
+    /* A point decides later whether 1 means full or nearly black. */
     words->has_point[words->count] = 0;
     for (; p < stop; p++) words->has_point[words->count] |= *p == '.' || *p == 'e' || *p == 'E';
     words->value[words->count++] = value;
@@ -120,6 +123,8 @@ static const char *off_keyword(off_file *f, const char *p, int *dimensions)
 {
     const char *const end = f->source->end;
 
+    /* The letters have one order; one of another order is
+     * no keyword, and so the file does not begin with one. */
     if ((f->has_uvs = end - p >= 2 && p[0] == 'S' && p[1] == 'T') != 0) p += 2;
     if ((f->has_colours = p < end && *p == 'C') != 0) p++;
     if ((f->has_normals = p < end && *p == 'N') != 0) p++;
@@ -138,6 +143,7 @@ static bvx_status off_take_keyword(off_file *f)
     int dimensions;
     const char *p = off_keyword(f, at, &dimensions);
 
+    /* The keyword may be missing: a number is the first count then, and the letters found mean nothing. */
     f->p = at;
     if (p == NULL && at < s->end && ((*at >= '0' && *at <= '9') || *at == '-' || *at == '+')) {
         f->has_uvs = f->has_colours = f->has_normals = 0;
@@ -145,6 +151,8 @@ static bvx_status off_take_keyword(off_file *f)
     }
     if (p == NULL || !(off_word_ends(p, s->end) || (*p >= '0' && *p <= '9')))
         return bvxi_fail_expected(s, at, "OFF or the number of vertices");
+
+    /* Vertices of another dimension and the binary form have other lines: better refused than misread. */
     if (dimensions)
         return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
                          "OFF: line %u: vertices of four or any dimensions are not read",
@@ -166,6 +174,9 @@ static bvx_status off_take_counts(off_file *f)
     BVXI_TRY(off_take_integer(f, "the number of vertices", &vertices));
     BVXI_TRY(off_take_integer(f, "the number of faces", &faces));
     BVXI_TRY(off_take_integer(f, "the number of edges", &edges)); /* which nobody counts: any will do */
+
+    /* Each count is held against the bytes that are left,
+     * so a number alone cannot make the reader allocate. */
     uint64_t const line = bvxi_source_line(s, at), left = (uint64_t)(s->end - f->p);
     if (vertices < 0 || faces < 0)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: %d vertices and %d faces are not counts",
@@ -195,6 +206,7 @@ static bvx_status off_count_lines(const off_file *f, uint64_t *lines)
 
     *lines = 0;
     bvxi_source_pass(s, 0, 0.1);
+    /* A comment or an empty line is passed over, so a line is counted by its first word. */
     for (const char *p = off_skip(f->first, s->end); p < s->end;
          p = off_skip(off_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
@@ -211,12 +223,15 @@ static bvx_status off_learn_lines(off_file *f, uint64_t vertex)
     uint64_t lines;
     int const promised = f->has_colours || f->has_uvs;
 
+    /* The first vertex with words after it decides, by a count of all lines that is made once. */
     if (off_line_ends(off_skip_blank(f->p, end), end)) {
         if (promised) f->by_lines = 0; /* and here they stand elsewhere */
         return BVX_OK;
     }
     BVXI_TRY(off_count_lines(f, &lines));
     f->by_lines = lines >= f->vertex_count + f->face_count;
+    /* Colours that the keyword does not promise may begin at
+     * the first vertex only: all vertices have them or none. */
     return f->by_lines && vertex == 0 && !promised ? bvxi_make_colours(f->source->ctx, f->mesh) : BVX_OK;
 }
 
@@ -232,6 +247,9 @@ static bvx_status off_take_position(off_file *f, uint64_t vertex)
                                  "OFF: line %u: vertex %i has a coordinate that is not finite",
                                  bvxi_source_line(f->source, f->p), vertex);
     }
+
+    /* Normals are read to step over them: they stand between
+     * the coordinates and what else the keyword promises. */
     for (int a = 0; a < 3 && f->has_normals; a++) BVXI_TRY(off_take_number(f, "a normal", &normal));
     return BVX_OK;
 }
@@ -244,6 +262,8 @@ static bvx_status off_take_words(off_file *f, off_words *words)
 
     words->count = 0;
     words->good = 1;
+
+    /* By lines, the line's end closes the words; else the keyword's count does, over lines' ends. */
     if (f->by_lines == 1)
         for (f->p = off_skip_blank(f->p, end); !off_line_ends(f->p, end); f->p = off_skip_blank(f->p, end))
             f->p = off_add_word(words, f->p, end);
@@ -261,13 +281,14 @@ static int off_put_colour(const off_words *words, int count, uint8_t *out)
 {
     int has_point = 0, within = 1;
     double greatest = 0.0;
-
     for (int i = 0; i < count; i++) {
         double const v = words->value[i];
         has_point |= words->has_point[i];
         within &= v >= 0.0 && v <= 255.0;
         if (v > greatest) greatest = v;
     }
+
+    /* As shares only where a point was written and none is above 1: 1 1 1 without a point is nearly black. */
     out[3] = 255;
     for (int i = 0; i < count; i++)
         out[i] = bvxi_colour_byte(has_point && greatest <= 1.0 ? words->value[i] : words->value[i] / 255.0);
@@ -278,6 +299,8 @@ static int off_put_colour(const off_words *words, int count, uint8_t *out)
 static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *words)
 {
     const bvxi_source *const s = f->source;
+    /* Texture coordinates come last on the line; what is
+     * before them is the colour, of which four numbers count. */
     int const uvs = f->has_uvs ? 2 : 0, colours = words->count - uvs < 4 ? words->count - uvs : 4;
 
     if ((f->has_colours && colours < 3) || colours < 0)
@@ -292,6 +315,8 @@ static bvx_status off_put_words(off_file *f, uint64_t vertex, const off_words *w
                                  bvxi_source_line(s, f->p), vertex);
         f->mesh->uvs[(size_t)vertex * 2 + (size_t)i] = (float)v;
     }
+
+    /* A vertex with a wrong colour drops those of all, unless the keyword promised them. */
     if (f->mesh->colours == NULL) return BVX_OK;
     if (colours >= 3 && off_put_colour(words, colours, f->mesh->colours + (size_t)vertex * 4) && words->good)
         return BVX_OK;
@@ -308,6 +333,7 @@ static bvx_status off_take_vertices(off_file *f)
     if (f->has_colours) BVXI_TRY(bvxi_make_colours(ctx, f->mesh));
     if (f->has_uvs) BVXI_TRY(bvxi_make_uvs(ctx, f->mesh, f->vertex_count));
     f->first = f->p;
+    /* Not known yet: the first vertex that has words after it says what a line is. */
     f->by_lines = -1;
     for (uint64_t v = 0; v < f->vertex_count; v++) {
         BVXI_TRY(bvxi_source_at(f->source, f->p));
@@ -343,6 +369,8 @@ static bvx_status off_take_length(off_file *f, uint64_t face, uint64_t *corners)
     if (n < 3)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "OFF: line %u: face %i has %d corners; it needs three",
                          bvxi_source_line(s, f->p), face, n);
+
+    /* A corner takes a digit and a space at least: a longer list cannot be in the file. */
     if ((uint64_t)n > (uint64_t)(s->end - f->p) / 2)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
                          "OFF: line %u: face %i has %d corners, more than the file holds",
@@ -366,6 +394,8 @@ static bvx_status off_take_face(off_file *f, uint64_t face)
         }
         f->polygon_count++;
     }
+
+    /* The fan needs no room beside its triangles: first, previous and this corner, moved on in place. */
     BVXI_TRY(off_take_corner(f, face, &t[0]));
     BVXI_TRY(off_take_corner(f, face, &t[1]));
     for (uint64_t i = 2; i < corners; i++, t[1] = t[2], f->triangle_count++) {
@@ -373,6 +403,8 @@ static bvx_status off_take_face(off_file *f, uint64_t face)
         if (f->triangle_count < f->room)
             memcpy(f->mesh->triangles + (size_t)f->triangle_count * 3, t, sizeof t);
     }
+
+    /* What is left on the line is the face's colour. */
     f->p = off_line_end(f->p, f->source->end);
     return BVX_OK;
 }
@@ -395,6 +427,8 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
     if (triangles > INT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "OFF: the file has %u triangles, the limit is below 2^31", triangles);
+
+    /* The second call is for files with polygons: the first arrays were sized for triangles alone. */
     bvxi_free(ctx, f->mesh->triangles, f->mesh->triangle_capacity * 12);
     f->mesh->triangles = NULL;
     f->mesh->triangle_count = f->mesh->triangle_capacity = 0;
@@ -410,6 +444,7 @@ static bvx_status off_take_faces(off_file *f)
 {
     const char *const start = f->p;
 
+    /* A guess that is right for files of triangles: then one reading is enough. */
     BVXI_TRY(off_make_room(f, f->face_count, 0));
     BVXI_TRY(off_take_all_faces(f));
     if (f->polygon_count == 0) return BVX_OK;

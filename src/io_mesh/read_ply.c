@@ -28,6 +28,8 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     if (triangles > INT32_MAX || corners > UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "PLY: the file has %u triangles, the limit is below 2^31", triangles);
+
+    /* A second call makes the arrays anew: what the first pass has written is too short by now. */
     if (f->uvs_at_corners) bvxi_drop_uvs(ctx, mesh);
     bvxi_free(ctx, mesh->triangles, mesh->triangle_capacity * 12);
     mesh->triangles = NULL;
@@ -35,6 +37,8 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
     BVXI_TRY(bvxi_make_triangles(ctx, mesh, triangles));
     f->room = triangles;
     f->triangle_count = f->uv_count = f->polygon_count = 0;
+
+    /* Where texture coordinates belong to corners, there is one for each corner of each face. */
     if (!f->uvs_at_corners) return BVX_OK;
     BVXI_TRY(bvxi_make_uvs(ctx, mesh, corners));
     return bvxi_make_uv_triangles(ctx, mesh);
@@ -55,6 +59,8 @@ static bvx_status ply_take_all(ply_file *f)
 {
     const ply_header *const h = f->header;
     const ply_element *last = h->vertex;
+
+    /* Elements after the last wanted one are not even stepped over: their rows may be broken. */
     if (h->face > last) last = h->face;
     if (h->strips > last) last = h->strips;
     for (ply_element *e = h->elements; e <= last; e++) BVXI_TRY(ply_take_element_rows(f, e));
@@ -70,6 +76,8 @@ static bvx_status ply_take_faces_again(ply_file *f)
     ply_element *const second = first == h->face ? h->strips : h->face;
 
     f->fan_room = f->polygon_count;
+
+    /* The first pass has counted: fans, triangles and texture coordinates now get exact room. */
     BVXI_TRY(ply_make_room(f, f->triangle_count, f->uv_count));
     BVXI_TRY(bvxi_alloc(f->source->ctx, BVXI_SCRATCH, f->fan_room * sizeof *f->fans,
                         "the polygons of the file", &f->fans));
@@ -85,6 +93,8 @@ static bvx_status ply_take_data(ply_file *f)
 {
     uint64_t const faces = f->header->face == NULL ? 0 : f->header->face->count;
     BVXI_TRY(ply_make_vertices(f));
+
+    /* As if all faces were triangles; strips have no room at first, and so are read in the second pass. */
     BVXI_TRY(ply_make_room(f, faces, f->uvs_at_corners ? faces * 3 : 0));
     BVXI_TRY(ply_take_all(f));
     if (f->triangle_count != f->room) BVXI_TRY(ply_take_faces_again(f));

@@ -34,6 +34,7 @@ static const char *xyz_line_end(const char *p, const char *end)
 static const char *xyz_next_line(const char *p, const char *end)
 {
     for (;;) {
+        /* A comment's line is passed over whole; what follows may be another one. */
         while (p < end && (xyz_is_gap(*p) || *p == '\n' || *p == '\r')) p++;
         if (p == end) return end;
         if (*p != '#' && *p != '%' && !(*p == '/' && end - p > 1 && p[1] == '/')) return p;
@@ -56,6 +57,7 @@ static const char *xyz_skip_head(const char *p, const char *end)
 {
     const char *at = p;
     double unused;
+    /* A line with a name first, or with one number alone (a count), is a head. */
     if (!xyz_take_number(&at, end, &unused) || xyz_line_ends(at, end))
         return xyz_next_line(xyz_line_end(p, end), end);
     return p;
@@ -82,6 +84,7 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
     const char *const first = xyz_skip_head(xyz_next_line(bvxi_skip_mark(s->begin, s->end), s->end), s->end);
     uint64_t count = 0, i = 0;
 
+    /* The count comes first, so that the array is made once in its exact size. */
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end)) {
         BVXI_TRY(bvxi_source_at(s, p));
         count++;
@@ -91,6 +94,8 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
         return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points, the limit is below 2^32", s->format, count);
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
+
+    /* The same lines again, now with their numbers. */
     bvxi_source_pass(s, 0.3, 1);
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
         BVXI_TRY(bvxi_source_at(s, p));
@@ -127,6 +132,8 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     if (points->owned != 1 && !bvxi_mesh_is_empty(points))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: points brings arrays, which are not used; zero it first", read_points_name);
+
+    /* Read apart from the caller's mesh, which stays as it was after a failure. */
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;

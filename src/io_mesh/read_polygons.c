@@ -21,6 +21,7 @@ typedef struct fan_work {
 
 static bvx_status fan_make_work(bvx_context *ctx, const bvxi_polygon_fan *fans, uint64_t count, fan_work *w)
 {
+    /* The largest polygon decides, so one room serves all of them. */
     for (uint64_t i = 0; i < count; i++)
         if (fans[i].corners > w->room) w->room = fans[i].corners;
     w->polygon.ctx = ctx;
@@ -64,6 +65,8 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *f
     uint32_t *const t = mesh->triangles + (size_t)fan->triangle * 3;
 
     fan_take_numbers(t, fan->corners, w->number);
+
+    /* The cut needs the corners as doubles, one after the other, whatever the mesh holds. */
     for (uint32_t k = 0; k < fan->corners; k++) {
         for (size_t a = 0; a < 3; a++) {
             size_t const i = (size_t)w->number[k] * 3 + a;
@@ -74,6 +77,8 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *f
         fan_spoil(t, fan->corners, w->number[k]);
         return BVX_OK;
     }
+
+    /* The cut gives places in the polygon; both lists of indices follow it, so seams stay where they were. */
     BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double(*)[3])w->corner, fan->corners, w->cut));
     fan_put_numbers(w, fan->corners, t);
     if (mesh->uv_triangles != NULL)
@@ -89,6 +94,7 @@ bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon
 
     if (count == 0) return BVX_OK;
     status = fan_make_work(ctx, fans, count, &w);
+    /* A progress call for each fan would cost more than cutting a small one. */
     for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
         if (i % FANS_BETWEEN_ASKS == 0) status = bvxi_progress(ctx, "read", source->reached);
         if (status == BVX_OK) status = fan_cut(&w, mesh, &fans[i]);

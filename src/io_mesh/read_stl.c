@@ -32,15 +32,20 @@ static bvx_status stl_take_batch(bvxi_soup *soup, const uint8_t *p, uint64_t fir
     uint32_t bad = 0;
     size_t i = 0;
 
+    /* Copied as bits first: what follows is a plain loop over one array, without a jump in it. */
     for (size_t t = 0; t < n; t++)
         for (size_t k = 0; k < 9; k++) bits[9 * t + k] = bvxi_load_u32(p + t * STL_TRIANGLE + 12 + 4 * k, 0);
     for (size_t k = 0; k < 9 * (size_t)n; k++) {
+        /* Shifting the sign out makes -0 and 0 the same, and
+         * every infinity and NaN larger than all numbers. */
         uint32_t const twice = bits[k] << 1;
         bits[k] = twice == 0 ? 0 : bits[k];
         bad |= twice >= 0xff000000u;
     }
     soup->waiting = n;
     if (!bad || soup->source->takes_any) return BVX_OK;
+
+    /* Only now, when one is known to be bad, is the first of them looked for. */
     while (bits[i] << 1 < 0xff000000u) i++;
     return stl_fail_coordinate(soup->source, p + i / 9 * STL_TRIANGLE + 12 + i / 3 % 3 * 12, first + i / 9,
                                i / 3 % 3);
@@ -53,6 +58,7 @@ static bvx_status stl_read_binary(bvxi_soup *soup, uint64_t count)
     for (uint64_t t = 0; t < count; t += BVXI_SOUP_BATCH) {
         const uint8_t *const p = data + t * STL_TRIANGLE;
         uint32_t const n = count - t < BVXI_SOUP_BATCH ? (uint32_t)(count - t) : BVXI_SOUP_BATCH;
+        /* Batch by batch, so that memory stays small and progress is called. */
         BVXI_TRY(bvxi_source_at(soup->source, (const char *)p));
         BVXI_TRY(stl_take_batch(soup, p, t, n));
         BVXI_TRY(bvxi_soup_weld(soup));
@@ -125,10 +131,14 @@ static bvx_status stl_take_facet(bvxi_soup *soup, const char **p)
     uint32_t corner[3][3]; /* the first, the last but one, the last */
     uint64_t corners = 0;
 
+    /* The words of a normal may be missing or too many,
+     * but not without limit: a text may never say 'outer'. */
     for (int n = 0; n < STL_NORMAL_WORDS && !stl_take(p, s->end, "outer"); n++)
         *p = bvxi_skip_word(bvxi_skip_space(*p, s->end), s->end);
     BVXI_TRY(stl_expect(s, p, "loop", "'outer loop' after a facet's normal"));
     for (; stl_take(p, s->end, "vertex"); corners++) {
+        /* Beyond three corners the last two move on and the
+         * first stays: a fan, without memory for the loop. */
         if (corners > 2) memcpy(corner[1], corner[2], sizeof corner[1]);
         BVXI_TRY(stl_take_corner(s, p, corner[corners < 2 ? corners : 2]));
         if (corners < 2) continue;
@@ -151,6 +161,7 @@ static bvx_status stl_read_text(bvxi_soup *soup)
 
     for (;;) {
         BVXI_TRY(bvxi_source_at(s, p));
+        /* facet may stand outside of solid, as some programs leave that line out. */
         if (stl_take(&p, s->end, "facet")) {
             BVXI_TRY(stl_take_facet(soup, &p));
         } else if (stl_take(&p, s->end, "endsolid")) {
@@ -183,9 +194,13 @@ static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *co
 {
     uint64_t const size = bvxi_source_byte(s, s->end);
 
+    /* The size decides before the text does: a binary header may hold any word, also 'solid'. */
     *count = size < STL_HEADER ? 0 : bvxi_load_u32((const uint8_t *)s->begin + STL_HEADER - 4, 0);
     *binary = size >= STL_HEADER && STL_HEADER + STL_TRIANGLE * *count == size;
     if (*binary || stl_is_text(s->begin, s->end)) return BVX_OK;
+
+    /* Neither: a binary file that is cut off or has bytes
+     * after its end. A cut is refused, more bytes are not. */
     *binary = 1;
     if (size < STL_HEADER)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "STL: %u bytes, no text, and a binary header has 84", size);

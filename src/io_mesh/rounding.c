@@ -24,6 +24,7 @@ bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t
     double low[3], high[3];
     double world_low[3] = {0.0, 0.0, 0.0}, world_high[3] = {0.0, 0.0, 0.0};
 
+    /* Each level has a frame of its own, so bounds are compared in the world. */
     for (uint64_t l = 0; l < level_count; l++) {
         const bvx_mesh *const mesh = &levels[l];
         bvx_mesh_view view;
@@ -36,6 +37,7 @@ bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t
         }
     }
 
+    /* Halved before they are added: the sum of two large bounds might overflow. */
     for (int a = 0; a < 3; a++) centre[a] = world_low[a] * 0.5 + world_high[a] * 0.5;
     return BVX_OK;
 }
@@ -83,6 +85,8 @@ void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_ro
         for (int k = 0; k < 3; k++) {
             bvxi_world_position(mesh, mesh->triangles[(size_t)t * 3 + (size_t)k], exact[k]);
             bvxi_round_position(centre, exact[k], rounded[k]);
+            /* A difference that is infinite or NaN ends the
+             * measure: finite stays 0, which callers check first. */
             for (int a = 0; a < 3; a++) {
                 double const move = rounded[k][a] > exact[k][a] ? rounded[k][a] - exact[k][a]
                                                                 : exact[k][a] - rounded[k][a];
@@ -94,6 +98,7 @@ void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_ro
         r->spoilt += (uint64_t)rounding_spoils((const double(*)[3])exact, (const double(*)[3])rounded);
     }
 
+    /* An edge counts once for each of its triangles: a mean needs no table of edges. */
     r->mean_edge = edges / ((double)mesh->triangle_count * 3.0);
     r->finite = 1;
 }
@@ -108,6 +113,7 @@ bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_me
 {
     bvxi_rounding r;
 
+    /* A file that changes nothing needs no measure. */
     if (!bvxi_is_rounded(mesh, format)) return BVX_OK;
     bvxi_measure_rounding(mesh, centre, &r);
     /* its writer says which vertex is too far */

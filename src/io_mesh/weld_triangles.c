@@ -43,6 +43,7 @@ static bvx_status soup_make_table(bvxi_soup *s, uint64_t size)
     uint32_t *table, bits[3];
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the table of vertices", &table));
+    /* The order is that of the vertices, so the table looks the same however often it grew. */
     for (uint64_t v = 0; v < s->vertex_count; v++) {
         memcpy(bits, s->positions + v * 3, sizeof bits);
         size_t slot = (size_t)(soup_hash(bits) & (size - 1));
@@ -60,6 +61,7 @@ bvx_status bvxi_soup_begin(bvxi_soup *soup, bvxi_source *source, uint64_t count)
     bvxi_soup *const s = soup;
     uint64_t size = SOUP_LEAST;
 
+    /* With a known count the array of triangles is made once, and becomes the result itself. */
     s->source = source;
     s->triangle_kind = count > 0 ? BVXI_RESULT : BVXI_SCRATCH;
     s->triangle_room = count > 0 ? count : SOUP_LEAST;
@@ -82,9 +84,12 @@ static uint64_t soup_limit(const bvxi_soup *s)
 
 static bvx_status soup_grow(bvxi_soup *s)
 {
+    /* Entries of the table are one more than the vertex, 0 being empty: so the last index stays unused. */
     if (s->vertex_count == UINT32_MAX)
         return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the file has 2^32 different vertices or more", s->source->format);
+
+    /* Arrays grow when they are full, the table when it is half full, so that its searches stay short. */
     if (s->vertex_count == s->vertex_room) {
         BVXI_TRY(bvxi_resize(s->source->ctx, BVXI_SCRATCH, &s->positions, s->vertex_room * 12,
                              s->vertex_room * 24, "the vertices of the file"));
@@ -101,12 +106,15 @@ static inline int soup_find(bvxi_soup *s, size_t k, uint64_t limit, uint32_t *ve
     size_t const mask = (size_t)(s->table_size - 1);
     size_t slot = (size_t)s->hash[k] & mask;
 
+    /* An entry of 0 is empty. The table is at most half full, so the search always ends. */
     for (uint32_t entry; (entry = s->table[slot]) != 0; slot = (slot + 1) & mask, ++*probes)
         if (soup_same(s, entry - 1, bits)) {
             *vertex = entry - 1;
             return 1;
         }
     if (BVXI_UNLIKELY(s->vertex_count == limit)) return 0;
+
+    /* A new vertex takes the empty place at once: its next use finds it here. */
     memcpy(s->positions + (size_t)s->vertex_count * 3, bits, 12);
     *vertex = (uint32_t)s->vertex_count++;
     s->table[slot] = *vertex + 1;
@@ -117,6 +125,7 @@ static bvx_status soup_make_triangles(bvxi_soup *s)
 {
     uint64_t const room = s->triangle_room * 2;
 
+    /* Checked once a batch, so that the loop over corners has no check for room. */
     if (s->triangle_count + s->waiting <= s->triangle_room) return BVX_OK;
     if (s->triangle_count + s->waiting > INT32_MAX)
         return bvxi_fail_for(s->source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -132,6 +141,7 @@ static bvx_status soup_weld_by_table(bvxi_soup *s, uint32_t *out)
     size_t const count = (size_t)s->waiting * 3, mask = (size_t)(s->table_size - 1);
     uint64_t limit = soup_limit(s), probes = 0;
 
+    /* Three walks over the batch: hashes, entries, vertices. Each asks memory for what the next one reads. */
     for (size_t k = 0; k < count; k++) {
         s->hash[k] = soup_hash(s->bits[k]);
         SOUP_PREFETCH(&s->table[(size_t)s->hash[k] & mask]);
@@ -140,6 +150,8 @@ static bvx_status soup_weld_by_table(bvxi_soup *s, uint32_t *out)
         uint32_t const entry = s->table[(size_t)s->hash[k] & mask];
         SOUP_PREFETCH(s->positions + (size_t)(entry - (entry != 0)) * 3);
     }
+
+    /* Growing moves the table, so the search for this corner begins again with a new limit. */
     for (size_t k = 0; k < count; k++)
         while (BVXI_UNLIKELY(!soup_find(s, k, limit, &out[k], &probes))) {
             BVXI_TRY(soup_grow(s));
@@ -162,6 +174,8 @@ static bvx_status soup_plant_tree(bvxi_soup *s)
     bvxi_drop(ctx, s->table);
     s->table = NULL;
     BVXI_TRY(bvxi_key_tree_open(ctx, &s->tree, soup_key, s, s->vertex_room));
+
+    /* The tree is filled in the order of vertices, so that their numbers stay what they are. */
     for (uint64_t v = 0; v < s->vertex_count; v++) bvxi_key_tree_find(&s->tree, v);
     return BVX_OK;
 }
@@ -169,6 +183,7 @@ static bvx_status soup_plant_tree(bvxi_soup *s)
 static bvx_status soup_weld_by_tree(bvxi_soup *s, uint32_t *out)
 {
     for (size_t k = 0; k < (size_t)s->waiting * 3; k++) {
+        /* A candidate is written after the last vertex; it becomes one only where the tree has no equal. */
         if (s->vertex_count == soup_limit(s)) BVXI_TRY(soup_grow(s));
         memcpy(s->positions + (size_t)s->vertex_count * 3, s->bits[k], 12);
         out[k] = (uint32_t)bvxi_key_tree_find(&s->tree, s->vertex_count);
@@ -185,6 +200,9 @@ bvx_status bvxi_soup_weld(bvxi_soup *soup)
     BVXI_TRY(s->table != NULL ? soup_weld_by_table(s, out) : soup_weld_by_tree(s, out));
     s->triangle_count += s->waiting;
     s->waiting = 0;
+
+    /* Long searches are the sign of a table that was attacked
+     * or is unlucky; the limit grows with the corners. */
     return s->table != NULL && s->probes > bvxi_probe_limit(3 * s->triangle_count) ? soup_plant_tree(s)
                                                                                    : BVX_OK;
 }
@@ -194,11 +212,14 @@ bvx_status bvxi_soup_finish(bvxi_soup *soup, bvx_mesh *mesh)
     bvxi_soup *const s = soup;
     bvx_context *const ctx = s->source->ctx;
 
+    /* The search is over: its memory is freed before the result's is made. */
     bvxi_drop(ctx, s->table);
     s->table = NULL;
     bvxi_key_tree_close(ctx, &s->tree);
     BVXI_TRY(bvxi_make_positions(ctx, mesh, BVX_F32, s->vertex_count));
     memcpy(mesh->positions, s->positions, (size_t)s->vertex_count * 12);
+
+    /* Where the count was known, the array is the result already; a growing one was scratch and is copied. */
     if (s->triangle_kind == BVXI_RESULT) {
         mesh->triangles = s->triangles;
         mesh->triangle_count = mesh->triangle_capacity = s->triangle_count;

@@ -47,6 +47,7 @@ static uint8_t *glb_put_normals(const void *user, uint64_t begin, uint64_t end, 
 {
     const bvxi_glb *const glb = user;
     float n[3];
+    /* One sum for each vertex of the mesh, not of the file: seams of the texture do not show in the light. */
     for (uint64_t v = begin; v < end; v++) {
         bvxi_unit_normal(glb->normal + glb_source(glb, v) * 3, n);
         for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, n[a]);
@@ -69,6 +70,7 @@ static uint8_t *glb_put_uvs(const void *user, uint64_t begin, uint64_t end, uint
 {
     const bvxi_glb *const glb = user;
     for (uint64_t v = begin; v < end; v++, at += 8) {
+        /* v runs down in glTF; the difference is taken in doubles, so it is rounded once. */
         size_t const i = glb->seams.uv != NULL ? glb->seams.uv[v] : (size_t)v;
         bvxi_store_f32(at, glb->mesh->uvs[2 * i]);
         bvxi_store_f32(at + 4, (float)(1.0 - (double)glb->mesh->uvs[2 * i + 1]));
@@ -113,6 +115,8 @@ static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *fi
     bvxi_store_u32(p + 12, (uint32_t)padded);
     memcpy(p + 16, "JSON", 4);
 
+    /* JSON is padded with spaces, which it ignores; the binary
+     * chunk after it begins at a multiple of four bytes. */
     out.bytes = p + GLB_HEAD;
     bvxi_glb_put_json(glb, &out);
     memset(p + GLB_HEAD + json, ' ', (size_t)(padded - json));
@@ -130,6 +134,7 @@ static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
 
     for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
         const bvxi_glb *const level = &glb->level[l];
+        /* The functions are those of every level; counts and sizes are its own, 0 for what the mesh lacks. */
         memcpy(part, parts, sizeof parts);
         for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
             part[i].count = level->count[i];
@@ -149,12 +154,13 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     uint64_t head;
     bvx_status status;
 
+    /* Counted first, as the length of the description decides where the arrays begin. */
     bvxi_glb_put_json(glb, &json);
     head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
     BVXI_TRY(bvxi_glb_check_size(ctx, head + glb_binary(glb), glb->levels));
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
     glb_list_parts(glb, part);
+    /* Arrays are written before the head: the head needs the size that the file has in the end. */
     status = bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file);
     bvxi_drop(ctx, part);
     if (status == BVX_OK) glb_put_head(glb, json.size, file);
@@ -171,6 +177,7 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
     for (uint64_t v = 0; v < glb->vertices; v++) {
         glb_position(glb, v, p);
         for (int a = 0; a < 3; a++) {
+            /* As bounds of the floats that are written, since validators compare them with those. */
             float const f = (float)p[a];
             if (!(p[a] < BVXI_FLOAT_LIMIT && p[a] > -BVXI_FLOAT_LIMIT))
                 return bvxi_fail_for(
@@ -189,6 +196,7 @@ static bvx_status glb_find_centre(bvx_context *ctx, const bvx_mesh *levels, cons
 {
     double centre[3];
     BVXI_TRY(bvxi_common_centre(ctx, levels, glb->levels, centre));
+    /* One centre for all: a level with bounds of its own would jump when a reader swaps it in. */
     for (uint64_t l = 0; l < glb->levels; l++) memcpy(glb->level[l].centre, centre, sizeof centre);
     return BVX_OK;
 }
@@ -209,9 +217,10 @@ static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uin
     level->vertices = mesh->uv_triangles != NULL ? level->seams.count : mesh->vertex_count;
     bvxi_glb_layout(level, begin);
     BVXI_TRY(bvxi_glb_check_size(ctx, level->end, glb->levels));
-
     BVXI_TRY(bvxi_progress(ctx, "write", ((double)l + 0.6) / (double)glb->levels * GLB_PREPARED));
     BVXI_TRY(glb_find_bounds(ctx, name, level));
+
+    /* Normals come last: they need memory, which a mesh that does not fit should not cost. */
     bvx_mesh_view_of(mesh, &view);
     return bvxi_sum_normals(ctx, &view, 1.0, &level->normal);
 }
@@ -221,7 +230,6 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
     bvxi_glb_file glb = {NULL, level_count};
     uint64_t const bytes = level_count * sizeof *glb.level;
     bvx_status status;
-
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
     for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
@@ -230,6 +238,7 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
     for (uint64_t l = 0; l < level_count && status == BVX_OK; l++) status = glb_plan_level(ctx, &glb, l);
     if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
 
+    /* Freed in the reverse order of making, also after a failure: what was not made is NULL. */
     for (uint64_t l = level_count; l-- > 0;) {
         bvxi_drop(ctx, glb.level[l].normal);
         bvxi_free_seams(ctx, &glb.level[l].seams);

@@ -17,6 +17,7 @@ static bvx_status check_written_positions(bvx_context *ctx, const char *function
 
     if (mesh->frame[0] == 0.0 && mesh->frame[1] == 0.0 && mesh->frame[2] == 0.0) return BVX_OK;
     for (uint64_t v = 0; v < mesh->vertex_count; v++) {
+        /* Two finite numbers may have an infinite sum. */
         bvxi_world_position(mesh, v, p);
         for (int a = 0; a < 3; a++)
             if (!(p[a] - p[a] == 0.0))
@@ -35,9 +36,12 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
                                  mesh->uv_triangles != NULL ? "uv_triangles" : "a uv_count above 0");
         return BVX_OK;
     }
+    /* Indices are 32 bits wide. */
     if (mesh->uv_count > UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: mesh.uv_count is %u, the limit is below 2^32", function, mesh->uv_count);
+
+    /* Without indices of their own, corners take the vertex's: there must be one for each vertex. */
     if (mesh->uv_triangles == NULL && mesh->uv_count < mesh->vertex_count)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                              "%s: mesh.uv_count is %u for %u vertices, and uv_triangles is NULL", function,
@@ -49,6 +53,8 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
                                      "%s: triangle %i has texture coordinate number %u, there are %u",
                                      function, (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i],
                                      mesh->uv_count);
+
+    /* Only those that are written are looked at; unused ones may hold anything. */
     for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
         if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
@@ -61,6 +67,7 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
     bvx_mesh_view view;
     double low[3], high[3];
 
+    /* Arrays before numbers: what is checked later is read through what is checked here. */
     BVXI_TRY(bvxi_mesh_check_reserved(ctx, function, mesh));
     if (mesh->triangle_count != 0 && mesh->triangles == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: mesh.triangles is NULL", function);
@@ -158,6 +165,7 @@ static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_m
     BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(check_written_mesh(ctx, function, mesh));
+    /* Rounding is looked at only after the mesh is known to be sound, and before anything is made. */
     if (o->rounding == BVX_ROUNDING_REFUSE) BVXI_TRY(check_rounding(ctx, function, mesh, format));
     BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0, write_format(ctx, mesh, format, o->normals, &made)));
     *file = made;
@@ -222,6 +230,7 @@ static bvx_status count_positions(bvx_context *ctx, const bvx_mesh_view *view, u
 {
     uint32_t *representative;
 
+    /* Equal positions are found by welding: a representative for each vertex, and how many there are. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * sizeof *representative,
                         "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(ctx, view, representative, different));
@@ -234,6 +243,8 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
 {
     uint64_t before = 0, after = 0;
 
+    /* Vertices that rounding has merged are the difference of
+     * both counts; without rounding there is none to find. */
     if (rounded) {
         BVXI_TRY(bvxi_progress(ctx, "check", 0.1));
         BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, count_positions(ctx, mesh, &before)));
@@ -241,6 +252,7 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
         BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, count_positions(ctx, file, &after)));
     }
     report->merged = before - after;
+    /* STL has no indices, so its readers weld: the check sees what they will see. */
     return BVXI_SHARE(ctx, rounded ? 0.5 : 0.0, 1.0,
                       bvx_mesh_check(ctx, file, format == BVX_FORMAT_STL, &report->file));
 }
@@ -259,6 +271,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     file = view;
     report->fits = 1;
 
+    /* What rounding does is measured against the mesh as it is, before the positions are replaced. */
     if (rounded) {
         bvxi_measure_rounding(mesh, centre, &rounding);
         if (!rounding.finite)
@@ -272,6 +285,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
         report->spoilt = rounding.spoilt;
     }
 
+    /* The view of the file differs from that of the mesh in its positions only. */
     if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
         put_file_positions(mesh, rounded, centre, positions);
@@ -302,6 +316,7 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
         return bvxi_fail(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
                          "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
                          (uint64_t)WRITTEN_LEVELS);
+    /* A message names the level, so each is checked under its own name. */
     for (uint64_t l = 0; l < level_count; l++) {
         bvxi_level_name(function, l, name);
         BVXI_TRY(check_written_mesh(ctx, name, &levels[l]));
@@ -323,6 +338,7 @@ static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels
     BVXI_TRY(check_levels(context, function, levels, level_count));
     BVXI_TRY(file_centre(context, levels, level_count, format, centre));
 
+    /* Levels share the progress evenly: how long one takes is not known before. */
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&reports[l], 0, sizeof reports[l]);
         BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
@@ -346,6 +362,7 @@ static bvx_status check_level_rounding(bvx_context *ctx, const char *function, c
     char name[BVXI_LEVEL_NAME];
     double centre[3];
 
+    /* Against the centre that all levels share, as their writer rounds them. */
     BVXI_TRY(file_centre(ctx, levels, level_count, format, centre));
     for (uint64_t l = 0; l < level_count; l++)
         BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format,

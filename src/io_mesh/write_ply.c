@@ -30,6 +30,7 @@ static void ply_put_header(const bvxi_written *what, bvxi_output *out)
     static const char *const corners[] = {"vertex_indices"};
     static const char *const texcoord[] = {"texcoord"};
 
+    /* Properties stand in the order in which ply_put_vertices and ply_put_faces write the values. */
     bvxi_output_text(out, "ply\nformat binary_little_endian 1.0\ncomment written by bitvox\nelement vertex ");
     bvxi_output_number(out, mesh->vertex_count);
     bvxi_output_text(out, "\n");
@@ -40,6 +41,7 @@ static void ply_put_header(const bvxi_written *what, bvxi_output *out)
     bvxi_output_text(out, "element face ");
     bvxi_output_number(out, mesh->triangle_count);
     bvxi_output_text(out, "\n");
+    /* Many readers know only the type int; uint is there for meshes that need it. */
     ply_put_property(mesh->vertex_count > INT32_MAX ? "list uchar uint" : "list uchar int", corners, 1, out);
     if (mesh->uv_triangles != NULL) ply_put_property("list uchar float", texcoord, 1, out);
     bvxi_output_text(out, "end_header\n");
@@ -54,11 +56,14 @@ static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end,
     float normal[3];
 
     for (uint64_t v = begin; v < end; v++) {
+        /* The order of values in a row is that of the properties in the header. */
         bvxi_world_position(mesh, v, world);
         for (int a = 0; a < 3; a++, at += f32 ? 4 : 8) {
             if (f32) bvxi_store_f32(at, (float)world[a]);
             else bvxi_store_f64(at, world[a]);
         }
+
+        /* The sum becomes a unit vector here, so no array of floats is kept beside it. */
         if (what->normal != NULL) {
             bvxi_unit_normal(what->normal + (size_t)v * 3, normal);
             for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, normal[a]);
@@ -84,6 +89,7 @@ static uint8_t *ply_put_faces(const void *user, uint64_t begin, uint64_t end, ui
         *at++ = 3;
         for (size_t k = 0; k < 3; k++, at += 4) bvxi_store_u32(at, mesh->triangles[(size_t)t * 3 + k]);
         if (mesh->uv_triangles == NULL) continue;
+        /* A list of six numbers: the texture coordinates of three corners. */
         *at++ = 6;
         for (size_t k = 0; k < 3; k++, at += 8) {
             const float *const uv = mesh->uvs + (size_t)mesh->uv_triangles[(size_t)t * 3 + k] * 2;
@@ -102,6 +108,7 @@ bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     bvxi_output head = {0};
 
     ply_put_header(what, &head);
+    /* All rows have one size, so nothing has to be pushed together afterwards. */
     part[0].count = mesh->vertex_count;
     part[0].most = bvxi_writes_f32(mesh) ? 12 : 24;
     if (what->normal != NULL) part[0].most += 12;
@@ -111,6 +118,7 @@ bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     part[1].most = PLY_WRITTEN_FACE + (mesh->uv_triangles != NULL ? PLY_WRITTEN_TEXCOORD : 0);
     BVXI_TRY(bvxi_make_file(ctx, "the PLY file", from, head.size, part, 2, file));
 
+    /* The head is made twice, to learn its size and to write it: so it needs no memory of its own. */
     head.bytes = file->bytes;
     head.size = 0;
     ply_put_header(what, &head);

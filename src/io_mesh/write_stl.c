@@ -13,12 +13,14 @@ static void stl_facet_normal(const float c[3][3], float normal[3])
 {
     double u[3], v[3], n[3], length;
 
+    /* In doubles of the rounded corners: the normal is that of the triangle that readers get. */
     for (int a = 0; a < 3; a++) {
         u[a] = (double)c[1][a] - (double)c[0][a];
         v[a] = (double)c[2][a] - (double)c[0][a];
     }
     for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
     length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    /* A triangle without area has no direction; zero is what readers expect then. */
     for (int a = 0; a < 3; a++) normal[a] = length > 0 ? (float)(n[a] / length) : 0.0f;
 }
 
@@ -37,6 +39,7 @@ static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t 
 {
     float corner[3][3], normal[3];
     for (size_t k = 0; k < 3; k++) stl_corner(mesh, f32, mesh->triangles[(size_t)t * 3 + k], corner[k]);
+    /* Normal, three corners, and two bytes of attributes, which are 0. */
     stl_facet_normal((const float(*)[3])corner, normal);
     for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, normal[a]);
     for (int k = 0; k < 3; k++)
@@ -48,6 +51,7 @@ static bvx_status stl_check_floats(bvx_context *ctx, const bvx_mesh *mesh)
 {
     double p[3];
 
+    /* Floats as they are need no check; others are compared once with the frame added. */
     if (bvxi_writes_f32(mesh)) return BVX_OK;
     for (uint64_t v = 0; v < mesh->vertex_count; v++) {
         bvxi_world_position(mesh, v, p);
@@ -75,6 +79,7 @@ bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *fi
         .count = mesh->triangle_count, .most = STL_WRITTEN_TRIANGLE, .put = stl_put_triangles, .user = mesh};
 
     BVXI_TRY(stl_check_floats(ctx, mesh));
+    /* Checked before memory is made: the message names a vertex rather than a broken file. */
     BVXI_TRY(bvxi_make_file(ctx, "the STL file", 0.0, STL_WRITTEN_HEADER + 4, &part, 1, file));
     memset(file->bytes, 0, STL_WRITTEN_HEADER);
     memcpy(file->bytes, title, sizeof title - 1);
