@@ -29,6 +29,7 @@ BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint
                                       int32_t operation)
 {
     size_t i = 0;
+    /* Eight loads before the first store: whether the arrays overlap does not matter to the compiler. */
     for (; i + ALGEBRA_BLOCK <= n; i += ALGEBRA_BLOCK) {
         uint64_t w[ALGEBRA_BLOCK];
         for (int32_t k = 0; k < ALGEBRA_BLOCK; k++)
@@ -74,6 +75,7 @@ static void combine_piece(void *user, int32_t index, int32_t worker)
     else
 #endif
         combine_rows(job, (size_t)begin * row, (size_t)(end - begin) * row);
+    /* Only the complement sets bits past the end of a row. */
     if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
     for (uint64_t r = begin; r < end; r++) job->result->words[((size_t)r + 1) * row - 1] &= tail;
 }
@@ -89,12 +91,15 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
     BVXI_TRY(bvxi_grid_check(ctx, function, b));
+
+    /* An operand may be the result itself, word for word; only a shifted overlap is refused. */
     BVXI_TRY(bvxi_grid_same(ctx, function, a, b));
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, a, result));
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, b, result));
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     bvxi_grid_renew(ctx, &a->lattice, &window, result);
+    /* A result that brought words keeps them after a failure; one that was made here is freed. */
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
     job.a = a;

@@ -29,6 +29,7 @@ BVXI_VECTOR_INLINE void count_row(block_counter *c, uint32_t n, const uint64_t w
     uint32_t p = 0;
 
     for (uint32_t l = 0; l < BLOCK_LANES; l++) x[l] = word[l];
+    /* As in adding one to a binary number: a digit that had something pending is added up and carries on. */
     for (; (n >> p & 1) != 0; p++)
         for (uint32_t l = 0; l < BLOCK_LANES; l++) {
             uint64_t const s = c->sum[p][l], w = c->pending[p][l], either = s ^ w;
@@ -44,6 +45,7 @@ BVXI_VECTOR_INLINE void end_count(block_counter *c, uint32_t n, int32_t planes)
     uint64_t carry[BLOCK_LANES] = {0};
     for (int32_t p = 0; p < planes; p++)
         for (uint32_t l = 0; l < BLOCK_LANES; l++) {
+            /* A full adder for each digit: the sum, what is pending, and the carry of the digit below. */
             uint64_t const s = c->sum[p][l], w = (n >> p & 1) != 0 ? c->pending[p][l] : 0, either = s ^ w;
             c->sum[p][l] = either ^ carry[l];
             carry[l] = (s & w) | (either & carry[l]);
@@ -82,6 +84,7 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
     uint32_t n = 0;
     block_counter c;
 
+    /* Each row adds one at most to 64 columns at a time, so n rows need the digits of n. */
     memset(c.sum, 0, (size_t)planes * sizeof c.sum[0]);
     for (int32_t z = box->z[0]; z < box->z[1]; z++) {
         const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * row +
@@ -92,6 +95,8 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
             count_row(&c, n++, word);
         }
     }
+
+    /* Bits of n say which digits still have something pending. */
     end_count(&c, n, planes);
     for (int32_t p = 0; p < planes; p++)
         for (int32_t l = 0; l < BLOCK_LANES && l < left; l++) {
@@ -109,12 +114,15 @@ BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *
     uint64_t const flip = b->what == BVXI_BLOCKS_NONE ? ~UINT64_C(0) : 0;
     uint64_t seen = 0;
 
+    /* For empty voxels the rows are inverted first, so that the OR finds one that is missing. */
     for (int32_t k = 0; k < row; k++) to[k] = 0;
     for (int32_t z = box->z[0]; z < box->z[1]; z++) {
         const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * (size_t)row;
         for (int32_t y = box->y[0]; y < box->y[1]; y++, from += row)
             for (int32_t k = 0; k < row; k++) to[k] |= from[k] ^ flip;
     }
+
+    /* Bits past the row became set by the inversion. */
     to[row - 1] &= bvxi_tail_mask(g->size[0]);
     for (int32_t k = 0; k < row; k++) seen |= to[k];
     return seen;
@@ -125,6 +133,7 @@ BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *
 BVXI_VECTOR_INLINE uint64_t bits_behind(const uint64_t *row, int32_t words, int32_t k, int32_t first,
                                         uint32_t shift)
 {
+    /* The word after the last is empty, so blocks may reach beyond the row. */
     uint64_t const low = k + first < words ? row[k + first] : 0;
     uint64_t const high = k + first + 1 < words ? row[k + first + 1] : 0;
     return shift == 0 ? low : low >> shift | high << (64 - shift);
@@ -138,6 +147,7 @@ BVXI_VECTOR_INLINE void add_shifted(uint64_t *sum, int32_t sum_digits, const uin
     int32_t const first = m / 64;
     uint32_t const shift = (uint32_t)m % 64;
 
+    /* From the front: a word's sum needs words after it only, which still hold their old digits. */
     for (int32_t k = 0; k < words; k++) {
         uint64_t carry = 0;
         for (int32_t p = 0; p < digits; p++) {
@@ -164,10 +174,13 @@ BVXI_VECTOR_INLINE int32_t join_neighbours(const bvxi_blocks *b, uint64_t *sum, 
     int32_t const words = b->words, f = b->factor[0];
     int32_t length = 1, digits = single_digits, top = 0;
 
+    /* Doubling for each binary digit of the factor, and one
+     * column more where it is 1: as powers are computed. */
     while (f >> top > 1) top++;
     memcpy(single, sum, (size_t)single_digits * (size_t)words * 8);
     for (int32_t bit = top - 1; bit >= 0; bit--) {
         int const odd = (f >> bit & 1) != 0;
+        /* Digits follow the largest count that there can be, so no carry is lost and none is kept in vain. */
         int32_t const doubled = b->what == BVXI_BLOCKS_COUNT ? block_digits((uint64_t)length * 2 * most) : 1;
         int32_t const more = b->what == BVXI_BLOCKS_COUNT ? block_digits(((uint64_t)length * 2 + 1) * most)
                                                           : 1;
@@ -199,12 +212,15 @@ BVXI_VECTOR_INLINE void append_bits(gathered_bits *g, uint64_t bits, int32_t cou
     if (g->have < BVXI_WORD_BITS) return;
     *g->to++ = g->held;
     g->have -= BVXI_WORD_BITS;
+
+    /* A shift by the whole word would be undefined: then nothing is held over. */
     g->held = g->have != 0 ? bits >> (count - g->have) : 0;
 }
 
 static uint64_t gather_starts(uint64_t w, const bvxi_block_starts *s)
 {
     w &= s->mask;
+    /* Warren's compress: each step moves the bits whose distance has that power of two. */
     for (int32_t i = 0; i < 6; i++) {
         uint64_t const t = w & s->move[i];
         w = (w ^ t) | t >> (1 << i);
@@ -245,6 +261,7 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
     int32_t n = 1;
     block_box box;
 
+    /* The box of rows that the blocks of this row cover, cut by the window. */
     bvxi_block_range(b, 1, j, &box.y[0], &box.y[1]);
     bvxi_block_range(b, 2, k, &box.z[0], &box.z[1]);
     if (b->what == BVXI_BLOCKS_COUNT) {
@@ -256,6 +273,7 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
         seen = join_columns(b, &box, sum);
     }
     *digits = 0;
+    /* A row of empty blocks needs no further step: no digits stand for all 0. */
     if (seen == 0) return to;
     /* the row with the first block's missing voxels in front */
     for (int32_t p = 0; b->phase != 0 && p < n; p++) {
@@ -267,6 +285,7 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
     for (int32_t p = 0; p < *digits; p++) {
 #if BVXI_HAVE_AVX2
         if (b->cpu == BVX_CPU_AVX2) {
+            /* The same bits by one instruction. */
             gather_row_bmi2(b, sum + (size_t)p * words, to + (size_t)p * (size_t)b->count_words);
             continue;
         }

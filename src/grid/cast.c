@@ -72,6 +72,8 @@ static inline double cast_place(const cast_axis *a, double t)
 /* The voxels of a row that can be met between two places, and perhaps one more at each end. */
 static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, int32_t *low, int32_t *high)
 {
+    /* The slack covers the rounding of both places: one
+     * voxel too many is tested and refused, none is missed. */
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
 
     if (a->way == 0) {
@@ -91,8 +93,12 @@ static int try_cast_voxel(cast_ray *r, int32_t x, int32_t y, int32_t z, double f
     double const enter = cast_enter(&r->axis[0], x), t = enter > from ? enter : from;
     int better = r->voxel[0] < 0;
 
+    /* The box is entered after the row is left, or after
+     * the best hit: so are all after it in the ray's order. */
     if (enter > to || t > r->t) return 0;
+    /* Left before the row was entered: the voxels after it may still be met. */
     if (cast_leave(&r->axis[0], x) < from) return 1;
+    /* Of equal t the lowest voxel is taken, so the way of the ray does not decide. */
     if (!better && t == r->t) {
         better = z < r->voxel[2];
         if (z == r->voxel[2]) better = y < r->voxel[1] || (y == r->voxel[1] && x < r->voxel[0]);
@@ -114,6 +120,7 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
                                 ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
     int32_t const k_low = low >> 6, k_high = high >> 6, back = r->axis[0].way < 0;
 
+    /* Words in the ray's order, and bits of each from the ray's side. */
     for (int32_t n = 0; n <= k_high - k_low; n++) {
         int32_t const k = back ? k_high - n : k_low + n;
         uint64_t w = row[k];
@@ -138,6 +145,7 @@ static int cast_bricks_hold(const bvxi_bricks *b, int32_t low, int32_t high, int
     int32_t const k_first = first >> 6;
     int32_t const k_last = last >> 6;
 
+    /* The bricks of the range, cut at both ends like the words of a row. */
     for (int32_t k = k_first; k <= k_last; k++) {
         uint64_t w = row[k];
         if (k == k_first) w &= ~UINT64_C(0) << (first & 63);
@@ -153,6 +161,8 @@ static int cast_bricks_hold(const bvxi_bricks *b, int32_t low, int32_t high, int
 static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
 {
     int32_t i = a->first;
+
+    /* By rounding the place is right up to a voxel; the exact planes decide, in steps of one. */
     if (a->way == 0) return i >> shift;
     double const p = cast_place(a, t);
     i = !(p > 0.0) ? 0 : p < (double)n ? (int32_t)p : n - 1;
@@ -179,6 +189,8 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, d
     int32_t const z_end = a[2].way == 0 ? a[2].last >> shift : z;
     int32_t low, high;
 
+    /* Where the ray lies exactly between two rows, y or z
+     * has two voxels, and all rows beside it are looked at. */
     if (!cast_reach(&a[0], r->grid->size[0], p, q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {
@@ -202,6 +214,7 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
     double leave_z = cast_leave_cell(&a[2], shift, z);
     double p = cast_place(&a[0], t);
 
+    /* Each turn is the part of the ray in one row of cells, up to the next plane of y or z. */
     for (;;) {
         double const next = leave_y < leave_z ? leave_y : leave_z, to = next < end ? next : end;
         double const q = cast_place(&a[0], to);
@@ -210,11 +223,14 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
         int const more_y = y != last_y;
         int const more_z = z != last_z;
         cast_rows(r, shift, y, z, t, to, p, q);
+        /* What lies after the best hit, or after the end, cannot be better. */
         if (!(next <= r->t && next <= end)) return;
         if (over_y && over_z) { /* over an edge along x: the two rows beside it too */
             if (more_y) cast_rows(r, shift, y + a[1].way, z, next, next, q, q);
             if (more_z) cast_rows(r, shift, y, z + a[2].way, next, next, q, q);
         }
+
+        /* Past the last row on an axis the ray has left the grid. */
         if ((over_y && !more_y) || (over_z && !more_z)) return;
         if (over_y) leave_y = cast_leave_cell(&a[1], shift, y += a[1].way);
         if (over_z) leave_z = cast_leave_cell(&a[2], shift, z += a[2].way);
@@ -244,14 +260,19 @@ static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double
     a->u = (origin - g->lattice.origin[axis]) / g->lattice.spacing[axis];
     a->step = direction / g->lattice.spacing[axis];
     a->per = 1.0 / a->step;
+
+    /* Overflow makes infinities or NaN, of which no plane can be computed. */
     if (a->u - a->u != 0.0 || a->step - a->step != 0.0) return 0;
     a->slack = ((a->u < 0.0 ? -a->u : a->u) + a->low + (double)n + 1.0) * 0x1p-48;
+    /* A step so small that its inverse overflows counts as no step: the ray does not leave its voxel. */
     if (a->step != 0.0 && a->per - a->per == 0.0) {
         a->way = a->step > 0.0 ? 1 : -1;
         a->first = a->way > 0 ? 0 : n - 1;
         a->last = a->way > 0 ? n - 1 : 0;
         return 1;
     }
+
+    /* Standing still it must be inside; on a plane between two voxels it is in both. */
     if (!(a->u >= a->low && a->u <= a->low + (double)n)) return 0;
     a->way = 0;
     a->last = (int32_t)(a->u - a->low); /* the difference is exact: u is not below low, a whole number */
@@ -264,6 +285,8 @@ static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double
 static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *begin)
 {
     *begin = 0.0;
+
+    /* A finite end keeps t finite, also where a plane lies at infinity. */
     r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
     for (int32_t i = 0; i < 3; i++) {
         double enter, leave;
@@ -273,6 +296,8 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
         *begin = enter > *begin ? enter : *begin;
         r->end = leave < r->end ? leave : r->end;
     }
+
+    /* No hit yet is a hit at the end: any voxel within it is better. */
     r->t = r->end;
     r->voxel[0] = -1;
     return *begin <= r->end;
@@ -285,6 +310,7 @@ static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *h
     hit->hit = 1;
     hit->t = r->t;
     hit->axis = -1;
+    /* The side that was entered last is the one hit; -1 stays where the ray starts inside. */
     for (int32_t i = 0; i < 3; i++) {
         double const enter = cast_enter(&r->axis[i], r->voxel[i]);
         if (enter > latest) {
@@ -319,10 +345,12 @@ static void cast_piece(void *user, int32_t index, int32_t worker)
         const double *const ray = w->rays + 6 * i;
         cast_ray r;
         double start;
+        /* Hits are zeroed first: a ray that meets nothing needs no further word. */
         memset(&w->hits[i], 0, sizeof w->hits[i]);
         r.grid = w->grid;
         r.bricks = w->bricks;
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
+        /* The same walk over bricks first, which skips empty space; the hits are the same. */
         if (r.bricks->words != NULL) walk_cast_bricks(&r, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
         if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
@@ -366,6 +394,8 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u rays are beyond this machine's addresses", function, count);
     BVXI_TRY(check_cast_rays(context, function, rays, count));
+
+    /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
         BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));
     BVXI_TRY(bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w));

@@ -36,6 +36,7 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
     for (int32_t from = 0; from < n; from += 64) {
         int32_t const part = n - from < 64 ? n - from : 64;
         uint64_t const bits = cut_bits(row, words, begin + from, part);
+        /* Whole voxels first; the two at the ends lose the part that lies outside the box. */
         sum += (int64_t)count_cover(bits, fast) * x->r;
         if (from == 0) sum -= (int64_t)(bits & 1) * (x->r - x->first[i]);
         if (from + part == n && n > 1) sum -= (int64_t)(bits >> (part - 1) & 1) * (x->r - x->last[i]);
@@ -52,12 +53,14 @@ BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t 
     uint64_t const mask = n < 64 ? (UINT64_C(1) << n) - 1 : ~UINT64_C(0);
     uint64_t whole = 0, first = 0, last = 0; /* set voxels: all, the first of each row, the last */
 
+    /* A box wider than a word is summed up part by part. */
     if (n > 64) {
         int64_t sum = 0;
         for (int32_t a = 0; a < rows; a++, row += words) sum += cover_row(x, row, words, i, fast);
         return sum;
     }
     row += begin >> 6;
+    /* Two loops, as the question whether the bits cross a word has one answer for all rows. */
     if (shift + n > 64 && (begin >> 6) + 1 < words) {
         for (int32_t a = 0; a < rows; a++, row += words) {
             uint64_t const bits = (row[0] >> shift | row[1] << (64 - shift)) & mask;
@@ -88,9 +91,12 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
     int64_t sum = 0;
 
     for (int32_t b = z->begin[k]; b < z->end[k] && b < z->voxels; b++) {
+        /* The first and the last slice are cut by the box, those between are whole. */
         int64_t const wz = b == z->begin[k] ? z->first[k] : b == z->end[k] - 1 ? z->last[k] : z->r;
         const uint64_t *const row = bvxi_fine_row(d, begin, b);
         int64_t slice = cover_rows(x, row, words, 1, i, fast) * y->first[j];
+
+        /* Likewise for rows: first, between, last, with their weights. */
         if (between > 0) slice += cover_rows(x, row + words, words, between, i, fast) * y->r;
         if (rows > 1 && inside == rows)
             slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
@@ -108,6 +114,7 @@ static void blend_rows(const bvxi_downsample *d, int32_t j, int32_t k, int32_t f
 
     for (int32_t w = 0; w < n; w++) {
         any[w] = 0;
+        /* A box that reaches beyond the grid is never full: what is missing there is empty. */
         all[w] = y->end[j] <= y->voxels && z->end[k] <= z->voxels ? ~UINT64_C(0) : 0;
     }
     for (int32_t b = z->begin[k]; b < z->end[k] && b < z->voxels; b++) {
@@ -138,8 +145,10 @@ static uint32_t fraction_32(int64_t sum, int64_t total)
     uint32_t value = 0;
     uint64_t left = (uint64_t)sum;
 
+    /* The full box would be 2^32, which is one too many for the type. */
     if (sum >= total) return UINT32_MAX;
     if (total <= UINT32_MAX) return (uint32_t)((left << 32) / (uint64_t)total);
+    /* The product with 2^32 would not fit in 64 bits. */
     for (int32_t bit = 0; bit < 32; bit++) { /* a binary digit at a time */
         left <<= 1;
         value <<= 1;
@@ -171,11 +180,13 @@ BVXI_VECTOR_INLINE void cover_sample_row(const bvxi_downsample *d, int32_t j, in
             if (n < 0) n = 0;
             blend_rows(d, j, k, first, n, any, all);
         }
+        /* The bits of a box must all be in the blended words, else it is counted. */
         if (end > (first + n) * 64 && first + n < d->fine->words_per_row) sum = cover_box(d, i, j, k, fast);
         else if (range_is(any, n, begin - first * 64, end - first * 64, 0)) sum = 0;
         else if (end <= x->voxels && range_is(all, n, begin - first * 64, end - first * 64, 1))
             sum = d->total;
         else sum = cover_box(d, i, j, k, fast);
+        /* A comparison of integers, so that equal fractions give equal bits. */
         out[i >> 6] |= (uint64_t)(sum > d->limit) << (i & 63);
         if (value != NULL) value[i] = sum == 0 ? 0 : fraction_32(sum, d->total);
     }
@@ -215,6 +226,8 @@ bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_v
 {
     uint64_t const samples = (uint64_t)d->axis[0].count * (uint64_t)d->axis[1].count *
                              (uint64_t)d->axis[2].count;
+
+    /* 20 bits an axis: the volume in units of 1/(r r r) has at most 60. */
     d->total = (int64_t)d->axis[0].n * d->axis[1].n * d->axis[2].n; /* each at most 2^20 */
     d->limit = bvxi_weight_limit(d->total, d->threshold);
     if (keep_values)
@@ -239,5 +252,6 @@ double bvxi_coverage_ratio(const void *downsample, int32_t axis, int32_t i, int3
     double const low = coverage_at(d, i, j, k);
     double const high = coverage_at(d, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     double const threshold = (double)d->threshold / 65536.0;
+    /* Where both ends are equal there is no crossing to place; the middle is as good as any. */
     return low == high ? 0.5 : (threshold - low) / (high - low);
 }

@@ -26,6 +26,7 @@ static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t
     while (first < words && row[first] == 0) first++;
     if (first == words) return;
     while (row[last] == 0) last--;
+    /* Only the outermost bits count, so the words between are not looked at. */
     int32_t const low[3] = {first * BVXI_WORD_BITS + bvxi_lowest(row[first]), y, z};
     int32_t const high[3] = {last * BVXI_WORD_BITS + bvxi_highest(row[last]), y, z};
     for (int32_t a = 0; a < 3; a++) {
@@ -42,6 +43,8 @@ static void content_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+
+    /* Rows are joined in a box of the piece's own; boxes are joined afterwards, in any order. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++)
         widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row,
@@ -53,6 +56,7 @@ static void join_content(const content_job *job, bvx_window *window)
 {
     content_box all = job->box[0];
 
+    /* Low is the largest number and high -1 in boxes without content, so they change nothing. */
     for (int32_t p = 1; p < job->pieces; p++)
         for (int32_t a = 0; a < 3; a++) {
             all.low[a] = job->box[p].low[a] < all.low[a] ? job->box[p].low[a] : all.low[a];
@@ -78,6 +82,7 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (window == NULL) return bvxi_fail_null(context, function, "window");
+    /* An empty grid leaves the window all zero, also after a failure. */
     memset(window, 0, sizeof *window);
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     job.grid = grid;
@@ -115,6 +120,7 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
+        /* A row of the result may lie beside the grid; then it is empty. */
         int64_t const y = (int64_t)(r % rows) + job->from[1], z = (int64_t)(r / rows) + job->from[2];
         uint64_t *const row = to->words + (size_t)r * (size_t)to->words_per_row;
         if (y < 0 || z < 0 || y >= g->size[1] || z >= g->size[2]) {
@@ -123,6 +129,7 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
         }
         bvxi_shift_row(g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
                        g->words_per_row, job->from[0], row, to->words_per_row);
+        /* The shift brings bits past the result's row. */
         row[to->words_per_row - 1] &= tail;
     }
 }
@@ -136,6 +143,7 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
     int mine;
 
     bvxi_grid_renew(ctx, lattice, window, result);
+    /* Whose words the result has decides who frees them after a failure. */
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
@@ -155,6 +163,8 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
+
+    /* Both windows count from the lattice's origin. */
     for (int32_t a = 0; a < 3; a++) from[a] = w.low[a] - grid->low[a];
     return move_grid(context, function, grid, &grid->lattice, &w, from, result);
 }
@@ -178,6 +188,7 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     for (int32_t a = 0; a < 3; a++) {
+        /* Compared by what is left up to the longest side, so that no sum overflows. */
         int32_t const room = BVXI_MAX_SIDE - grid->lattice.dims[a];
         if (low[a] < 0 || high[a] < 0)
             return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -188,6 +199,9 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
                                  "%s: the lattice would have %d voxels along axis %d; %d are possible",
                                  function, (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
                                  (int64_t)BVXI_MAX_SIDE);
+
+        /* The voxels stay where they are in space: the origin
+         * moves down by the rim, and the window's size grows. */
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];

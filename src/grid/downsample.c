@@ -22,11 +22,15 @@ static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
     a->end = take_table(memory, a->count);
     a->first = take_table(memory, a->count);
     a->last = take_table(memory, a->count);
+
+    /* Tables once for each axis, so that the loop over samples has no division. */
     for (int32_t i = 0; i < a->count; i++) {
         int64_t const centre = (2 * (int64_t)i + 1) * n - r; /* >= 0, as n >= r */
         int64_t const low = i * n, up = (i + (int64_t)1) * n;
+        /* The voxel whose centre lies at or below the sample, and how far above it, in units of 1/(2r). */
         a->at[i] = (int32_t)(centre / (2 * r));
         a->high[i] = (int32_t)(centre % (2 * r));
+        /* The box's voxels, and the parts of the first and last that lie inside. */
         a->begin[i] = (int32_t)(low / r);
         a->end[i] = (int32_t)((up + r - 1) / r);
         a->first[i] = (int32_t)((a->begin[i] + (int64_t)1) * r - low);
@@ -45,6 +49,7 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     uint64_t *memory = NULL, words;
 
     for (int32_t a = 0; a < 3; a++) {
+        /* One sample stands for n/r voxels, so its spacing is that much larger. */
         whole.size[a] = d->axis[a].count;
         origin[a] = fine->lattice.origin[a] + (double)fine->low[a] * fine->lattice.spacing[a];
         spacing[a] = fine->lattice.spacing[a] * d->axis[a].n / d->axis[a].r;
@@ -68,6 +73,8 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
 
     memset(d, 0, sizeof *d);
     d->fine = fine;
+
+    /* In 16 bits: a threshold that is a whole number can be compared exactly. */
     d->threshold = (int32_t)(threshold * 65536.0 + 0.5);
     if (d->threshold < 1) d->threshold = 1;
     if (d->threshold > 65535) d->threshold = 65535;
@@ -83,9 +90,12 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
         axis->n = n[a];
         axis->r = r[a];
         axis->voxels = fine->size[a];
+        /* Rounded up: the last box may reach beyond the grid, where all is empty. */
         axis->count = (int32_t)(((int64_t)fine->size[a] * r[a] + n[a] - 1) / n[a]);
         entries += (uint64_t)axis->count * 6;
     }
+
+    /* Six tables an axis, in one block. */
     d->table_bytes = entries * sizeof *d->tables;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
     memory = d->tables;

@@ -23,6 +23,7 @@ typedef struct sample_rows {
 static void gather_rows(const bvxi_downsample *d, int32_t at_y, int64_t high_y, int64_t whole_y, int32_t at_z,
                         int64_t high_z, int64_t whole_z, sample_rows *s)
 {
+    /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
         s->weight[i] = ((i & 1) != 0 ? high_y : whole_y - high_y) *
                        ((i >> 1) != 0 ? high_z : whole_z - high_z);
@@ -44,6 +45,7 @@ static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *
 {
     uint64_t any = 0, all = ~UINT64_C(0), next_any = 0, next_all = ~UINT64_C(0);
 
+    /* Only rows that count are looked at: the others may be anything. */
     for (int32_t r = 0; r < 4; r++) {
         uint64_t const here = s->row[r] != NULL && w < words ? s->row[r][w] : 0;
         uint64_t const next = s->row[r] != NULL && w + 1 < words ? s->row[r][w + 1] : 0;
@@ -53,6 +55,7 @@ static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *
         next_any |= next;
         next_all &= next;
     }
+    /* Each voxel with its right neighbour, the next word giving that of the last bit. */
     *any_pair = any | any >> 1 | next_any << 63;
     *all_pair = all & (all >> 1 | next_all << 63);
 }
@@ -69,14 +72,19 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     sample_rows s;
 
     gather_rows(d, y->at[j], y->high[j], 2 * (int64_t)y->r, z->at[k], z->high[k], 2 * (int64_t)z->r, &s);
+
+    /* Four rows beyond the grid leave the samples as they are, 0. */
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;
     for (int32_t i = 0; i < x->count; i++) {
         int32_t const at = x->at[i];
         uint64_t inside;
+        /* The words change every few samples only, so both answers are found for 64 voxels at a time. */
         if (at >> 6 != word) {
             word = at >> 6;
             see_pairs(&s, word, d->fine->words_per_row, &any, &all);
         }
+
+        /* Without a set voxel around it the sample is 0, with all of them set it is 1: no sum is needed. */
         if ((any >> (at & 63) & 1) == 0) continue;
         inside = all >> (at & 63) & 1;
         if (!inside) {
@@ -111,6 +119,8 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
     uint64_t total = 1, most = 1;
     int fits = 1;
 
+    /* The largest sum is the product of all weights; with
+     * the steps of an edge it must stay inside 63 bits. */
     for (int32_t a = 0; a < 3; a++) {
         uint64_t const steps = (uint64_t)edge_steps(d, a);
         total = bvxi_mul(total, 2 * (uint64_t)d->axis[a].r, &fits);
@@ -130,6 +140,7 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
 static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int64_t *high)
 {
     int64_t const whole = 2 * (int64_t)a->r, centre = (2 * (int64_t)i + 1) * a->n - a->r;
+    /* Rounded down also below 0: the place may be outside the grid. */
     int64_t const down = centre >= 0 ? centre / whole : -((whole - 1 - centre) / whole);
     *at = (int32_t)down;
     *high = centre - down * whole;
@@ -151,6 +162,7 @@ static void gather_lines(const bvxi_downsample *d, int32_t axis, const int32_t a
     int32_t const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2; /* the other two axes */
     const bvx_grid *const g = d->fine;
 
+    /* Places along x are bits of a word, along the other axes whole words apart. */
     e->voxels = g->size[axis];
     e->step = axis == 0 ? 0 : axis == 1 ? g->words_per_row : (int64_t)g->words_per_row * g->size[1];
     for (int32_t n = 0; n < 4; n++) {
@@ -161,6 +173,7 @@ static void gather_lines(const bvxi_downsample *d, int32_t axis, const int32_t a
         p[u] = at[u] + (n & 1);
         p[v] = at[v] + (n >> 1);
         e->weight[n] = wu * wv;
+        /* A line beyond the grid counts for nothing, as all is empty there. */
         e->word[n] = wu * wv != 0 && p[0] < g->size[0] ? bvxi_fine_row(d, p[1], p[2]) : NULL;
         e->shift[n] = p[0] & 63;
         if (e->word[n] != NULL) e->word[n] += p[0] >> 6;
@@ -191,6 +204,7 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     edge_lines e;
     int start;
 
+    /* The edge begins at sample (i, j, k), which lies somewhere between two voxels of its line. */
     for (int32_t b = 0; b < 3; b++) place_sample(&d->axis[b], sample[b], &at[b], &high[b]);
     gather_lines(d, axis, at, high, &e);
     voxel = at[axis];
@@ -201,12 +215,15 @@ double bvxi_extended_ratio(const void *downsample, int32_t axis, int32_t i, int3
     start = sum > limit;
     for (int32_t s = 1; s <= steps; s++) {
         int64_t const before = sum;
+        /* One step further may cross several voxels: only the last two of them count. */
         for (place += 2 * (int64_t)a->n; place >= unit; place -= unit) {
             voxel++;
             low_sum = high_sum;
             high_sum = sum_across(&e, voxel + 1);
         }
         sum = low_sum * (unit - place) + high_sum * place;
+
+        /* The state changes within this step: a line between both sums meets the threshold there. */
         if ((sum > limit) != start)
             return ((double)(s - 1) +
                     ((double)total * d->threshold / 65536.0 - (double)before) / (double)(sum - before)) /

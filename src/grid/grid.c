@@ -11,11 +11,14 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
 
     if (lattice == NULL) return 0;
     whole = window == NULL || memcmp(window, &none, sizeof none) == 0;
+    /* NULL or a window of zeros stands for the whole lattice. */
     for (int32_t a = 0; a < 3; a++) {
         size[a] = whole ? lattice->dims[a] : window->size[a];
         if (size[a] < 1 || size[a] > lattice->dims[a]) return 0;
         if (!whole && (window->low[a] < 0 || window->low[a] > lattice->dims[a] - size[a])) return 0;
     }
+
+    /* 0 is the answer for what does not fit, as no grid has 0 words. */
     rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
     rows = bvxi_mul(rows, (uint64_t)bvxi_row_words(size[0]), &ok);
     return ok && rows <= UINT64_MAX / 8 ? rows : 0;
@@ -32,12 +35,14 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
     uint64_t const words = bvx_grid_bound(lattice, window);
     bvx_grid g = *grid;
 
+    /* The size is checked before the array: a message about words would name a number that wrapped around. */
     if (words == 0)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the grid's size does not fit 64 bits", function);
     if (g.words != NULL && g.word_capacity < words)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the grid needs %u words, the array given holds %u",
                          function, words, g.word_capacity);
+    /* Made only where the caller brought no words; then they are the library's to free. */
     if (g.words == NULL) {
         if (words > SIZE_MAX / 8)
             return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: a grid of %u words is beyond this machine's addresses",
@@ -46,6 +51,8 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
         g.word_capacity = words;
         g.owned = 1;
     }
+
+    /* All fields are written at once, at the end: after a failure the grid is as it was. */
     g.lattice = *lattice;
     memcpy(g.low, window->low, sizeof g.low);
     memcpy(g.size, window->size, sizeof g.size);
@@ -86,6 +93,8 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     if (grid == NULL) return bvxi_fail_null(ctx, function, "grid");
     if (grid->words == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: the grid has no words", function);
+
+    /* Fields of later versions must be 0, or this library would not do what the caller means. */
     for (uint64_t i = 0; i < 4; i++)
         if (grid->reserved[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
@@ -93,10 +102,13 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
     BVXI_TRY(bvxi_lattice_check(ctx, function, &grid->lattice));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    /* A size below 1 would make the window stand for the whole lattice. */
     if (grid->size[0] < 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid's size is %d along x", function,
                          (int64_t)grid->size[0]);
     BVXI_TRY(bvxi_window_take(ctx, function, &grid->lattice, &window, &unused));
+
+    /* The words are computed with, so they are checked against the size and not believed. */
     if (grid->words_per_row != bvxi_row_words(grid->size[0]))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d",
                          function, (int64_t)grid->words_per_row, (int64_t)grid->size[0],
@@ -120,6 +132,7 @@ bvx_status bvxi_grid_check_past(bvx_context *ctx, const char *function, const bv
     uint64_t const step = (uint64_t)grid->words_per_row;
     uint64_t set = 0;
     if (past == 0) return BVX_OK;
+    /* One test at the end: the OR of all last words says whether any has such a bit. */
     for (uint64_t i = step - 1; i < words; i += step) set |= grid->words[i];
     return (set & past) == 0 ? BVX_OK : bvxi_grid_fail_past(ctx, function, grid);
 }
@@ -131,6 +144,8 @@ static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uin
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
+
+    /* The bits past the rows are 0, so all words count whole. */
     words = bvxi_grid_words(grid);
     for (uint64_t i = 0; i < words; i++) n += bvxi_popcount(grid->words[i]);
     *count = n;
@@ -149,6 +164,8 @@ static bvx_status run_grid_hash(bvx_context *context, const bvx_grid *grid, uint
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (hash == NULL) return bvxi_fail_null(context, "bvx_grid_hash", "hash");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_hash", grid));
+
+    /* The place is hashed first, then its hash is the seed of the words': two grids of equal bits differ. */
     bvxi_hash_start(&h, 0);
     bvxi_hash_i32(&h, grid->low, 3);
     bvxi_hash_i32(&h, grid->size, 3);

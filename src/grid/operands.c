@@ -17,6 +17,7 @@ bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid
         {"the window's low along x", "the window's low along y", "the window's low along z"},
         {"the window's size along x", "the window's size along y", "the window's size along z"}};
 
+    /* The first field that differs is named; doubles hold each of them exactly. */
     for (int32_t f = 0; f < 5; f++)
         for (int32_t i = 0; i < 3; i++) {
             double const of_a[5] = {a->lattice.origin[i], a->lattice.spacing[i], (double)a->lattice.dims[i],
@@ -39,6 +40,7 @@ static uint64_t bytes_held(const bvx_grid *grid)
 bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid,
                            const bvx_grid *result)
 {
+    /* Compared by memory, as two grids may share their words. */
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     if (grid == result ||

@@ -28,6 +28,7 @@ static int32_t flipped(const permute_job *job, int32_t axis, int32_t i)
 
 static uint64_t reverse_word(uint64_t w)
 {
+    /* Neighbouring bits change places, then pairs, then groups of four, up to the halves. */
     w = (w >> 1 & UINT64_C(0x5555555555555555)) | (w & UINT64_C(0x5555555555555555)) << 1;
     w = (w >> 2 & UINT64_C(0x3333333333333333)) | (w & UINT64_C(0x3333333333333333)) << 2;
     w = (w >> 4 & UINT64_C(0x0f0f0f0f0f0f0f0f)) | (w & UINT64_C(0x0f0f0f0f0f0f0f0f)) << 4;
@@ -41,6 +42,7 @@ static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
 {
     int32_t const words = bvxi_row_words(size), spare = words * BVXI_WORD_BITS - size;
     for (int32_t k = 0; k < words; k++) {
+        /* The row's last word has spare bits at its end: reversed they come first, and are shifted out. */
         to[k] = reverse_word(row[words - 1 - k]) >> spare;
         if (spare != 0 && k + 1 < words)
             to[k] |= reverse_word(row[words - 2 - k]) << (BVXI_WORD_BITS - spare);
@@ -58,6 +60,7 @@ static void permute_rows(void *user, int32_t index, int32_t worker)
     bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const b = (int32_t)(r % (uint64_t)to->size[1]), c = (int32_t)(r / (uint64_t)to->size[1]);
+        /* Steps of 0 along x leave the row's beginning; y and z may change places or turn over. */
         const uint64_t *const row = job->grid->words + (size_t)flipped(job, 1, b) * job->step[1] +
                                     (size_t)flipped(job, 2, c) * job->step[2];
         if (job->flips[0]) reverse_row(row, to->size[0], to->words + (size_t)r * words);
@@ -74,6 +77,7 @@ static void load_permute_square(const permute_job *job, const uint64_t *from, in
     int32_t const first = k * BVXI_WORD_BITS, left = job->result->size[0] - first;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
     for (int32_t i = 0; i < n; i++) square[i] = from[(size_t)flipped(job, 0, first + i) * job->step[0]];
+    /* Rows past the result's end are empty, so their bits stay 0. */
     for (int32_t i = n; i < BVXI_WORD_BITS; i++) square[i] = 0;
     bvxi_transpose_64(square);
 }
@@ -95,6 +99,7 @@ static void permute_square(const permute_job *job, int32_t third, int32_t slice,
 static void permute_squares(void *user, int32_t index, int32_t worker)
 {
     const permute_job *const job = user;
+    /* The axis that is neither x nor where x goes keeps its place: its slices are independent. */
     int32_t const third = 3 - job->x_to; /* 1 and 2 change places */
     uint64_t begin, end;
 
@@ -114,6 +119,8 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
     int32_t seen = 0;
 
     if (axes == NULL) return bvxi_fail_null(ctx, function, "axes");
+
+    /* Each of 0, 1, 2 once: a bit for each that was seen. */
     for (int32_t a = 0; a < 3; a++) {
         int32_t const flip = flips != NULL ? flips[a] : 0;
         if (axes[a] < 0 || axes[a] > 2 || (seen >> axes[a] & 1) != 0)
@@ -136,6 +143,7 @@ static void permute_place(const permute_job *job, bvx_lattice *lattice, bvx_wind
 {
     const bvx_grid *const g = job->grid;
 
+    /* A mirrored window counts from the lattice's other end. */
     lattice->fraction_bits = g->lattice.fraction_bits;
     for (int32_t a = 0; a < 3; a++) {
         int32_t const from = job->axes[a];
@@ -154,6 +162,7 @@ static void lay_permute_steps(permute_job *job)
     size_t const step[3] = {0, row, row * (size_t)g->size[1]};
     size_t const to_step[3] = {0, to_row, to_row * (size_t)to->size[1]};
 
+    /* x has no step in words: its voxels are bits. */
     for (int32_t a = 0; a < 3; a++) {
         job->step[a] = step[job->axes[a]];
         job->to_step[a] = to_step[a];
@@ -175,6 +184,8 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     job.grid = grid;
+
+    /* The lattice changes with its axes, so the result may be larger or smaller in words than the grid. */
     job.result = result;
     permute_place(&job, &lattice, &window);
     bvxi_grid_renew(context, &lattice, &window, result);
@@ -182,11 +193,14 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));
     lay_permute_steps(&job);
     words = bvxi_grid_words(result);
+    /* Rows stay rows: memory is read and written in one order. */
     if (job.x_to == 0) {
         job.pieces = bvxi_piece_count(words, PERMUTE_GRAIN);
         if ((uint64_t)job.pieces > bvxi_grid_rows(result)) job.pieces = (int32_t)bvxi_grid_rows(result);
         return bvxi_grid_fill_by(context, "permute", job.pieces, permute_rows, &job, mine, result);
     }
+
+    /* Slices across the axis that does not take part in the turn: no two tasks write one word. */
     job.slices = result->size[3 - job.x_to];
     job.pieces = bvxi_piece_count(words, PERMUTE_GRAIN);
     if (job.pieces > job.slices) job.pieces = job.slices;

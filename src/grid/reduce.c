@@ -16,6 +16,7 @@ static void lay_moves(bvxi_block_starts *s)
 {
     uint64_t m = s->mask, behind = ~s->mask << 1;
 
+    /* At each step the parity of the gaps below a bit says whether it moves by this power of two. */
     for (int32_t i = 0; i < 6; i++) {
         uint64_t parity = behind;
         parity = bvxi_prefix_parity(parity);
@@ -30,6 +31,7 @@ static bvx_status lay_starts(bvx_context *ctx, bvxi_blocks *b)
 {
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)b->words * sizeof *b->starts,
                              "the blocks' first voxels", &b->starts));
+    /* Blocks begin every factor voxels, with the voxels that the window cuts off the first one counted in. */
     for (int32_t n = 0; n < b->window.size[0]; n++) {
         int64_t const x = (int64_t)n * b->factor[0];
         b->starts[x >> 6].mask |= UINT64_C(1) << (x & 63);
@@ -43,14 +45,18 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
     uint64_t const voxels = (uint64_t)b->factor[0] * (uint64_t)b->factor[1];
     uint64_t bytes;
 
+    /* A count of a block must fit in 32 bits, as callers get it. */
     if (voxels > UINT32_MAX || voxels * (uint64_t)b->factor[2] > UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: blocks of %d x %d x %d voxels; fewer than 2^32 are possible", function,
                              (int64_t)b->factor[0], (int64_t)b->factor[1], (int64_t)b->factor[2]);
     b->plane_count = 1;
+    /* As many digits as the largest count has; the other rules need one. */
     if (b->what == BVXI_BLOCKS_COUNT)
         while (voxels * (uint64_t)b->factor[2] >> b->plane_count != 0) b->plane_count++;
     b->workers = bvxi_threads(ctx);
+
+    /* Two sets for the row and its copy, one for the result: each worker has its own. */
     b->worker_words = (2 * (uint64_t)b->words + (uint64_t)b->count_words) * (uint64_t)b->plane_count;
     bytes = b->worker_words * (uint64_t)b->workers * 8;
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the blocks' planes", &b->planes);
@@ -75,8 +81,11 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: factor[%d] is %d; 1 to %d are possible", function, (int64_t)a,
                                  (int64_t)factor[a], (int64_t)BVXI_MAX_SIDE);
+        /* The spacing grows by the factor that was requested, also where it is cut to the lattice's side. */
         spacing[a] = grid->lattice.spacing[a] * (double)factor[a];
         b->factor[a] = factor[a] < n ? factor[a] : n;
+
+        /* Blocks count from the lattice's origin, so a window gives the blocks that the whole grid would. */
         first = grid->low[a] / b->factor[a];
         last = (grid->low[a] + grid->size[a] - 1) / b->factor[a];
         dims[a] = (n - 1) / b->factor[a] + 1;
@@ -84,6 +93,8 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
         b->window.size[a] = (int32_t)(last - first) + 1;
     }
     BVXI_TRY(bvxi_lattice_build(ctx, function, grid->lattice.origin, spacing, dims, &b->lattice));
+
+    /* The voxels of the first block before the window are empty ones put in front of the row. */
     b->phase = grid->low[0] % b->factor[0];
     b->words = bvxi_row_words(b->phase + grid->size[0]);
     b->count_words = bvxi_row_words(b->window.size[0]);
@@ -122,7 +133,9 @@ static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32
 {
     uint64_t above = 0, equal = ~UINT64_C(0);
 
+    /* A limit of more digits than the counts have is above all of them. */
     if (digits < BVXI_BLOCK_PLANES && limit >> digits != 0) return 0;
+    /* Compared like decimals: the first digit that differs decides. */
     for (int32_t p = digits - 1; p >= 0; p--) {
         uint64_t const plane = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
         if ((limit >> p & 1) != 0) {
@@ -140,8 +153,10 @@ static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t d
 {
     int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
 
+    /* Half of a whole block first, for all of them. */
     for (int32_t k = 0; k < b->count_words; k++)
         row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
+    /* The first and the last block may be cut by the window: their half is smaller. */
     for (int32_t e = 0; e < 2; e++) {
         uint64_t const bit = UINT64_C(1) << (ends[e] & 63);
         int32_t begin, end;
@@ -159,6 +174,7 @@ static void reduce_row(const reduce_job *job, int32_t worker, int32_t j, int32_t
     int32_t digits, y[2], z[2];
     const uint64_t *const planes = bvxi_blocks_row(b, worker, j, k, &digits);
 
+    /* No digits: all counts are 0, so ALL has no empty voxel and the other rules have no set one. */
     if (digits == 0) {
         memset(row, job->rule == BVX_REDUCE_ALL ? 0xff : 0, words * 8);
     } else if (job->rule == BVX_REDUCE_MAJORITY) {
@@ -168,6 +184,7 @@ static void reduce_row(const reduce_job *job, int32_t worker, int32_t j, int32_t
     } else {
         for (size_t w = 0; w < words; w++) row[w] = job->rule == BVX_REDUCE_ALL ? ~planes[w] : planes[w];
     }
+    /* Inverted planes have bits past the last block. */
     row[words - 1] &= bvxi_tail_mask(b->window.size[0]);
 }
 
@@ -187,6 +204,7 @@ static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job
 {
     int mine;
 
+    /* Made once the blocks are known: their number is the size of the result. */
     bvxi_grid_renew(ctx, &job->blocks.lattice, &job->blocks.window, result);
     mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &job->blocks.lattice, &job->blocks.window, result));
@@ -199,6 +217,7 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
                                       int32_t rule, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_downsample";
+    /* ALL looks for empty voxels, since one is enough to refuse a block. */
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
     reduce_job job;
 
@@ -208,6 +227,8 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function,
                              (int64_t)rule);
     job.rule = rule;
+
+    /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks));
     BVXI_TRY(reduce_grid(context, function, &job, result));
     bvxi_blocks_close(context, &job.blocks);
@@ -232,6 +253,7 @@ typedef struct coverage_job {
 static void put_counts(const bvxi_blocks *b, const uint64_t *planes, int32_t digits, uint32_t *to)
 {
     for (int32_t k = 0; k < b->count_words; k++) {
+        /* Digit p of 64 counts is a word: turned over, word i has the digits of count i. */
         int32_t const left = b->window.size[0] - k * BVXI_WORD_BITS;
         int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
         uint64_t square[64], seen = 0;
@@ -239,6 +261,7 @@ static void put_counts(const bvxi_blocks *b, const uint64_t *planes, int32_t dig
             square[p] = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
             seen |= square[p];
         }
+        /* Squares without a set bit are the most frequent by far. */
         if (seen == 0) {
             memset(to, 0, (size_t)n * sizeof *to);
         } else {
@@ -258,6 +281,7 @@ static void coverage_piece(void *user, int32_t index, int32_t worker)
     size_t const row = (size_t)b->window.size[0];
     uint64_t begin, end;
 
+    /* Counts of a row are written by one task only. */
     bvxi_piece(block_rows(b), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t digits;
@@ -277,12 +301,14 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
+    /* The count is there after a failure too, 0 unless it is known. */
     *count = 0;
     status = bvxi_blocks_open(context, function, grid, factor, BVXI_BLOCKS_COUNT, &job.blocks);
     if (status == BVX_OK) {
         *count = block_rows(&job.blocks) * (uint64_t)job.blocks.window.size[0];
         job.counts = counts;
         job.pieces = block_pieces(&job.blocks);
+        /* Without an array only the number of blocks is of interest. */
         if (counts != NULL && capacity < *count)
             status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u",
                                function, *count, capacity);

@@ -25,6 +25,8 @@ typedef struct resample_job {
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
+
+    /* Divided rather than stepped, so that no error adds up from voxel to voxel. */
     double const centre = to->lattice.origin[axis] +
                           ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
     double const v = floor((centre - g->lattice.origin[axis]) / g->lattice.spacing[axis]) -
@@ -37,6 +39,7 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
     const bvx_grid *const g = job->grid, *const to = job->result;
     int32_t next = 0;
 
+    /* All tables in one block, as they live and end together. */
     job->bytes = ((uint64_t)to->size[1] + (uint64_t)to->size[2] + (uint64_t)g->size[0] + 1) * sizeof(int32_t);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bytes, "the tables of voxels", &job->source[0]));
     job->source[1] = job->source[0] + to->size[1];
@@ -46,8 +49,12 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
             int32_t const v = source_voxel(job, a, i);
             job->source[a - 1][i] = v < g->size[a] ? v : -1;
         }
+
+    /* Voxels of the grid between two centres have the next
+     * one's place: a run that no centre meets is empty. */
     for (int32_t i = 0; i < to->size[0]; i++)
         for (int32_t const v = source_voxel(job, 0, i); next <= v; next++) job->first[next] = i;
+    /* Those after the last centre end where the row does. */
     for (; next <= g->size[0]; next++) job->first[next] = to->size[0];
     return BVX_OK;
 }
@@ -61,6 +68,7 @@ static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t
     bvxi_row_runs_start(&runs,
                         g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
                         g->size[0], 0);
+    /* A run of the grid becomes a run of the result: its ends are looked up, not its voxels. */
     while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
 }
 
@@ -78,6 +86,7 @@ static void resample_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = job->source[0][r % rows], z = job->source[1][r / rows];
         uint64_t *const row = to->words + (size_t)r * words;
+        /* Where the row comes from the same row of the grid again, it is a copy of the one just written. */
         if (y < 0 || z < 0) memset(row, 0, words * 8);
         else if (y == last_y && z == last_z) memcpy(row, row - words, words * 8);
         else resample_row(job, y, z, row);
@@ -106,6 +115,8 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     job.result = result;
     job.pieces = bvxi_piece_count(bvxi_grid_words(result), RESAMPLE_GRAIN);
     if ((uint64_t)job.pieces > bvxi_grid_rows(result)) job.pieces = (int32_t)bvxi_grid_rows(result);
+
+    /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
     status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;

@@ -26,6 +26,7 @@ static int sample_cell(const bvx_grid *g, int32_t axis, double point, int32_t *c
 {
     double const x = (point - g->lattice.origin[axis]) / g->lattice.spacing[axis] - 0.5;
     double const whole = floor(x), i = whole - (double)g->low[axis];
+    /* Written so that NaN fails too: a point far away gives no cell. */
     if (!(i >= -1.0 && i < (double)g->size[axis])) return 0;
     *cell = (int32_t)i;
     *fraction = x - whole;
@@ -47,8 +48,12 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
     double f[3], row[2][2], slope[2][2], slice[2], slope_x[2], slope_y[2];
 
     gradient[0] = gradient[1] = gradient[2] = 0.0;
+    /* One voxel beyond the window on each side still blends with what is inside. */
     for (int32_t a = 0; a < 3; a++)
         if (!sample_cell(g, a, point[a], &c[a], &f[a])) return 0.0;
+
+    /* Along x first, then y, then z; each slope is blended
+     * like the values, as the gradient of the same blend. */
     for (int32_t k = 0; k < 2; k++) {
         for (int32_t j = 0; j < 2; j++) {
             double pair[2];
@@ -60,6 +65,8 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
         slope_x[k] = slope[k][0] + f[1] * (slope[k][1] - slope[k][0]);
         slice[k] = row[k][0] + f[1] * slope_y[k];
     }
+
+    /* Slopes are per voxel, gradients per unit of the world. */
     gradient[0] = (slope_x[0] + f[2] * (slope_x[1] - slope_x[0])) / g->lattice.spacing[0];
     gradient[1] = (slope_y[0] + f[2] * (slope_y[1] - slope_y[0])) / g->lattice.spacing[1];
     gradient[2] = (slice[1] - slice[0]) / g->lattice.spacing[2];
@@ -99,6 +106,7 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
+    /* Arrays are only needed where there are points. */
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
     if (count > SIZE_MAX / 24)

@@ -24,6 +24,7 @@ static void load_turned_block(const bvx_grid *t, int32_t s, int32_t x, int32_t k
     int32_t const rows = t->size[1] - x < BVXI_WORD_BITS ? t->size[1] - x : BVXI_WORD_BITS;
     size_t const stride = (size_t)t->words_per_row;
     const uint64_t *const from = t->words + ((size_t)s * (size_t)t->size[1] + (size_t)x) * stride + (size_t)k;
+    /* Rows past the end are empty, so the square is always whole. */
     for (int32_t i = 0; i < rows; i++) block[i] = from[(size_t)i * stride];
     for (int32_t i = rows; i < BVXI_WORD_BITS; i++) block[i] = 0;
     bvxi_transpose_64(block);
@@ -39,6 +40,7 @@ static void put_turned_block(const turn_job *job, size_t at, int32_t count, uint
         if (job->use == BVXI_TURN_SET) {
             grid[at] = w;
         } else {
+            /* Where all three agree, the bit of second is set; bits past the row are cleared with it. */
             uint64_t const a = grid[at], b = job->second[at];
             job->second[at] = ~(a ^ b) & ~(a ^ w) & tail;
         }
@@ -55,6 +57,8 @@ static void turn_piece_back(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece((uint64_t)t->size[2], job->pieces, index, &begin, &end);
+
+    /* A word of the turned axis is 64 rows of the grid: one square at a time. */
     for (int32_t k = 0; k < t->words_per_row; k++) {
         int32_t const first = k * BVXI_WORD_BITS;
         int32_t const count = t->size[0] - first < BVXI_WORD_BITS ? t->size[0] - first : BVXI_WORD_BITS;
@@ -79,6 +83,7 @@ bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis
     job.use = use;
     job.pieces = bvxi_piece_count(bvxi_grid_words(turned), TURN_GRAIN * BVXI_WORD_BITS);
     if (job.pieces > turned->size[2]) job.pieces = turned->size[2];
+    /* Along y a step is a row and the slices are z; along z it is the other way round. */
     job.step = axis == 1 ? row : slice;
     job.across = axis == 1 ? slice : row;
     return bvxi_parallel(ctx, "solid", progress, progress, job.pieces, turn_piece_back, &job);

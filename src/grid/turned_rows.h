@@ -21,6 +21,8 @@ static inline void bvxi_turn_shape(const bvx_grid *grid, int32_t axis, bvx_grid 
     int32_t order[3];
 
     bvxi_turn_axes(axis, order);
+
+    /* Only the shape is turned: whoever makes the words needs no more. */
     memset(turned, 0, sizeof *turned);
     turned->lattice = grid->lattice;
     for (int32_t i = 0; i < 3; i++) {

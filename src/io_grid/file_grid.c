@@ -17,6 +17,7 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
                                  axis_name[a], (int64_t)BVXI_MAX_SIDE);
+        /* x - x is 0 for every finite number, and NaN for the others. */
         if (!(origin[a] - origin[a] == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
                                  "%s: the origin is not finite along %s", format, axis_name[a]);
@@ -29,6 +30,8 @@ bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double orig
         made.dims[a] = (int32_t)dims[a];
         if (made.dims[a] > longest) longest = made.dims[a];
     }
+
+    /* The most fraction bits that a box of this size leaves: files have none of their own. */
     made.fraction_bits = bvxi_fraction_bits(longest);
     *box = made;
     return BVX_OK;
@@ -47,6 +50,8 @@ static bvx_status take_file_part(const bvxi_grid_source *source, const char *for
         memcpy(part->size, size, sizeof part->size);
         return BVX_OK;
     }
+
+    /* Written as low > size - wanted, as low + wanted might overflow. */
     for (int a = 0; a < 3; a++)
         if (w->low[a] < 0 || w->size[a] < 1 || w->low[a] > size[a] - w->size[a])
             return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -62,6 +67,8 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
 {
     bvx_window whole, wanted;
 
+    /* The lattice and the file's own window are what the
+     * file says; only the part of it comes from the caller. */
     BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
     BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
     BVXI_TRY(take_file_part(source, format, whole.size, part));
@@ -71,6 +78,7 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
     }
     bvxi_grid_renew(source->ctx, lattice, &wanted, grid);
     BVXI_TRY(bvxi_grid_open(source->ctx, "bvx_read_grid", lattice, &wanted, grid));
+    /* Readers only set bits, so what they pass over must be 0. */
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;
 }

@@ -42,6 +42,7 @@ static void json_put_lattice(const bvx_grid *grid, bvxi_output *out)
 {
     double center[3];
 
+    /* Derived from origin and spacing, for programs that want a centre; the reader checks that it agrees. */
     json_center0(&grid->lattice, grid->low, center);
     bvxi_output_text(out, "{\n  \"format\": \"bitvox lattice\",\n  \"version\": 1,\n");
     json_put_doubles(out, "  \"origin\": ", grid->lattice.origin);
@@ -65,6 +66,8 @@ static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, 
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_check_written_corner(context, function, grid));
+
+    /* Written twice: once without bytes, to learn how many there are. */
     json_put_lattice(grid, &out);
     BVXI_TRY(bvxi_make_buffer(context, out.size, "the lattice's file", &made));
     out.bytes = made.bytes;
@@ -109,6 +112,7 @@ static bvx_status json_take_string(json_text *t, const char **text, size_t *leng
 {
     if (!json_take(t, '"')) return json_expected(t, "a string in quotes");
     *text = t->p;
+    /* An escape takes two characters, so that an escaped quote does not end the string. */
     while (t->p < t->end && *t->p != '"' && (unsigned char)*t->p >= 32)
         t->p += *t->p == '\\' && t->end - t->p > 1 && (unsigned char)t->p[1] >= 32 ? 2 : 1;
     *length = (size_t)(t->p - *text);
@@ -129,6 +133,8 @@ static const char *json_number_end(const char *p, const char *end)
     const char *const start = p, *q;
 
     if (p < end && *p == '-') p++;
+
+    /* JSON allows no leading zero: 01 is no number. */
     q = json_digits(p, end);
     if (q == p || (*p == '0' && q - p > 1)) return start;
     p = q;
@@ -163,6 +169,7 @@ static bvx_status json_take_count(json_text *t, int32_t *value)
     double v = 0.0;
 
     json_skip_space(t);
+    /* Read as a double, as 3.0 and 3e0 are whole numbers too; the range is checked before the cast. */
     const char *const start = t->p;
     BVXI_TRY(json_take_double(t, &v));
     if (v >= 0.0 && v <= 2147483647.0 && v == (double)(int32_t)v) {
@@ -207,6 +214,7 @@ static bvx_status json_skip_plain(json_text *t)
     double v;
 
     if (t->p < t->end && *t->p == '"') return json_take_string(t, &text, &n);
+    /* A word must match in full; what follows it is checked by whoever reads on. */
     for (int i = 0; i < 3; i++) {
         n = bvxi_text_length(words[i]);
         if ((size_t)(t->end - t->p) < n || memcmp(t->p, words[i], n) != 0) continue;
@@ -229,12 +237,14 @@ static bvx_status json_skip_value(json_text *t)
     uint64_t objects = 0; /* bit d: what is open at depth d is an object, not an array */
     int depth = 0;
 
+    /* One bit a depth replaces a recursion, so that a file cannot exhaust the stack. */
     do {
         json_skip_space(t);
         int const is_object = t->p < t->end && *t->p == '{';
         if (is_object || (t->p < t->end && *t->p == '[')) {
             if (depth == JSON_DEPTH) return json_expected(t, "values nested less deeply");
             t->p++;
+            /* An empty object or array is a whole value; any other one opens a depth. */
             if (!json_take(t, is_object ? '}' : ']')) {
                 objects = (objects & ~(UINT64_C(1) << depth)) | (uint64_t)is_object << depth;
                 depth++;
@@ -250,6 +260,8 @@ static bvx_status json_skip_value(json_text *t)
                 return json_expected(t, in_object ? "',' or '}'" : "',' or ']'");
             depth--;
         }
+
+        /* Inside an object, a comma is followed by the next key. */
         if (depth > 0 && (objects >> (depth - 1) & 1) != 0) BVXI_TRY(json_skip_key(t));
     } while (depth > 0);
     return BVX_OK;
@@ -286,6 +298,8 @@ static bvx_status json_take_key(json_text *t, const char *const *names, int coun
     size_t n;
 
     json_skip_space(t);
+
+    /* A key's place stays in start, for the message about one that comes twice. */
     const char *const start = t->p;
     BVXI_TRY(json_take_string(t, &text, &n));
     *key = 0;
@@ -362,6 +376,8 @@ static bvx_status json_take_lattice(json_text *t, json_lattice *l)
         BVXI_TRY(json_take_value(t, key, l));
         BVXI_TRY(json_take_next(t, &more));
     }
+
+    /* Order does not matter, but all nine must be there; after the closing brace, nothing may be. */
     BVXI_TRY(json_check_keys(t, json_key_names, JSON_KEYS, seen));
     json_skip_space(t);
     return t->p == t->end ? BVX_OK : json_expected(t, "the end of the file");
@@ -373,6 +389,7 @@ static bvx_status json_check_center(bvx_context *ctx, const json_lattice *l)
     static const char axis_name[3][2] = {"x", "y", "z"};
     double center[3];
 
+    /* Computed as the writer did, so that a file of ours agrees to the last bit. */
     json_center0(&l->lattice, l->window.low, center);
     for (int a = 0; a < 3; a++) {
         double const off = center[a] - l->center[a], size = center[a] < 0 ? -center[a] : center[a];
@@ -398,6 +415,8 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: size is %u, more than memory can hold", function, size);
     BVXI_TRY(bvxi_grid_check(context, function, grid));
+
+    /* Values go to l first: the grid changes only when all of them fit each other. */
     memset(&l, 0, sizeof l);
     memset(&t, 0, sizeof t);
     t.source.ctx = context;
@@ -406,6 +425,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     t.end = t.source.end = t.source.begin + (size_t)size;
     t.p = bvxi_skip_mark(t.source.begin, t.end);
     BVXI_TRY(json_take_lattice(&t, &l));
+    /* The argument at fault is the file, whatever the check of lattices calls it. */
     if (bvxi_lattice_check(context, "lattice", &l.lattice) != BVX_OK) return BVX_ERR_FORMAT;
     for (int a = 0; a < 3; a++)
         if (l.window.size[a] != grid->size[a])
@@ -414,6 +434,8 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
                              (int64_t)l.window.size[a], axis_name[a], (int64_t)grid->size[a]);
     if (bvx_grid_bound(&l.lattice, &l.window) == 0)
         return bvxi_fail(context, BVX_ERR_FORMAT, "lattice: the window is not inside the lattice");
+
+    /* Last, as it needs all the other values. */
     BVXI_TRY(json_check_center(context, &l));
     grid->lattice = l.lattice;
     memcpy(grid->low, l.window.low, sizeof grid->low);

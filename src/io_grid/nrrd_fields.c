@@ -54,6 +54,7 @@ static bvx_status nrrd_take_double(const nrrd_head *h, nrrd_value *v, double *va
 {
     bvxi_nrrd_skip_blank(v);
     size_t const n = bvxi_parse_double(v->p, v->end, value);
+    /* In a vector, a comma or a bracket may follow the digits at once. */
     if (n == 0 || (v->p + n < v->end && !bvxi_is_blank(v->p[n]) && v->p[n] != ',' && v->p[n] != ')'))
         return nrrd_expected(h, v, "a number");
     v->p += n;
@@ -69,6 +70,7 @@ static bvx_status nrrd_take_whole(const nrrd_head *h, nrrd_value *v, int64_t *va
     int const negative = v->p < v->end && *v->p == '-';
     const char *p = v->p + negative;
     const char *const digits = p;
+    /* Digits are taken by hand: a point or an exponent would make no whole number. */
     for (; p < v->end && *p >= '0' && *p <= '9'; p++)
         if (n < INT64_MAX / 16) n = n * 10 + (*p - '0'); /* too many digits stay too large */
     if (p == digits || (p < v->end && !bvxi_is_blank(*p))) {
@@ -90,6 +92,7 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
 {
     for (int a = 0; a < 3; a++) {
         bvxi_nrrd_skip_blank(v);
+        /* An opening bracket first, then a comma before each of the other two numbers. */
         if (v->p == v->end || *v->p != (a == 0 ? '(' : ','))
             return nrrd_expected(h, v, "a vector of three: (x,y,z)");
         v->p++;
@@ -192,6 +195,7 @@ static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
                   : bvxi_nrrd_is(v->p, n, "gzip") || bvxi_nrrd_is(v->p, n, "gz") ? NRRD_GZIP
                                                                                  : NRRD_NONE;
     h->encoding_at = v->p;
+    /* Known but not read: the message names what would be. */
     if (h->encoding != NRRD_NONE) return BVX_OK;
     if (bvxi_nrrd_is(v->p, n, "bzip2") || bvxi_nrrd_is(v->p, n, "bz2") || bvxi_nrrd_is(v->p, n, "zrl") ||
         bvxi_nrrd_is(v->p, n, "hex"))
@@ -215,6 +219,7 @@ static bvx_status nrrd_field_sizes(nrrd_head *h, nrrd_value *v)
         bvxi_nrrd_skip_blank(v);
         nrrd_value const start = *v;
         BVXI_TRY(nrrd_take_whole(h, v, &n));
+        /* A size of 0 has no samples, and a negative one means nothing. */
         if (n < 1) return nrrd_expected(h, &start, "a size of 1 or more");
         h->sizes[a] = (uint64_t)n;
     }
@@ -256,11 +261,13 @@ static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
         double d[3];
         bvxi_nrrd_skip_blank(v);
         nrrd_value const start = *v;
+        /* 'none' marks an axis of colours or vectors. */
         if (v->p < v->end && nrrd_lower(*v->p) == 'n')
             return nrrd_unsupported(h, &start,
                                     "an axis has no space direction; a grid's three axes lie in space");
         BVXI_TRY(nrrd_take_vector(h, v, d));
         h->direction[a] = d[a];
+        /* Only its own component may differ from 0, and it must be above 0: no turn, no mirror. */
         for (int b = 0; b < 3; b++)
             if (b != a && !(d[b] <= 1e-9 * d[a] && -d[b] <= 1e-9 * d[a]))
                 return nrrd_unsupported(
@@ -286,6 +293,7 @@ static bvx_status nrrd_field_centers(nrrd_head *h, nrrd_value *v)
     for (int a = 0; a < 3; a++) {
         size_t n;
         const char *const word = nrrd_take_word(v, &n);
+        /* Words are taken for all three axes: a short list is an error. */
         h->node[a] = (int8_t)bvxi_nrrd_is(word, n, "node");
         if (h->node[a] || bvxi_nrrd_is(word, n, "cell") || bvxi_nrrd_is(word, n, "none") ||
             bvxi_nrrd_is(word, n, "???"))
@@ -305,6 +313,7 @@ static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
         size_t n;
         int known = 0;
         const char *const word = nrrd_take_word(v, &n);
+        /* Any other kind is a known one of vectors or colours, or one that nobody knows. */
         for (int i = 0; i < 5; i++) known |= bvxi_nrrd_is(word, n, places[i]);
         if (known) continue;
         v->p = word;
@@ -388,6 +397,7 @@ static const struct {
 bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value)
 {
     for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
+        /* Names are compared whole: one bit of seen each, so that a field that comes twice is refused. */
         if (!bvxi_nrrd_is(name, length, nrrd_fields[i].name)) continue;
         if ((h->seen >> i & 1) != 0) return bvxi_fail_expected(&h->source, name, "each field once");
         h->seen |= UINT64_C(1) << i;

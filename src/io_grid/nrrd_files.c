@@ -29,6 +29,8 @@ static int take_pattern(const nrrd_head *h, nrrd_file_name *f, int64_t range[3],
     const char *const begin = h->files, *const end = h->files_end;
     const char *p = begin, *word = begin;
 
+    /* The pattern is the first word; its percent sign divides
+     * it into what stands before and after the number. */
     while (word < end && !bvxi_is_blank(*word)) word++;
     while (p < word && *p != '%') p++;
     if (p == word) return 0;
@@ -37,11 +39,14 @@ static int take_pattern(const nrrd_head *h, nrrd_file_name *f, int64_t range[3],
     f->place = (size_t)(p - begin);
     p++;
     f->zeros = p < word && *p == '0';
+    /* The width stops growing beyond the limit, which is checked below. */
     for (; p < word && *p >= '0' && *p <= '9'; p++)
         if (f->digits <= NRRD_MOST_DIGITS) f->digits = 10 * f->digits + (*p - '0');
     if (p == word || *p != 'd' || f->digits > NRRD_MOST_DIGITS) return 0;
     f->rest = (size_t)(p + 1 - begin);
     p = word;
+
+    /* First, last and step; where one is missing, the field is the name of a file after all. */
     for (int i = 0; i < 3; i++)
         if (!take_file_number(&p, end, &range[i])) return 0;
     *axes = 0;
@@ -55,6 +60,7 @@ static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], in
 {
     int64_t const step = range[2];
 
+    /* Numbers of 31 bits keep every sum and difference below inside 64 bits. */
     for (int i = 0; i < 3; i++)
         if (range[i] > INT32_MAX || range[i] < -INT32_MAX)
             return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
@@ -62,10 +68,12 @@ static bvx_status find_in_pattern(const nrrd_head *h, const int64_t range[3], in
     if (step == 0 || (step > 0 ? range[1] < range[0] : range[1] > range[0]))
         return bvxi_fail_expected(&h->source, h->files,
                                   "a pattern whose numbers go from the first to the last");
+    /* As many as fit from the first to the last, by the step; rounding down leaves out a last half step. */
     *count = (uint64_t)((range[1] - range[0]) / step) + 1;
     if (axes != 0 && axes != 2)
         return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                      "data files that hold anything but slices of z");
+    /* A number beyond the count is refused by the caller, who knows it only now. */
     f->number = range[0] + (int64_t)(index < *count ? index : 0) * step;
     return BVX_OK;
 }
@@ -78,6 +86,7 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
     while (next != NULL && next < h->list_end) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, h->list_end, &end);
+        /* Empty lines name nothing and are not counted. */
         if (end == line) continue;
         if (n++ != index) continue;
         f->name = line;
@@ -99,6 +108,7 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
     int64_t range[3], axes;
 
     memset(file, 0, sizeof *file);
+    /* A list, a pattern, or else the field itself is the name. */
     if (h->list != NULL) BVXI_TRY(find_in_list(h, index, file, count));
     else if (take_pattern(h, file, range, &axes))
         BVXI_TRY(find_in_pattern(h, range, axes, index, file, count));
@@ -108,10 +118,13 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
         file->length = (size_t)(h->files_end - h->files);
         *count = 1;
     }
+
+    /* Skips and packing belong to one file; which of several they mean is not said. */
     if (*count > 1 && (h->encoding == NRRD_GZIP || h->line_skip != 0 || h->byte_skip != 0))
         return bvxi_nrrd_unsupported(
             h, BVX_REASON_UNSUPPORTED, h->files,
             "several data files that are packed, or whose beginning is to be skipped");
+    /* Names times bytes of the head bound the work of a caller who requests each name in turn. */
     if (*count > NRRD_NAME_WORK / nrrd_head_size(h))
         return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, h->files,
                                      "data files times bytes of the head are more than 2^31");

@@ -10,6 +10,7 @@ static void nrrd_take_corner(nrrd_head *h, const char *p, const char *end)
 {
     static const char before[3] = {'(', ',', ','};
     for (int a = 0; a < 3; a++) {
+        /* Exactly '(x,y,z)': any other text is somebody else's, and gives no corner. */
         size_t const n = p < end && *p == before[a] ? bvxi_parse_double(p + 1, end, &h->corner[a]) : 0;
         if (n == 0) return;
         p += 1 + n;
@@ -27,11 +28,14 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
     if (colon == end) return bvxi_fail_expected(&h->source, line, "a field and a colon");
     value.p = colon + 1;
     value.end = end;
+
+    /* key:=value is free text of the writer's; one key of ours keeps the corner to the last bit. */
     if (value.p < end && *value.p == '=') {
         if (bvxi_nrrd_is(line, (size_t)(colon - line), BVXI_NRRD_CORNER_KEY))
             nrrd_take_corner(h, value.p + 1, end);
         return BVX_OK;
     }
+    /* Trailing blanks belong to no field. */
     while (value.end > value.p && bvxi_is_blank(value.end[-1])) value.end--;
     bvxi_nrrd_skip_blank(&value);
     return bvxi_nrrd_take_field(h, line, (size_t)(colon - line), &value);
@@ -56,6 +60,7 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
     const bvxi_source *const s = &h->source;
     const char *end, *next = bvxi_nrrd_line(s->begin, s->end, &end);
 
+    /* The magic is one line; an unknown version may have other rules, so it is not guessed at. */
     if (end - s->begin != 8 || memcmp(s->begin, "NRRD000", 7) != 0)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT,
                          "NRRD: the file does not begin with a line NRRD0001 to NRRD0005");
@@ -65,6 +70,7 @@ static bvx_status nrrd_take_lines(nrrd_head *h)
     while (next != NULL) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, s->end, &end);
+        /* A blank line ends the head; without it the samples must stand in other files. */
         if (line == end && next != NULL) {
             h->data = next;
             return BVX_OK;
@@ -89,6 +95,8 @@ static bvx_status nrrd_check_head(const nrrd_head *h)
                                 : h->encoding != NRRD_TEXT && bvxi_sample_size(h->kind) > 1 && !h->has_endian
                                     ? "endian"
                                     : NULL;
+
+    /* The first that is missing is named; a byte order only matters for samples of several bytes. */
     if (missing != NULL)
         return bvxi_fail(h->source.ctx, BVX_ERR_FORMAT, "NRRD: the head has no field '%s'", missing);
     if (h->byte_skip < 0 && h->encoding != NRRD_RAW)

@@ -26,6 +26,8 @@ typedef struct pack_rule {
 /* Bit i is byte i of p, which is not 0. */
 static inline uint64_t pack_eight(const uint8_t *p)
 {
+    /* Adding 0x7f to the low seven bits carries into the top one
+     * unless they are 0; or-ing the byte adds its own top bit. */
     uint64_t const v = bvxi_load_u64(p, 0), low = UINT64_C(0x7f7f7f7f7f7f7f7f);
     return bvxi_gather_bits((((v & low) + low) | v) >> 7 & UINT64_C(0x0101010101010101));
 }
@@ -71,6 +73,8 @@ BVXI_VECTOR_INLINE void pack_run_of(const pack_rule *rule, const uint8_t *p, int
                                     uint64_t *words)
 {
     uint32_t const size = rule->size;
+
+    /* Whole words need numbers side by side; the rest, and any other stride, goes one number at a time. */
     int32_t const whole = stride == (int64_t)size ? n >> 6 : 0;
 
     for (int32_t k = 0; k < whole; k++) {
@@ -105,6 +109,7 @@ BVXI_AVX2 static void pack_run_avx2(const void *rule, void *tally, const uint8_t
         const uint8_t *const q = p + (size_t)k * 64;
         __m256i const low = _mm256_loadu_si256((const __m256i *)(const void *)q);
         __m256i const high = _mm256_loadu_si256((const __m256i *)(const void *)(q + 32));
+        /* Compared with zero, so a set bit is an empty voxel: both halves are inverted together. */
         uint64_t const low_zero = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(low, zero));
         uint64_t const high_zero = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(high, zero));
         words[k] = ~(high_zero << 32 | low_zero);
@@ -130,6 +135,8 @@ static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
                          samples->kind == BVX_SAMPLE_F64;
     uint8_t byte[8];
     uint64_t mask;
+
+    /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
     memset(byte, 0xff, sizeof byte);
     if (is_float) byte[samples->big ? 0 : size - 1] = 0x7f;
     memcpy(&mask, byte, sizeof mask);
@@ -143,6 +150,8 @@ bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, cons
     bvxi_sample_walk walk = {0};
 
     rule.size = bvxi_sample_size(samples->kind);
+
+    /* The mask is made once: a number counts as set by one AND, without turning its bytes. */
     rule.mask = pack_mask(samples, rule.size);
     walk.first = samples->first;
     for (int a = 0; a < 3; a++) {
@@ -193,6 +202,7 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
  * every byte, of which each keeps another one. */
 static inline void unpack_eight(uint8_t *p, uint64_t bits)
 {
+    /* One byte holds one bit of eight; adding the constant lifts any set bit to the top of its byte. */
     uint64_t const one_each = (bits & 0xff) * UINT64_C(0x0101010101010101) & UINT64_C(0x8040201008040201);
     uint64_t const bytes = (one_each + UINT64_C(0x00406070787c7e7f)) >> 7 & UINT64_C(0x0101010101010101);
     bvxi_store_u32(p, (uint32_t)(bytes & 0xffffffffu));
@@ -218,6 +228,7 @@ static void unpack_piece(void *user, int32_t piece, int32_t worker)
     const bvx_grid *const g = job->grid;
     uint64_t row, end;
     (void)worker;
+    /* Rows belong to one piece each, so no two workers write the same byte. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++)
         bvxi_unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0],
@@ -229,6 +240,7 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
     unpack_job job;
     job.grid = grid;
     job.bytes = bytes;
+    /* A row is the least that a piece holds; grain voxels make a task worth starting. */
     job.pieces = bvxi_piece_count(bvxi_grid_rows(grid), 1 + UNPACK_GRAIN / (uint64_t)grid->size[0]);
     return bvxi_parallel(ctx, "write", 0, 1, job.pieces, unpack_piece, &job);
 }

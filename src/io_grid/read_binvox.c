@@ -72,6 +72,7 @@ static int binvox_take_word(binvox_reading *r, const char *word)
 
 static int binvox_take_whole(binvox_reading *r, uint64_t *value)
 {
+    /* The sum is checked as it grows, since dim may be any number. */
     const char *const begin = (binvox_skip_blank(r), r->at);
     int fits = 1;
     *value = 0;
@@ -109,6 +110,7 @@ static int binvox_next_line(binvox_reading *r, const char **next)
 /* One line after the first; unknown words are passed, as viewvox does. *done: it was the last one. */
 static bvx_status binvox_take_line(binvox_reading *r, int *done)
 {
+    /* Each word has its own numbers, and nothing may follow them on the line. */
     if (binvox_take_word(r, "dim")) {
         if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
         r->has_dims = 1;
@@ -135,6 +137,7 @@ static bvx_status binvox_take_header(binvox_reading *r)
     uint64_t version = 0;
     int done = 0;
 
+    /* The scale may be missing; then a voxel is 1 / d wide. */
     r->scale = 1.0;
     if (!binvox_next_line(r, &next) || !binvox_take_word(r, "#binvox"))
         return bvxi_fail(r->source->ctx, BVX_ERR_FORMAT,
@@ -144,6 +147,7 @@ static bvx_status binvox_take_header(binvox_reading *r)
     if (version < 1 || version > 2)
         return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED,
                          "BINVOX: line 1: version %u; 1 and 2 can be read", version);
+    /* Lines up to 'data' may stand in any order. */
     while (!done) {
         if (!binvox_next_line(r, &next))
             return binvox_fail_line(r, "the file ends before the line that says data");
@@ -172,6 +176,7 @@ static int binvox_skip(binvox_mark *mark, const uint8_t *end, uint64_t voxels)
 {
     const uint8_t *p = mark->p;
 
+    /* Counted from the beginning of the run at p, so that used needs no case of its own. */
     voxels += mark->used;
     while (end - p >= 2 && voxels >= p[1]) {
         voxels -= p[1];
@@ -193,10 +198,13 @@ static bvx_status binvox_check_pairs(const binvox_reading *r)
     binvox_mark mark = {NULL, 0};
 
     mark.p = r->data;
+
+    /* 255 is the longest run: too few pairs are refused before their bytes are walked. */
     if (!fits || voxels > pairs * 255 || !binvox_skip(&mark, end, voxels))
         return bvxi_fail(ctx, BVX_ERR_FORMAT,
                          "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
                          (uint64_t)(end - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
+    /* Beyond the last voxel not even an empty pair may follow. */
     if (mark.used != 0 || end != mark.p)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: more runs than the %u x %u x %u voxels take",
                          (uint64_t)(mark.p - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
@@ -212,6 +220,7 @@ static void binvox_find_marks(binvox_reading *r)
 
     mark.p = r->data;
     for (int32_t task = 0; task < r->tasks; task++) {
+        /* Tasks take columns of 64 voxels along x, so that each writes its own words. */
         uint64_t column, end;
         bvxi_piece((uint64_t)r->grid->words_per_row, r->tasks, task, &column, &end);
         binvox_skip(&mark, r->source->end, ((uint64_t)r->part.low[0] + column * 64 - x) * layer);
@@ -244,6 +253,7 @@ static void binvox_decode_layer(const binvox_reading *r, binvox_mark *mark, uint
     uint64_t used = mark->used;
 
     while (left > 0) {
+        /* A run may cross layers: what is left of it stays in used for the next one. */
         uint64_t run = p[1] - used;
         int const set = p[0] != 0;
         if (run > left) {
@@ -285,10 +295,12 @@ static void binvox_turn_back(const binvox_reading *r, const uint64_t *layers, in
                            (uint64_t)column;
             int32_t const rows = g->size[1] - k * 64 < 64 ? g->size[1] - k * 64 : 64;
             uint64_t any = 0;
+            /* Layers beyond the count are 0, and so are the bits past the row's end. */
             for (int32_t i = 0; i < 64; i++) {
                 block[i] = i < count ? from[(uint64_t)i * r->layer_words] : 0;
                 any |= block[i];
             }
+            /* Empty blocks are frequent: the grid is 0 already. */
             if (any == 0) continue;
             bvxi_transpose_64(block);
             for (int32_t i = 0; i < rows; i++) to[(uint64_t)i * (uint64_t)g->words_per_row] = block[i];
@@ -298,6 +310,7 @@ static void binvox_turn_back(const binvox_reading *r, const uint64_t *layers, in
 static void binvox_layers_task(void *user, int32_t task, int32_t worker)
 {
     const binvox_reading *const r = user;
+    /* Each worker has a buffer; with a buffer for each task, the task's number serves as well. */
     uint64_t *const layers = r->layers + (uint64_t)(r->tasks == r->buffers ? task : worker) * r->worker_words;
     binvox_mark mark = r->mark[task];
     uint64_t column, end;
@@ -319,6 +332,7 @@ static bvx_status binvox_fill(binvox_reading *r)
     uint64_t size;
     int fits = 1;
 
+    /* The buffers follow the threads, so memory does not grow with the file. */
     r->tasks = g->words_per_row < BINVOX_MAX_TASKS ? g->words_per_row : BINVOX_MAX_TASKS;
     r->buffers = bvxi_threads(ctx) < r->tasks ? bvxi_threads(ctx) : r->tasks;
     r->layer_words = (uint64_t)g->size[2] * (uint64_t)bvxi_row_words(g->size[1]);
@@ -342,6 +356,7 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     r.source = source;
     BVXI_TRY(binvox_take_header(&r));
     BVXI_TRY(binvox_make_box(&r, &box));
+    /* Lengths and counts are checked before there is a grid. */
     BVXI_TRY(binvox_check_pairs(&r));
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);

@@ -45,6 +45,7 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
 {
     const uint8_t *const magic = bvxi_bvx_magic();
 
+    /* First what kind of file it is, then its version, and only then its bytes. */
     if (bvxi_is_tree_file(head, size))
         return bvxi_fail(ctx, BVX_ERR_FORMAT,
                          "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it");
@@ -63,6 +64,8 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
     if (size < BVXI_BVX_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
                          (uint64_t)BVXI_BVX_HEAD);
+
+    /* From here on the head is as it was written; what is wrong now is the writer's. */
     if (bvxi_load_u64(head + BVXI_BVX_AT_CHECK, 0) != bvx_hash(head, BVXI_BVX_AT_CHECK, 0))
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
                          (uint64_t)BVXI_BVX_HEAD - 1);
@@ -74,6 +77,7 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
                          (uint64_t)BVXI_BVX_AT_HEAD_SIZE,
                          (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION,
                          (uint64_t)BVXI_BVX_HEAD);
+    /* Reserved bytes may get a meaning in a later version, which this one would misread. */
     for (uint32_t i = 0; i < 16; i++)
         if (head[BVXI_BVX_AT_RESERVED + i] != 0)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0",
@@ -90,6 +94,9 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     bvx_status status;
 
     BVXI_TRY(bvx_check_start(ctx, head, (uint64_t)(job->source->end - head)));
+
+    /* The head's fields of x and y stand side by side; those
+     * of z stand apart, as slices are not bound to them. */
     for (int32_t a = 0; a < 3; a++) {
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, 0);
         job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_BVX_AT_SPACING + 8 * a, 0);
@@ -101,6 +108,8 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
     /* the argument at fault is the file */
     if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT;
+
+    /* Compared by differences, as sums of damaged numbers might overflow. */
     for (int32_t a = 0; a < 3; a++)
         if (w->size[a] < 1 || w->low[a] < 0 || w->size[a] > job->lattice.dims[a] ||
             w->low[a] > job->lattice.dims[a] - w->size[a])
@@ -119,6 +128,8 @@ static void bvx_choose_slices(bvx_unpacking *job)
     int32_t const slices = job->window.size[2];
     job->first = 0;
     job->count = slices;
+
+    /* Slices outside the window are stepped over: only their heads are checked. */
     if (w == NULL || w->size[2] < 1 || w->low[2] < 0 || w->low[2] > slices - 1 ||
         w->size[2] > slices - w->low[2])
         return;
@@ -136,16 +147,20 @@ static bvx_status bvx_check_slice_head(const bvx_unpacking *job, const uint8_t *
 
     if (left < BVXI_BVX_SLICE_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends before slice z %d", at + left, z);
+    /* Slices stand in order and name their z: a lost one is found at the next. */
     if (bvxi_load_u32(p + 8, 0) != (uint32_t)z)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %u in place of z %d", at + 8,
                          (uint64_t)bvxi_load_u32(p + 8, 0), z);
     if (bvxi_load_u32(p + 12, 0) > BVXI_BVX_RUNS)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has encoding %u; there are 0 and 1",
                          at + 12, z, (uint64_t)bvxi_load_u32(p + 12, 0));
+
+    /* The length is all that finds the next slice, so it must stay inside the file. */
     uint64_t const n = bvxi_load_u64(p + 16, 0);
     if (n > left - BVXI_BVX_SLICE_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, the file has %u more",
                          at + 16, z, n, left - BVXI_BVX_SLICE_HEAD);
+    /* Words have one length; runs are checked for theirs when they are decoded. */
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW && n != job->raw)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d has %u bytes, its words are %u",
                          at + 16, z, n, job->raw);
@@ -158,6 +173,7 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
     const uint8_t *p = job->source->begin + BVXI_BVX_HEAD;
 
     for (int32_t k = 0; k < job->window.size[2]; k++) {
+        /* Every head is checked, also of slices that are not wanted: the one after must be found. */
         BVXI_TRY(bvx_check_slice_head(job, p, k));
         if (k >= job->first && k < job->first + job->count)
             job->place[k - job->first] = (uint64_t)(p - job->source->begin);
@@ -176,6 +192,7 @@ static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *en
 {
     uint64_t v;
 
+    /* Seven bits a byte, the lowest first; the top bit says that another byte follows. */
     if (p == end) return NULL;
     v = *p++;
     *length = v;
@@ -185,6 +202,7 @@ static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *en
         uint64_t const b = *p++;
         v |= (b & 127) << shift;
         *length = v;
+        /* A last byte of 0 would be a longer way to write the same length; one number has one form. */
         if (b < 128) return b != 0 ? p : NULL;
     }
     return NULL;
@@ -196,6 +214,7 @@ static int32_t bvx_check_runs(const uint8_t *p, const uint8_t *end, uint64_t vox
 
     for (int32_t nth = 0; p != end; nth |= 1) {
         p = bvx_take_length(p, end, &length);
+        /* The first run may be empty, when a slice begins with a set voxel; later ones may not. */
         if (p == NULL || (length == 0 && nth != 0)) return BVX_SLICE_RUN;
         if (length > voxels) return BVX_SLICE_TOTAL;
         voxels -= length;
@@ -208,10 +227,12 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
     uint64_t const n = bvxi_load_u64(p + 16, 0), row = (uint64_t)bvxi_row_words(job->window.size[0]) * 8;
     uint64_t const beyond = ~bvxi_tail_mask(job->window.size[0]);
 
+    /* Checksum first: a message about a run would mislead where the bytes were damaged. */
     if (bvxi_load_u64(p, 0) != bvxi_bvx_slice_check(p, n, job->frame)) return BVX_SLICE_CHECKSUM;
     if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RUNS)
         return bvx_check_runs(p + BVXI_BVX_SLICE_HEAD, p + BVXI_BVX_SLICE_HEAD + n,
                               (uint64_t)job->window.size[0] * (uint64_t)job->window.size[1]);
+    /* Rows that end with a word have no bits past them. */
     if (beyond == 0) return BVX_SLICE_GOOD;
     for (uint64_t last = row - 8; last < n; last += row)
         if ((bvxi_load_u64(p + BVXI_BVX_SLICE_HEAD + last, 0) & beyond) != 0) return BVX_SLICE_PADDING;
@@ -225,6 +246,7 @@ static void bvx_check_piece(void *user, int32_t piece, int32_t worker)
 
     (void)worker;
     bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
+    /* A piece stops at its first wrong slice; the first of all pieces is the one reported. */
     for (; k < end && job->wrong[piece].why == BVX_SLICE_GOOD; k++) {
         job->wrong[piece].why = bvx_check_slice(job, job->source->begin + job->place[k]);
         job->wrong[piece].slice = (int32_t)k;
@@ -238,6 +260,7 @@ static bvx_status bvx_check_slices(bvx_unpacking *job)
         "a length of a run is cut, longer than it needs to be, or 0 in the middle",
         "the runs do not add up to the slice", "bits are set past the end of a row"};
 
+    /* Pieces are looked at in the order of the file, so that the message does not depend on the workers. */
     BVXI_TRY(bvxi_parallel(job->source->ctx, "read", 0.0, 0.5, job->pieces, bvx_check_piece, job));
     for (int32_t i = 0; i < job->pieces; i++)
         if (job->wrong[i].why != BVX_SLICE_GOOD)
@@ -260,11 +283,14 @@ static uint64_t *bvx_part_row(const bvx_unpacking *job, int32_t slice, int64_t y
 static void bvx_place_run(const bvx_unpacking *job, int32_t slice, int64_t x, int64_t y, int64_t length)
 {
     const bvx_window *const part = &job->part;
+
+    /* A run may go over several rows: first and last are cut to the run, those between are whole. */
     int64_t const nx = job->window.size[0], last = y + (x + length > nx ? (x + length - 1) / nx : 0);
     int64_t const end_x = x + length - (last - y) * nx; /* in the last row */
     int64_t const high = (int64_t)part->low[1] + part->size[1] - 1;
 
     for (int64_t row = y > part->low[1] ? y : part->low[1]; row <= last && row <= high; row++) {
+        /* Both ends are cut to the wanted part of the row. */
         int64_t begin = (row == y ? x : 0) - part->low[0], end = (row == last ? end_x : nx) - part->low[0];
         if (begin < 0) begin = 0;
         if (end > part->size[0]) end = part->size[0];
@@ -278,11 +304,13 @@ static void bvx_fill_from_runs(const bvx_unpacking *job, int32_t slice, const ui
     int64_t const nx = job->window.size[0];
     int64_t x = 0, y = 0;
 
+    /* Runs alternate, the first being empty voxels. */
     for (int set = 0; p != end; set = !set) {
         uint64_t length = 0;
         p = bvx_take_length(p, end, &length);
         if (set) bvx_place_run(job, slice, x, y, (int64_t)length);
         x += (int64_t)length;
+        /* Short runs are the rule, and a subtraction is far cheaper than a division. */
         if (x >= 2 * nx) {
             y += x / nx;
             x %= nx;
@@ -300,12 +328,15 @@ static void bvx_fill_from_words(const bvx_unpacking *job, int32_t slice, const u
     int32_t const shift = part->low[0] & 63, words = job->grid->words_per_row;
 
     for (int32_t y = 0; y < part->size[1]; y++) {
+        /* Rows of the file and of the part begin at different
+         * bits: a word is joined from two of the file's. */
         const uint8_t *const from = p +
                                     ((uint64_t)(part->low[1] + y) * (uint64_t)row_words + (uint64_t)first) *
                                         8;
         uint64_t *const to = bvx_part_row(job, slice, y);
         for (int32_t i = 0; i < words; i++) {
             uint64_t w = bvxi_load_u64(from + 8 * (size_t)i, 0) >> shift;
+            /* The word after the last of a row is not read: it is another row's, or past the end. */
             if (shift != 0 && first + i + 1 < row_words)
                 w |= bvxi_load_u64(from + 8 * (size_t)i + 8, 0) << (64 - shift);
             to[i] = w;
@@ -323,6 +354,7 @@ static void bvx_fill_piece(void *user, int32_t piece, int32_t worker)
     bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     for (; k < end; k++) {
         const uint8_t *const p = job->source->begin + job->place[k], *const bytes = p + BVXI_BVX_SLICE_HEAD;
+        /* All was checked before, so filling has no error to report. */
         if (bvxi_load_u32(p + 12, 0) == BVXI_BVX_RAW) bvx_fill_from_words(job, (int32_t)k, bytes);
         else bvx_fill_from_runs(job, (int32_t)k, bytes, bytes + bvxi_load_u64(p + 16, 0));
     }
@@ -330,6 +362,7 @@ static void bvx_fill_piece(void *user, int32_t piece, int32_t worker)
 
 static bvx_status bvx_unpack(bvx_unpacking *job, bvx_grid *grid)
 {
+    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
     BVXI_TRY(bvx_find_slices(job));
     BVXI_TRY(bvx_check_slices(job));
     BVXI_TRY(bvxi_open_file_grid(job->source, "BVX", &job->lattice, &job->window, &job->part, grid));
@@ -345,10 +378,15 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     memset(&job, 0, sizeof job);
     job.source = source;
     BVXI_TRY(bvx_take_head(&job));
+
+    /* A slice takes at least its head and a byte, so the count
+     * cannot make the reader allocate more than the file. */
     if ((size - BVXI_BVX_HEAD) / least < (uint64_t)job.window.size[2])
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "BVX: %u bytes cannot hold %d slices", size,
                          (int64_t)job.window.size[2]);
     bvx_choose_slices(&job);
+
+    /* Pieces are slices, in as many groups as their bytes are worth. */
     job.pieces = bvxi_piece_count(job.raw < 65536 ? job.raw * (uint64_t)job.count : UINT64_MAX, 65536);
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,

@@ -48,6 +48,7 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     source.volume = NULL;
     made = *grid; /* brings the caller's words along */
     status = read_grid_as(&source, format, &made);
+    /* The words may have been freed and made anew: the caller's grid must name those that exist. */
     if (status != BVX_OK) {
         if (grid->owned == 1) *grid = made; /* its words, or others in their stead */
         else if (made.words != grid->words) bvx_grid_free(context, &made);

@@ -21,6 +21,7 @@ typedef struct npy_text {
 
 static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
 {
+    /* One character is shown, as text after it may be anything. */
     char found[2] = {0, 0};
     if (t->p == t->end)
         return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head ends where %s was expected", what);
@@ -55,6 +56,8 @@ static bvx_status npy_take_string(npy_text *t, const char *what, const char **te
     if (npy_take(t, '\'')) quote = '\'';
     else if (npy_take(t, '"')) quote = '"';
     else return npy_expected(t, what);
+
+    /* A backslash would need Python's rules of escapes; names and types have none. */
     *text = t->p;
     while (t->p < t->end && *t->p != quote && *t->p != '\\' && *t->p != '\n') t->p++;
     *length = (size_t)(t->p - *text);
@@ -76,6 +79,7 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     char shown[16];
     size_t n;
     t->p = bvxi_skip_space(t->p, t->end);
+    /* Records begin with a bracket: said by name, since they are frequent. */
     if (t->p < t->end && *t->p == '[')
         return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED,
                          "NPY: the array's elements are records; save one field of them");
@@ -87,6 +91,8 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
                 h->big = *text == '>';
                 return BVX_OK;
             }
+
+    /* Types are short, but this one is unknown: the message holds what fits. */
     if (n > sizeof shown - 1) n = sizeof shown - 1;
     memcpy(shown, text, n);
     shown[n] = 0;
@@ -116,6 +122,7 @@ static bvx_status npy_take_shape(npy_text *t, npy_head *h)
     if (!npy_take(t, '(')) return npy_expected(t, "'(' and the array's shape");
     while (!npy_take(t, ')')) {
         BVXI_TRY(npy_take_number(t, &n));
+        /* Axes beyond the third are counted, not kept: the message says how many there are. */
         if (axes < 3) h->shape[axes] = n;
         axes++;
         if (npy_take(t, ',')) continue;
@@ -136,6 +143,7 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
     int key = 0;
 
     BVXI_TRY(npy_take_string(t, "'descr', 'fortran_order' or 'shape'", &text, &n));
+    /* Exactly three keys, as the format requires of writers. */
     while (key < 3 && (n != bvxi_text_length(keys[key]) || memcmp(text, keys[key], n) != 0)) key++;
     if (key == 3 || (*seen >> key & 1) != 0) {
         t->p = at;
@@ -145,6 +153,8 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
     if (!npy_take(t, ':')) return npy_expected(t, "':'");
     if (key == 0) return npy_take_type(t, h);
     if (key == 2) return npy_take_shape(t, h);
+
+    /* The remaining key is the order of the axes. */
     h->fortran = npy_take_word(t, "True");
     return h->fortran || npy_take_word(t, "False") ? BVX_OK : npy_expected(t, "True or False");
 }
@@ -154,6 +164,7 @@ static bvx_status npy_take_dict(npy_text *t, npy_head *h)
     int seen = 0;
 
     if (!npy_take(t, '{')) return npy_expected(t, "'{'");
+    /* A comma may follow the last entry, and Python writes it so. */
     while (!npy_take(t, '}')) {
         BVXI_TRY(npy_take_entry(t, h, &seen));
         if (npy_take(t, ',')) continue;
@@ -179,6 +190,8 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     if (b[6] < 1 || b[6] > 3 || b[7] != 0)
         return bvxi_fail(source->ctx, BVX_ERR_UNSUPPORTED, "NPY: version %u.%u; 1.0, 2.0 and 3.0 are read",
                          (uint64_t)b[6], (uint64_t)b[7]);
+
+    /* The head's length has two bytes in version 1 and four after it. */
     uint64_t const prefix = b[6] == 1 ? 10 : 12;
     uint64_t const length = b[6] == 1   ? bvxi_load_u16(b + 8, 0)
                             : size < 12 ? UINT32_MAX
@@ -190,6 +203,7 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     t.file = (const char *)b;
     t.p = t.file + prefix;
     t.end = t.p + length;
+    /* Samples begin right after the head, which writers pad. */
     h->data = b + prefix + length;
     return npy_take_dict(&t, h);
 }
@@ -214,6 +228,8 @@ bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
 
     BVXI_TRY(npy_read_head(source, &h));
     BVXI_TRY(bvxi_file_box(source->ctx, "NPY", zero, one, h.shape, &dense->box));
+
+    /* The size is checked by now, so none of these products can overflow. */
     BVXI_TRY(npy_check_size(source, &h));
     int64_t const size = (int64_t)bvxi_sample_size(h.kind);
     int64_t const nx = (int64_t)h.shape[0];
@@ -224,6 +240,7 @@ bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
     dense->samples.first = h.data;
     dense->samples.kind = h.kind;
     dense->samples.big = h.big;
+    /* Fortran order has x fastest; C order has z fastest. */
     dense->samples.stride[0] = h.fortran ? size : size * ny * nz;
     dense->samples.stride[1] = h.fortran ? size * nx : size * nz;
     dense->samples.stride[2] = h.fortran ? size * nx * ny : size;

@@ -28,12 +28,16 @@ static double nrrd_corner(const nrrd_head *h, double spacing, int axis)
 static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
 {
     for (int a = 0; a < 3; a++) {
+        /* n cells span n steps, n nodes only n - 1. */
         double const steps = (double)h->sizes[a] - (double)h->node[a];
         int const low = nrrd_knows(h, NRRD_HAS_MIN, h->min[a]), high = nrrd_knows(h, NRRD_HAS_MAX, h->max[a]);
+        /* What says most comes first: directions, then spacings, then the ends of the axes. */
         spacing[a] = (h->has & NRRD_HAS_DIRECTION) != 0               ? h->direction[a]
                      : nrrd_knows(h, NRRD_HAS_SPACING, h->spacing[a]) ? h->spacing[a]
                      : low && high && steps > 0                       ? (h->max[a] - h->min[a]) / steps
                                                                       : 1.0;
+
+        /* An origin is the centre of the first sample; a minimum is a face or a centre, by the axis. */
         if ((h->has & NRRD_HAS_ORIGIN) != 0) origin[a] = nrrd_corner(h, spacing[a], a);
         else origin[a] = !low ? 0.0 : h->node[a] ? h->min[a] - 0.5 * spacing[a] : h->min[a];
     }
@@ -49,18 +53,22 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
     const bvxi_source *const s = &h->source;
     const char *end;
 
+    /* Lines are skipped before bytes, as the format defines. */
     for (int64_t i = 0; i < h->line_skip; i++) {
         p = bvxi_nrrd_line(p, file_end, &end);
         if (p == NULL)
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: fewer than %d lines to skip after the head",
                              h->line_skip);
     }
+    /* Skipping inside packed samples would require unpacking them here. */
     if (h->encoding == NRRD_GZIP && h->byte_skip != 0)
         return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED, "NRRD: bytes to be skipped in packed samples");
     if (h->byte_skip > file_end - p)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "NRRD: %d bytes to skip, but %d follow the head",
                          h->byte_skip, (int64_t)(file_end - p));
     if (h->byte_skip > 0) p += h->byte_skip;
+
+    /* How many bytes there must be: exactly for raw samples, at least for text and packed ones. */
     uint64_t const have = (uint64_t)(file_end - p);
     if (h->encoding == NRRD_GZIP  ? have < size / 1100 /* what deflate can do at most is 1032 to 1 */
         : h->encoding == NRRD_RAW ? have < size || (have > size && h->byte_skip != -1)
@@ -69,6 +77,7 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
                          "NRRD: %u x %u x %u samples are %s%u bytes, but the file has %u for them",
                          h->sizes[0], h->sizes[1], h->sizes[2], h->encoding == NRRD_RAW ? "" : "at least ",
                          h->encoding == NRRD_GZIP ? size / 1100 : size, have);
+    /* -1 means that the samples are the last bytes of the file. */
     *samples = h->byte_skip == -1 ? file_end - size : p;
     return BVX_OK;
 }
@@ -78,6 +87,7 @@ static bvx_status nrrd_check_source(const bvxi_grid_source *source, const nrrd_h
 {
     const bvx_read_volume_options *const o = source->volume;
 
+    /* A reader of grids has neither; a reader of volumes may have been given both. */
     if (h->files != NULL && (o == NULL || o->data == NULL))
         return bvxi_nrrd_unsupported(
             h, BVX_REASON_UNSUPPORTED, h->files,
@@ -111,16 +121,22 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
     nrrd_head_source(source, &h);
     BVXI_TRY(bvxi_nrrd_head_read(&h));
     BVXI_TRY(nrrd_check_source(source, &h));
+
+    /* The place needs the head only; it is checked as that of every file is. */
     nrrd_place(&h, origin, spacing);
     BVXI_TRY(bvxi_file_box(source->ctx, "NRRD", origin, spacing, h.sizes, &dense->box));
     uint64_t const sample = bvxi_sample_size(h.kind);
     uint64_t const voxels = bvxi_mul(bvxi_mul(h.sizes[0], h.sizes[1], &fits), h.sizes[2], &fits);
     /* a digit and a space */
     uint64_t const size = bvxi_mul(voxels, sample, &fits), digits = bvxi_mul(voxels, 2, &fits);
+
+    /* The product is a file's claim: checked before it is compared with any size. */
     if (!fits || size > INT64_MAX)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
                          "NRRD: %u x %u x %u samples are more than any file holds", h.sizes[0], h.sizes[1],
                          h.sizes[2]);
+
+    /* From here on, sizes fit in 64 bits, and the bytes decide whether they are true. */
     const char *const begin = h.files != NULL ? source->volume->data : h.data;
     dense->format = "NRRD";
     dense->placed = 1;
@@ -152,10 +168,12 @@ static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
     char digit[20];
     size_t n = 0, used = 0;
 
+    /* The digits come from the lowest up; the text is made in the other order. */
     do digit[n++] = (char)('0' + v % 10);
     while ((v /= 10) != 0);
     size_t const sign = f->number < 0, wide = n + sign;
     size_t const fill = f->digits > 0 && (size_t)f->digits > wide ? (size_t)f->digits - wide : 0;
+    /* Blanks go before the sign, zeros after it, as printf does. */
     for (size_t i = 0; i < fill && !f->zeros; i++) text[used++] = ' ';
     if (sign) text[used++] = '-';
     for (size_t i = 0; i < fill && f->zeros; i++) text[used++] = '0';
@@ -184,12 +202,15 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     source.end = source.begin + (size_t)size;
     nrrd_head_source(&source, &h);
     BVXI_TRY(bvxi_nrrd_head_read(&h));
+    /* A head with its samples inside names no file. */
     if (h.files != NULL) BVXI_TRY(bvxi_nrrd_data_file(&h, index, &f, &files));
     *count = files;
     if (name == NULL) return BVX_OK;
     if (index >= files)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
                              "%s: index is %u, the head names %u data files", function, index, files);
+
+    /* The pattern's text before and after the number, or the whole name. */
     size_t const digits = f.pattern ? nrrd_print_number(&f, number) : 0;
     size_t const first = f.pattern ? f.place : f.length;
     size_t const rest = f.pattern ? f.length - f.rest : 0;

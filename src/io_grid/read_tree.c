@@ -40,6 +40,7 @@ static int32_t load_tree_number(const uint8_t *p)
 
 static bvx_status check_tree_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
 {
+    /* A grid's file has nearly the same magic: its reader is named. */
     static const uint8_t grid[4] = {0x89, 'B', 'V', 'X'};
     const uint8_t *const magic = bvxi_tree_magic();
 
@@ -62,6 +63,8 @@ static bvx_status check_tree_start(bvx_context *ctx, const uint8_t *head, uint64
     if (size < BVXI_TREE_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
                          (uint64_t)BVXI_TREE_HEAD);
+
+    /* From here on the head is as it was written; what is wrong now is the writer's. */
     if (bvxi_load_u64(head + BVXI_TREE_AT_CHECK, 0) != bvx_hash(head, BVXI_TREE_AT_CHECK, 0))
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
                          (uint64_t)BVXI_TREE_HEAD - 1);
@@ -88,6 +91,8 @@ static bvx_status take_tree_head(tree_reading *job)
     bvx_status status;
 
     BVXI_TRY(check_tree_start(ctx, head, (uint64_t)(job->end - head)));
+
+    /* The number of levels bounds the base: its finest lattice must stay within the longest side. */
     job->levels = load_tree_number(head + BVXI_TREE_AT_LEVELS);
     if (job->levels < 0 || job->levels > BVXI_OCTREE_LEVELS)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u is the last; 0 to %u are possible",
@@ -107,6 +112,7 @@ static bvx_status take_tree_head(tree_reading *job)
         job->lattice.origin[a] = bvxi_load_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, 0);
         job->lattice.spacing[a] = bvxi_load_f64(head + BVXI_TREE_AT_SPACING + 8 * a, 0);
         job->lattice.dims[a] = n << job->levels;
+        /* Stops growing above the limit, so that the product cannot overflow on the way. */
         voxels = voxels < (uint64_t)1 << 31 ? voxels * (uint64_t)n : voxels; /* at most 2^56 */
     }
     if (voxels >= (uint64_t)1 << 31)
@@ -130,6 +136,7 @@ static bvx_status take_level_head(tree_reading *job, int32_t number, const uint8
     tree_level *const level = &job->level[number];
     uint64_t const at = (uint64_t)(p - job->begin), left = (uint64_t)(job->end - p);
 
+    /* Each head is checked before its length is used to find the next one. */
     if (left < BVXI_TREE_LEVEL_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in the head of level %d",
                          at + left, (int64_t)number);
@@ -137,11 +144,13 @@ static bvx_status take_level_head(tree_reading *job, int32_t number, const uint8
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %u stands where %d belongs", at + 8,
                          (uint64_t)bvxi_load_u32(p + 8, 0), (int64_t)number);
     level->kind = bvxi_load_u32(p + 12, 0);
+    /* Only the last level has no split, and it must say so. */
     if (level->kind > BVXI_SPLIT_SOME || (level->kind == BVXI_SPLIT_NONE) != (number == job->levels))
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: level %d of %d cannot be split in way %u",
                          at + 12, (int64_t)number, (int64_t)job->levels, (uint64_t)level->kind);
     level->begin = p;
     level->words = bvxi_load_u64(p + 16, 0);
+    /* Divided rather than multiplied: the count is a claim, and a product might overflow. */
     if (level->words > (left - BVXI_TREE_LEVEL_HEAD) / 8 / bvxi_tree_arrays(level->kind))
         return bvxi_fail(ctx, BVX_ERR_FORMAT,
                          "BVX: byte %u: level %d has %u words an array, the file ends before", at + 16,
@@ -159,6 +168,8 @@ static bvx_status take_level_heads(tree_reading *job)
         BVXI_TRY(take_level_head(job, l, p));
         p += job->level[l].size;
     }
+
+    /* The levels must end where the file does, and level 0 must have the words of its base. */
     if (p != job->end)
         return bvxi_fail(job->ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file continues after its last level",
                          (uint64_t)(p - job->begin));
@@ -179,6 +190,7 @@ static inline uint64_t tree_row_mask(const tree_reading *job, uint64_t word)
 
 static int32_t look_into_level(const tree_reading *job, int32_t number, tree_level *level)
 {
+    /* The arrays follow each other: touched, outside, and split where it is not the same as touched. */
     const uint8_t *const touched = level->begin + BVXI_TREE_LEVEL_HEAD;
     const uint8_t *const outside = touched + 8 * level->words;
     const uint8_t *const split = level->kind == BVXI_SPLIT_SOME ? outside + 8 * level->words : touched;
@@ -190,11 +202,14 @@ static int32_t look_into_level(const tree_reading *job, int32_t number, tree_lev
         uint64_t const t = bvxi_load_u64(touched + 8 * i, 0);
         uint64_t const o = bvxi_load_u64(outside + 8 * i, 0);
         uint64_t const s = bvxi_load_u64(split + 8 * i, 0);
+        /* Three rules that later calls rely on: outside is not
+         * touched, only touched ones are split, no bits past a row. */
         if ((t & o) != 0) return TREE_LEVEL_BOTH;
         if ((s & ~t) != 0) return TREE_LEVEL_SPLIT;
         if (number == 0 && ((t | o) & ~tree_row_mask(job, i)) != 0) return TREE_LEVEL_PADDING;
         level->split += bvxi_popcount(s);
     }
+    /* The last level counted its touched voxels, since split names the same bytes there. */
     if (level->kind == BVXI_SPLIT_NONE) level->split = 0;
     return TREE_LEVEL_GOOD;
 }
@@ -220,12 +235,14 @@ static bvx_status fail_level(const tree_reading *job, int32_t number)
 /* Each level has the octets that the one above is split into. */
 static bvx_status join_levels(tree_reading *job)
 {
+    /* From the base down, since the number of octets comes from the level above. */
     for (int32_t l = 0; l <= job->levels; l++) {
         tree_level *const level = &job->level[l];
         uint64_t const at = (uint64_t)(level->begin - job->begin);
         if (level->wrong != TREE_LEVEL_GOOD) return fail_level(job, l);
         if (l == 0) continue;
         level->octets = job->level[l - 1].split;
+        /* Eight voxels an octet: their number must stay below 2^31. */
         if (level->octets >= (uint64_t)1 << 28)
             return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
                              "BVX: byte %u: level %d splits %u voxels; fewer than 2^28 are possible", at,
@@ -234,6 +251,7 @@ static bvx_status join_levels(tree_reading *job)
             return bvxi_fail(job->ctx, BVX_ERR_FORMAT,
                              "BVX: byte %u: level %d has %u words an array; %u split voxels take %u", at + 16,
                              (int64_t)l, level->words, level->octets, bvxi_octet_words(level->octets));
+        /* Bits past the last octet would be voxels that no parent has. */
         for (uint64_t n = level->octets; n < 8 * level->words; n++) /* the bytes past the last octet */
             for (uint64_t array = 0; array < 2; array++)
                 if (level->begin[BVXI_TREE_LEVEL_HEAD + 8 * level->words * array + n] != 0)
@@ -258,6 +276,8 @@ static void load_tree_level(void *user, int32_t number, int32_t worker)
     bvxi_octets *const o = number == 0 ? &job->tree->root : &job->tree->octets[number - 1];
 
     (void)worker;
+
+    /* Words are turned to this machine's order one by one: the file is little-endian, at any address. */
     load_tree_words(p, level->words, o->touched);
     load_tree_words(p + 8 * level->words, level->words, o->outside);
     if (level->kind == BVXI_SPLIT_SOME) load_tree_words(p + 16 * level->words, level->words, o->split);
@@ -268,6 +288,7 @@ static bvx_status make_read_tree(tree_reading *job)
 {
     bvx_status status = BVX_OK;
 
+    /* Only now, with everything checked, is there a tree. */
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_RESULT, sizeof *job->tree, "the octree", &job->tree));
     job->tree->lattice = job->lattice;
     memcpy(job->tree->base, job->base, sizeof job->tree->base);
@@ -294,6 +315,8 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: size is %u, more than memory can hold", read_tree_name, size);
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
+
+    /* Heads, then levels on their own in parallel, then what they say of each other, then the tree. */
     memset(&job, 0, sizeof job);
     job.ctx = context;
     job.begin = bytes;
@@ -303,6 +326,7 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
     BVXI_TRY(bvxi_parallel(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
     BVXI_TRY(join_levels(&job));
     BVXI_TRY(make_read_tree(&job));
+    /* The old tree is freed only when the new one is complete. */
     bvx_octree_free(context, *tree);
     *tree = job.tree;
     return BVX_OK;

@@ -32,6 +32,7 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     uint64_t dims[3];
     int fits = 1;
 
+    /* The type and the size come from the caller, as such a file has no head. */
     if (bvxi_type_size(o->sample_type) == 0)
         return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "RAW: sample type %d is unknown", (int64_t)o->sample_type);
@@ -46,6 +47,7 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     BVXI_TRY(bvxi_file_box(source->ctx, "RAW", o->origin, o->spacing, dims, &d->box));
     d->size = bvxi_mul(bvxi_mul(bvxi_mul(dims[0], dims[1], &fits), dims[2], &fits),
                        bvxi_type_size(o->sample_type), &fits);
+    /* The difference is taken only after the offset is known to be inside. */
     if (!fits || o->offset > have || d->size > have - o->offset)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
                          "RAW: %u x %u x %u samples of %u bytes after %u others, but the file has %u",
@@ -74,9 +76,12 @@ static uint32_t widen_half(uint16_t h)
 {
     uint32_t const sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, rest = h & 1023;
 
+    /* Infinity and NaN keep their bits; a normal number has its exponent moved from bias 15 to 127. */
     if (exponent == 31) return sign | UINT32_C(0x7f800000) | rest << 13;
     if (exponent != 0) return sign | (exponent + 112) << 23 | rest << 13;
     if (rest == 0) return sign;
+
+    /* A subnormal half is a normal float: its leading bit moves up, and each step costs the exponent one. */
     uint32_t shift = 0, r = rest;
     while ((r & 1024) == 0) {
         r <<= 1;
@@ -97,6 +102,7 @@ static void turn_one(const uint8_t *p, int32_t kind, int big, uint8_t *out)
 {
     switch (bvxi_sample_size(kind)) {
     case 1: *out = *p; break;
+    /* By size, as turning bytes does not depend on what they mean; halves are the exception. */
     case 2: {
         uint16_t const v = bvxi_load_u16(p, big);
         uint32_t const wide = kind == BVXI_SAMPLE_F16 ? widen_half(v) : 0;
@@ -125,6 +131,7 @@ static void turn_piece(void *user, int32_t piece, int32_t worker)
     uint64_t row, end;
 
     (void)worker;
+    /* Rows are the unit, so that pieces write apart from each other. */
     bvxi_piece(ny * (uint64_t)j->dims[2], j->pieces, piece, &row, &end);
     for (; row < end; row++) {
         const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] +
@@ -143,6 +150,7 @@ static bvx_status turn_samples(bvx_context *ctx, const bvxi_samples *from, const
     job.to = to;
     job.dims = dims;
     job.to_size = to_size;
+    /* Many small rows share a piece; a row longer than the grain is a piece alone. */
     job.pieces = bvxi_piece_count((uint64_t)dims[1] * (uint64_t)dims[2],
                                   1 + VOLUME_GRAIN / (uint64_t)dims[0]);
     return bvxi_parallel(ctx, "read", 0, 1, job.pieces, turn_piece, &job);
@@ -165,12 +173,16 @@ static int put_text_sample(double v, int32_t type, uint8_t *out)
                   {0, 9007199254740992.0},
                   {-9007199254740992.0, 9007199254740992.0}};
     float const f = (float)v;
+
+    /* Floats take any number; the others must hold it exactly. */
     if (type == BVX_SAMPLE_F32) memcpy(out, &f, 4);
     if (type == BVX_SAMPLE_F64) memcpy(out, &v, 8);
     if (type >= BVX_SAMPLE_F32) return 1;
+    /* Compared as doubles before the cast, which is undefined outside the type. */
     if (!(v >= holds[type].least && v <= holds[type].most)) return 0;
     int64_t const i = (int64_t)v;
     if ((double)i != v) return 0;
+    /* Kept modulo the size: a negative number is stored in two's complement. */
     switch (bvxi_type_size(type)) {
     case 1: *out = (uint8_t)(i & 255); break;
     case 2: {
@@ -195,6 +207,7 @@ static bvx_status read_text_samples(const bvxi_grid_source *source, const bvxi_d
     const char *p = d->begin;
 
     for (uint64_t n = 0; n < all; n++) {
+        /* Where the number begins is kept for the message. */
         const char *const before = bvxi_skip_space(p, d->end);
         double v;
         if (n % VOLUME_ASK_SAMPLES == 0)
@@ -203,6 +216,8 @@ static bvx_status read_text_samples(const bvxi_grid_source *source, const bvxi_d
         if (!put_text_sample(v, d->samples.kind, out + n * size))
             return bvxi_fail_expected(&d->source, before, "a number that the type of the samples holds");
     }
+
+    /* A sample more than the size says would be left out without a word. */
     p = bvxi_skip_space(p, d->end);
     return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
 }
@@ -222,6 +237,7 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     bvx_status status = BVX_OK;
     uint32_t const to_size = d->samples.kind == BVXI_SAMPLE_F16 ? 4 : bvxi_sample_size(d->samples.kind);
 
+    /* Text and raw samples go to the result at once; packed ones need a block between only to be turned. */
     if (d->encoding == BVXI_DENSE_TEXT) return read_text_samples(source, d, to);
     if (d->encoding == BVXI_DENSE_RAW) return turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
     if (stands_ready(&samples)) return bvxi_unpack_dense(source, d, to);
@@ -257,11 +273,15 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     v->view.lattice = d->box;
     v->placed = d->placed;
     memcpy(v->view.size, d->box.dims, sizeof v->view.size);
+
+    /* No copy: the samples stay in the caller's bytes, which must outlive the volume. */
     if (d->encoding == BVXI_DENSE_RAW && stands_ready(&d->samples)) {
         v->view.samples = d->samples.first;
         memcpy(v->view.strides, d->samples.stride, sizeof v->view.strides);
         return BVX_OK;
     }
+
+    /* A half becomes a float of twice the size, as C99 has no type for halves. */
     v->bytes = half ? bvxi_mul(d->size, 2, &fits) : d->size;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_RESULT, v->bytes, "the volume", &made));
     status = unpack_volume(source, d, made);
@@ -299,6 +319,7 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
                              "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
+    /* The second block of bytes comes with the options. */
     if (o.data_size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: data_size is %u, more than memory can hold", name, o.data_size);
@@ -309,8 +330,10 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     source.volume = &o;
     memset(&dense, 0, sizeof dense);
     memset(&made, 0, sizeof made);
+    /* Found before it is made: what is wrong with the head costs no memory. */
     BVXI_TRY(find_volume(&source, format, &dense));
     BVXI_TRY(make_volume(&source, &dense, &made));
+    /* Replaced only after success. */
     if (volume->owned == 1) bvx_volume_free(context, volume);
     *volume = made;
     return BVX_OK;

@@ -28,6 +28,7 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
     bvx_context *const ctx = source->ctx;
     const uint8_t *const content = chunk + VOX_HEAD;
 
+    /* Of several models the first is kept and all are counted: more than one is refused with their number. */
     if (memcmp(chunk, "PACK", 4) == 0) {
         if (n != 4)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: PACK has %u bytes, not 4",
@@ -43,6 +44,7 @@ static bvx_status vox_take_chunk(const bvxi_grid_source *source, const uint8_t *
         if (model->sizes++ == 0) model->size = content;
     } else if (memcmp(chunk, "XYZI", 4) == 0) {
         uint64_t const count = n < 4 ? 0 : bvxi_load_u32(content, 0);
+        /* The chunk's length and the count inside it must say the same. */
         if (n < 4 || n - 4 != 4 * count)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: XYZI has %u bytes; its %u voxels take %u",
                              vox_at(source, chunk), (uint64_t)n, count, 4 + 4 * count);
@@ -64,10 +66,12 @@ static bvx_status vox_walk(const bvxi_grid_source *source, const uint8_t *p, vox
 
     while (p != source->end) {
         uint64_t const left = (uint64_t)(source->end - p);
+        /* The head first: its lengths say where the next chunk begins. */
         if (left < VOX_HEAD)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends in a chunk's head",
                              vox_at(source, p) + left);
         uint32_t const content = bvxi_load_u32(p + 4, 0), children = bvxi_load_u32(p + 8, 0);
+        /* Added in 64 bits, as two lengths of 32 bits can be more than 32 hold. */
         if ((uint64_t)content + children > left - VOX_HEAD)
             return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: a chunk of %u bytes, %u are left",
                              vox_at(source, p), (uint64_t)content + children, left - VOX_HEAD);
@@ -94,6 +98,8 @@ static bvx_status vox_check_start(const bvxi_grid_source *source)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte %u: the file ends before its MAIN chunk", size);
     if (memcmp(p + VOX_BEGIN, "MAIN", 4) != 0)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 8: the first chunk is not MAIN");
+
+    /* MAIN must hold the rest of the file exactly. */
     uint64_t const content = bvxi_load_u32(p + VOX_BEGIN + 4, 0);
     uint64_t const children = bvxi_load_u32(p + VOX_BEGIN + 8, 0);
     if (content + children != size - VOX_BEGIN - VOX_HEAD)
@@ -116,6 +122,8 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
                          vox_at(source, source->end));
     if (model->said > 1)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: PACK says %u models, the file has 1", model->said);
+
+    /* Coordinates are single bytes, so no side is longer than 256. */
     for (int32_t a = 0; a < 3; a++) {
         dims[a] = bvxi_load_u32(model->size + 4 * a, 0);
         if (dims[a] < 1 || dims[a] > VOX_LONGEST_SIDE)
@@ -124,6 +132,7 @@ static bvx_status vox_check_model(const bvxi_grid_source *source, const vox_mode
                              vox_at(source, model->size) + 4 * (uint64_t)a, dims[a], axis_name[a],
                              (uint64_t)VOX_LONGEST_SIDE);
     }
+    /* Every voxel is checked before there is a grid, so setting them needs no check. */
     for (uint64_t i = 0; i < model->count; i++)
         for (int32_t a = 0; a < 3; a++) {
             const uint8_t *const at = model->voxels + 4 * i + (uint64_t)a;
@@ -142,12 +151,14 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
     bvx_lattice box;
     bvx_window whole, part;
 
+    /* The children of MAIN begin after its own content, which is empty in all known files. */
     BVXI_TRY(vox_check_start(source));
     BVXI_TRY(vox_walk(source,
                       source->begin + VOX_BEGIN + VOX_HEAD + bvxi_load_u32(source->begin + VOX_BEGIN + 4, 0),
                       &model));
     BVXI_TRY(vox_check_model(source, &model, dims));
     BVXI_TRY(bvxi_progress(source->ctx, "read", 0.0));
+    /* A model has no place of its own: it begins at the origin with voxels of side 1. */
     BVXI_TRY(bvxi_file_box(source->ctx, "VOX", origin, spacing, dims, &box));
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);

@@ -42,6 +42,7 @@ static bvx_status vti_take_doubles(const vti_file *f, bvxi_xml_text value, int n
     for (int i = 0; i < n; i++) {
         value.p = bvxi_skip_space(value.p, value.end);
         size_t const used = bvxi_parse_double(value.p, value.end, &numbers[i]);
+        /* The number must end where a word does: 1.5mm is no number of the file. */
         if (used == 0 || (value.p + used < value.end && !bvxi_is_space(value.p[used])))
             return bvxi_fail_expected(&f->xml.source, value.p, "a number");
         value.p += used;
@@ -60,6 +61,7 @@ static bvx_status vti_take_extent(const vti_file *f, const char *name, int64_t e
                          bvxi_source_line(&f->xml.source, f->xml.tag), name);
     BVXI_TRY(vti_take_doubles(f, value, 6, v));
     for (int i = 0; i < 6; i++) {
+        /* Read as doubles, as 3.0 is written too; compared before the cast, which is undefined outside. */
         if (!(v[i] >= -2147483648.0 && v[i] <= 2147483647.0) || v[i] != (double)(int64_t)v[i])
             return bvxi_fail_expected(&f->xml.source, value.p, "whole numbers from -2^31 to 2^31 - 1");
         extent[i] = (int64_t)v[i];
@@ -89,6 +91,9 @@ static bvx_status vti_take_file(vti_file *f)
     if (!bvxi_xml_attribute(&f->xml, "version", &v) || !(bvxi_xml_is(v, "0.1") || bvxi_xml_is(v, "1.0") ||
                                                          (v.end - v.p > 2 && v.p[0] == '2' && v.p[1] == '.')))
         return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag, "a version other than 0.1, 1.0 and 2.x");
+
+    /* Files without these attributes are of the versions
+     * that had no choice: counts of 32 bits, little-endian. */
     f->header_size = 4;
     if (bvxi_xml_attribute(&f->xml, "header_type", &v)) {
         f->header_size = bvxi_xml_is(v, "UInt32") ? 4 : bvxi_xml_is(v, "UInt64") ? 8 : 0;
@@ -99,6 +104,7 @@ static bvx_status vti_take_file(vti_file *f)
         if (!f->big && !bvxi_xml_is(v, "LittleEndian"))
             return bvxi_fail_expected(&f->xml.source, v.p, "LittleEndian or BigEndian");
     }
+    /* Whether that matters depends on the array: a text is never compressed. */
     f->compressed = (int8_t)(bvxi_xml_attribute(&f->xml, "compressor", &v) && v.p != v.end);
     return BVX_OK;
 }
@@ -111,10 +117,14 @@ static bvx_status vti_take_image(vti_file *f)
 
     if (f->has_image) return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second image");
     f->has_image = 1;
+
+    /* Checked for its form only: the samples lie in the piece's extent. */
     BVXI_TRY(vti_take_extent(f, "WholeExtent", unused));
     for (int a = 0; a < 3; a++) f->spacing[a] = 1.0;
     if (bvxi_xml_attribute(&f->xml, "Origin", &v)) BVXI_TRY(vti_take_doubles(f, v, 3, f->origin));
     if (bvxi_xml_attribute(&f->xml, "Spacing", &v)) BVXI_TRY(vti_take_doubles(f, v, 3, f->spacing));
+
+    /* Only the unit matrix is taken: a grid has no turned axes. */
     if (!bvxi_xml_attribute(&f->xml, "Direction", &v)) return BVX_OK;
     BVXI_TRY(vti_take_doubles(f, v, 9, turn));
     for (int i = 0; i < 9; i++)
@@ -161,6 +171,8 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
     a.rank = is_active  ? (is_point ? VTI_POINTS_ACTIVE : VTI_CELLS_ACTIVE)
              : is_point ? VTI_POINTS_FIRST
                         : VTI_CELLS_FIRST;
+
+    /* A better array may follow: an active one before the first, cells before points. */
     if (a.rank >= f->array.rank) return BVX_OK;
     a.tag = f->xml.tag;
     a.text = f->xml.p;
@@ -171,6 +183,8 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
         return vti_fail(f, BVX_ERR_UNSUPPORTED, a.tag,
                         "the active scalars are not one number of 8 to 64 bits each");
     }
+
+    /* Only an array that will be read has its format checked; others may have any. */
     if (!bvxi_xml_attribute(&f->xml, "format", &format))
         return vti_fail(f, BVX_ERR_FORMAT, a.tag, "the array has no format");
     a.format = bvxi_xml_is(format, "ascii")      ? VTI_ASCII
@@ -191,6 +205,7 @@ static bvx_status vti_take_appended(vti_file *f)
 {
     bvxi_xml_text v;
 
+    /* Raw bytes follow the underscore, so nothing after it can be parsed as XML. */
     f->appended_base64 = (int8_t)(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "base64"));
     if (!f->appended_base64 && !(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "raw")))
         return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "AppendedData has no encoding 'raw' or 'base64'");
@@ -226,6 +241,7 @@ static bvx_status vti_read_head(vti_file *f)
     int32_t roots = 0;
 
     f->array.rank = VTI_NO_ARRAY;
+    /* Appended data ends the walk over tags: its bytes may hold any character. */
     while (f->appended == NULL) {
         BVXI_TRY(bvxi_xml_next(&f->xml));
         if (f->xml.event == BVXI_XML_END) break;
@@ -235,6 +251,8 @@ static bvx_status vti_read_head(vti_file *f)
             return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second element after the file's own");
         BVXI_TRY(vti_take_element(f));
     }
+
+    /* The first of the elements that is missing is named, from the outermost in. */
     if (f->array.rank == VTI_NO_ARRAY)
         return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: the file has no %s",
                          roots == 0      ? "element VTKFile"
@@ -261,6 +279,7 @@ static const char *vti_text_end(const vti_file *f, const char *p)
 
 static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense *d)
 {
+    /* Only the array's own text is read: the next tag ends it. */
     d->begin = f->array.text;
     d->end = d->source.end = vti_text_end(f, f->array.text);
     d->encoding = BVXI_DENSE_TEXT;
@@ -287,6 +306,7 @@ static BVXI_COLD bvx_status vti_fail_short(const vti_file *f, uint64_t size, con
 
 static bvx_status vti_find_raw(const vti_file *f, const char *p, bvxi_dense *d)
 {
+    /* The count stands before the data and must be that of the extent, or rows would shift. */
     uint64_t const have = (uint64_t)(f->xml.source.end - p), head = (uint64_t)f->header_size;
     if (have < head) return vti_fail_short(f, d->size, f->xml.source.end);
     BVXI_TRY(vti_check_length(f, (const uint8_t *)p, d->size));
@@ -299,10 +319,12 @@ static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inlin
 {
     uint8_t length[8];
 
+    /* In base 64 the count and the data are one stream, or two with padding between: both are read alike. */
     bvxi_base64_start(&d->base64, p, vti_text_end(f, p));
     if (!bvxi_base64_take(&d->base64, length, (uint64_t)f->header_size))
         return vti_fail_short(f, d->size, d->base64.p);
     BVXI_TRY(vti_check_length(f, length, d->size));
+    /* Three bytes take four characters: what cannot be there is refused before memory is made for it. */
     if (d->size / 3 > (uint64_t)(d->base64.end - d->base64.p) / 4 + 1)
         return vti_fail_short(f, d->size, d->base64.end);
     d->encoding = BVXI_DENSE_BASE64;
@@ -322,6 +344,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     bvxi_xml_start(&f.xml, source->ctx, "VTI", source->begin, source->end);
     BVXI_TRY(vti_read_head(&f));
     int const is_point = f.array.rank == VTI_POINTS_ACTIVE || f.array.rank == VTI_POINTS_FIRST;
+    /* An extent counts points: cells are one fewer along each axis, which the difference gives. */
     for (int a = 0; a < 3; a++) {
         int64_t const first = f.extent[2 * a], n = f.extent[2 * a + 1] - first + is_point;
         dims[a] = n < 0 ? 0 : (uint64_t)n;
@@ -330,6 +353,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     }
     BVXI_TRY(bvxi_file_box(source->ctx, "VTI", corner, f.spacing, dims, &dense->box));
     uint64_t const sample = bvxi_sample_size(f.array.kind);
+    /* The size is a claim of the file; it is checked before it is compared with bytes. */
     dense->size = bvxi_mul(voxels, sample, &fits);
     if (!fits || dense->size > INT64_MAX)
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
@@ -342,6 +366,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     bvxi_pack_strides(&dense->samples, &dense->box);
     if (f.array.format == VTI_ASCII) return vti_find_ascii(&f, voxels, dense);
     if (f.array.format == VTI_BINARY) return vti_find_base64(&f, f.array.text, 1, dense);
+    /* The offset is checked before it is added to a pointer. */
     if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended))
         return vti_fail_short(&f, dense->size, f.xml.source.end);
     const char *const data = f.appended + f.array.offset;

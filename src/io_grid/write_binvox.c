@@ -47,6 +47,7 @@ static void binvox_turn_block(const bvx_grid *g, int32_t column, int32_t y, int3
                            (uint64_t)column;
     uint64_t any = 0, all = ~UINT64_C(0);
 
+    /* Whether the block is all empty or all set is seen on the way: then turning changes nothing. */
     for (int32_t i = 0; i < 64; i++) {
         block[i] = i < rows ? *from : 0;
         if (i + 1 < rows) from += g->words_per_row;
@@ -65,6 +66,7 @@ static void binvox_turn_layers(const binvox_writing *job, int32_t column, uint64
     int32_t const count = g->size[0] - column * 64 < 64 ? g->size[0] - column * 64 : 64;
     uint64_t block[BINVOX_LINE][64];
 
+    /* A cache line of eight blocks is turned together and written layer by layer. */
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t k = 0; k < row_words; k += BINVOX_LINE) {
             uint64_t *to = turned + (uint64_t)z * (uint64_t)row_words + (uint64_t)k;
@@ -108,18 +110,24 @@ static void binvox_column_task(void *user, int32_t column, int32_t worker)
     uint8_t value = 0;
     uint64_t length;
 
+    /* The runs are taken from the turned layers in both passes, rather than kept in between. */
     binvox_turn_layers(job, column, turned);
     bvxi_runs_start(&runs, turned, count * (uint64_t)g->size[2], g->size[1]);
     length = bvxi_runs_next(&runs);
+    /* The first run may have no length, where the column begins with a set voxel. */
     if (length == 0) {
         length = bvxi_runs_next(&runs);
         value = 1;
     }
     left -= length;
+
+    /* First and last run may go on in the neighbours, so
+     * they are measured here and written by who joins them. */
     layers->first = length;
     layers->first_value = value;
     layers->single = left == 0;
     layers->inner = 0;
+    /* Runs alternate; the last is known by nothing being left after it. */
     while (left > 0) {
         length = bvxi_runs_next(&runs);
         value ^= 1;
@@ -163,6 +171,7 @@ static uint64_t binvox_join(binvox_layers *layers, int32_t columns, uint8_t *byt
 
     joint.bytes = bytes;
     joint.size = header;
+    /* A column of one single run has neither inner runs nor an end: it only makes the open run longer. */
     for (int32_t i = 0; i < columns; i++) {
         binvox_add_run(&joint, layers[i].first_value, layers[i].first);
         if (!layers[i].single) binvox_close_run(&joint);
@@ -182,6 +191,7 @@ static double binvox_neighbour(double v, int64_t steps)
 {
     uint64_t bits;
     memcpy(&bits, &v, sizeof bits);
+    /* Neighbouring doubles of one sign have neighbouring bits, also across a power of two. */
     bits += (uint64_t)steps;
     memcpy(&v, &bits, sizeof v);
     return v;
@@ -193,6 +203,7 @@ static double binvox_neighbour(double v, int64_t steps)
 static double binvox_scale(double spacing, int32_t longest)
 {
     double const n = (double)longest, scale = spacing * n;
+    /* An infinite scale is refused by the caller, with the spacing in its message. */
     if (!(scale - scale == 0.0)) return scale;
     for (int64_t steps = 0; steps <= 4; steps++) {
         if (binvox_neighbour(scale, steps) / n == spacing) return binvox_neighbour(scale, steps);
@@ -231,6 +242,7 @@ static bvx_status binvox_place(bvx_context *ctx, const bvx_grid *grid, double co
     const double *const s = grid->lattice.spacing;
     int32_t longest = 1;
 
+    /* The format has one scale for all axes. */
     if (!(s[0] == s[1] && s[1] == s[2]))
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
                          "BINVOX: voxels must be cubes, the spacing is %g, %g, %g; take BVX, NRRD or VTI",
@@ -258,12 +270,15 @@ static bvx_status binvox_pack(bvx_context *ctx, binvox_writing *job, const doubl
     bvx_buffer made = {0};
     bvx_status status;
 
+    /* Counted first, so that the file is made once, in its exact size. */
     BVXI_TRY(bvxi_parallel(ctx, stage, 0.0, 0.5, columns, binvox_column_task, job));
     binvox_put_header(&header, job->grid, corner, scale);
     BVXI_TRY(bvxi_make_buffer(ctx, binvox_join(job->layers, columns, NULL, header.size), "the BINVOX file",
                               &made));
     job->bytes = header.bytes = made.bytes;
     header.size = 0;
+
+    /* The joints and the inner runs do not overlap, so their order does not matter. */
     binvox_put_header(&header, job->grid, corner, scale);
     binvox_join(job->layers, columns, made.bytes, header.size);
     status = bvxi_parallel(ctx, stage, 0.5, 1.0, columns, binvox_column_task, job);
@@ -283,6 +298,7 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
 
     BVXI_TRY(binvox_place(ctx, grid, corner, &scale));
     job.grid = grid;
+    /* Buffers follow the threads, not the columns: memory stays small for long grids. */
     job.buffers = bvxi_threads(ctx) < grid->words_per_row ? bvxi_threads(ctx) : grid->words_per_row;
     job.layer_words = (uint64_t)grid->size[2] * (uint64_t)bvxi_row_words(grid->size[1]);
     job.worker_words = bvxi_mul(job.layer_words, layers, &fits);

@@ -24,6 +24,9 @@ static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, u
     memcpy(head, bvxi_bvx_magic(), 8);
     bvxi_store_u32(head + BVXI_BVX_AT_VERSION, BVXI_BVX_VERSION);
     bvxi_store_u32(head + BVXI_BVX_AT_HEAD_SIZE, BVXI_BVX_HEAD);
+
+    /* Fields stand at fixed places, so the order of writing
+     * does not matter; the checksum needs all of them. */
     for (int32_t a = 0; a < 3; a++) {
         bvxi_store_f64(head + BVXI_BVX_AT_ORIGIN + 8 * a, lattice->origin[a]);
         bvxi_store_f64(head + BVXI_BVX_AT_SPACING + 8 * a, lattice->spacing[a]);
@@ -60,6 +63,7 @@ static uint64_t bvx_measure_slice(const bvx_packing *job, int32_t k)
 
     bvx_start_runs(job, k, &runs);
     while (left > 0) {
+        /* Seven bits of a length take a byte. Words win a tie, as they are read faster. */
         uint64_t length = bvxi_runs_next(&runs);
         left -= length;
         for (bytes++; length > 127; length >>= 7) bytes++;
@@ -95,6 +99,7 @@ static void bvx_put_words(const bvx_packing *job, int32_t k, uint8_t *p)
 static void bvx_put_slice(const bvx_packing *job, int32_t k)
 {
     uint8_t *const p = job->bytes + job->place[k];
+    /* The kind follows from the length alone: runs are only taken where they are shorter than the words. */
     uint64_t const n = job->place[k + 1] - job->place[k] - BVXI_BVX_SLICE_HEAD;
     int const raw = n == job->raw;
 
@@ -103,6 +108,8 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
     bvxi_bvx_store(p + 16, n);
     if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
     else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
+
+    /* The checksum covers what stands after it, so it comes last. */
     bvxi_bvx_store(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
 
@@ -130,6 +137,8 @@ static void bvx_put_piece(void *user, int32_t piece, int32_t worker)
 static uint64_t bvx_place_slices(uint64_t *place, int32_t count, uint64_t first)
 {
     for (int32_t k = 0; k < count; k++) {
+        /* The bytes of the slice give way to its place; the last
+         * entry is the end, so each length is a difference. */
         uint64_t const n = place[k];
         place[k] = first;
         first += BVXI_BVX_SLICE_HEAD + n;
@@ -152,6 +161,8 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     job.grid = grid;
     job.frame = bvxi_bvx_frame(head);
     job.raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8;
+
+    /* A piece has many words or is one slice. */
     job.pieces = bvxi_piece_count(bvxi_grid_words(grid), grain);
     if (job.pieces > grid->size[2]) job.pieces = grid->size[2];
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
@@ -160,6 +171,8 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
         status = bvxi_make_buffer(ctx,
                                   bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
                                   "the BVX file", &made);
+
+    /* The second pass finds the same lengths as the first, so each slice fills its place exactly. */
     if (status == BVX_OK) {
         if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
         job.bytes = made.bytes;
@@ -193,6 +206,8 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
 {
     static const char *const function = "bvx_write_head";
     bvx_buffer made = {0};
+
+    /* The head alone names the window: its slices may be written by other calls, or other machines. */
     bvx_window whole;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;

@@ -11,6 +11,7 @@ bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_d
     bvx_status status;
     int fits = 1;
 
+    /* The head is made twice, to learn its length and to write it. */
     kind->put_head(grid, &head);
     uint64_t const voxels = bvxi_mul(bvxi_grid_rows(grid), (uint64_t)grid->size[0], &fits);
     uint64_t const size = bvxi_add(voxels, head.size + tail, &fits);
@@ -21,6 +22,8 @@ bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_d
     head.bytes = made.bytes;
     head.size = 0;
     kind->put_head(grid, &head);
+
+    /* The voxels lie between head and tail, and nothing else is in the file. */
     memcpy(made.bytes + size - tail, kind->tail, (size_t)tail);
     status = bvxi_unpack_grid(ctx, grid, made.bytes + head.size);
     if (status != BVX_OK) bvx_buffer_free(ctx, &made);
@@ -35,6 +38,7 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
+        /* Both are checked: formats keep the corner, the centre, or both. */
         double const centre = corner[a] + 0.5 * grid->lattice.spacing[a];
         if (!(corner[a] - corner[a] == 0.0) || !(centre - centre == 0.0))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,

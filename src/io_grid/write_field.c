@@ -80,6 +80,8 @@ static void field_put_npy(const bvx_field *field, int32_t vectors, bvxi_output *
     uint8_t length[2];
 
     field_put_npy_dict(field, vectors, &dict);
+
+    /* The dictionary is padded so that the numbers begin at a multiple of 64 bytes, as the format advises. */
     uint64_t const size = (FIELD_NPY_PREFIX + dict.size + 1 + FIELD_NPY_ALIGN - 1) / FIELD_NPY_ALIGN *
                           FIELD_NPY_ALIGN;
     uint64_t const end = out->size + size;
@@ -87,6 +89,7 @@ static void field_put_npy(const bvx_field *field, int32_t vectors, bvxi_output *
     bvxi_output_add(out, magic, sizeof magic);
     bvxi_output_add(out, length, sizeof length);
     field_put_npy_dict(field, vectors, out);
+    /* The newline is the last byte of the padding. */
     while (out->size < end - 1) bvxi_output_text(out, " ");
     bvxi_output_text(out, "\n");
 }
@@ -99,9 +102,13 @@ static void field_put_nrrd(const bvx_field *field, int32_t vectors, bvxi_output 
     double c[3], first[3];
 
     bvxi_grid_corner(&field->band, c);
+
+    /* The centre is what the format calls the origin; the corner
+     * goes into a key of its own, as a difference may round. */
     bvxi_field_centre(&field->band, 0, 0, 0, first);
     bvxi_output_text(out, "NRRD0004\ntype: ");
     bvxi_output_text(out, field->value_type == BVX_F32 ? "float" : "double");
+    /* With vectors the first axis has three components and lies in no direction of space. */
     bvxi_output_text(out, vectors ? "\ndimension: 4\nspace dimension: 3\nsizes: 3 "
                                   : "\ndimension: 3\nspace dimension: 3\nsizes: ");
     field_put_sizes(out, field, " ");
@@ -133,6 +140,7 @@ static void field_put_vti(const bvx_field *field, int32_t vectors, bvxi_output *
     uint8_t length[8];
     double first[3];
 
+    /* Samples are points here, so the first one is at the origin and the extent ends at size - 1. */
     bvxi_field_centre(&field->band, 0, 0, 0, first);
     bvxi_output_text(
         out,
@@ -145,12 +153,14 @@ static void field_put_vti(const bvx_field *field, int32_t vectors, bvxi_output *
     bvxi_output_text(
         out, vectors ? "\">\n      <PointData Vectors=\"vector\">\n        <DataArray type=\"Float"
                      : "\">\n      <PointData Scalars=\"distance\">\n        <DataArray type=\"Float");
+    /* Types are named by bits. */
     bvxi_output_number(out, 8 * field_number_bytes(field));
     bvxi_output_text(out, vectors ? "\" Name=\"vector\" NumberOfComponents=\"3\"" : "\" Name=\"distance\"");
     bvxi_output_text(
         out,
         " format=\"appended\" offset=\"0\"/>\n      </PointData>\n      <CellData>\n      </CellData>\n    </Piece>\n"
         "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
+    /* The count of bytes stands before them, in 64 bits as the head said. */
     bvxi_store_u32(length, (uint32_t)(bytes & 0xffffffffu));
     bvxi_store_u32(length + 4, (uint32_t)(bytes >> 32));
     bvxi_output_add(out, length, sizeof length);
@@ -176,10 +186,13 @@ static void write_field_rows(void *user, int32_t piece, int32_t worker)
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
+        /* Values stand in the order of the set voxels; next is the first one of this row. */
         uint64_t next = job->field->row_values[row], voxel = row * (uint64_t)g->size[0];
         for (int32_t k = 0; k < g->words_per_row; k++) {
             int32_t const left = g->size[0] - k * BVXI_WORD_BITS;
             uint64_t const n = (uint64_t)(left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS);
+            /* A word at a time: set voxels take their values,
+             * the others what the field says beyond its band. */
             bvxi_field_word(job->field, row, k, job->vectors, &next, numbers);
             for (uint64_t i = 0; i < n; i++, voxel++)
                 for (uint64_t a = 0; a < each; a++) {
@@ -201,12 +214,15 @@ static bvx_status write_field_file(bvx_context *ctx, const bvx_field *field, int
     bvx_status status;
     int fits = 1;
 
+    /* The head is counted first; its length is part of the size. */
     kind->put_head(field, vectors, &head);
     uint64_t const numbers = bvxi_mul(voxels, field_number_bytes(field) * (vectors ? 3 : 1), &fits);
     uint64_t const size = bvxi_add(numbers, head.size + tail, &fits);
     if (!fits)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "bvx_write_field: the file would have 2^64 bytes or more");
+
+    /* Made once, in its exact size, as all numbers have one length. */
     BVXI_TRY(bvxi_make_buffer(ctx, size, kind->what, &made));
     head.bytes = made.bytes;
     head.size = 0;
@@ -214,6 +230,8 @@ static bvx_status write_field_file(bvx_context *ctx, const bvx_field *field, int
     memcpy(made.bytes + size - tail, kind->tail, (size_t)tail);
     job.field = field;
     job.bytes = made.bytes + head.size;
+
+    /* Together: three numbers a centre. In planes: one, and the components a whole array apart. */
     job.stride = vectors && !kind->planes ? 3 : 1;
     job.plane = kind->planes ? voxels : 1;
     job.vectors = vectors;
@@ -233,6 +251,7 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
                             nrrd = {"the NRRD file", field_put_nrrd, "", 0},
                             vti = {"the VTI file", field_put_vti, "\n  </AppendedData>\n</VTKFile>\n", 0};
 
+    /* All arguments are checked before memory is made. */
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
@@ -241,6 +260,7 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no field; take NPY, NRRD or VTI",
                          function, (int64_t)format);
     if (format == BVX_FORMAT_NPY) return write_field_file(context, field, vectors, &npy, file);
+    /* NPY holds no place, so only the others need a finite one. */
     BVXI_TRY(bvxi_check_written_corner(context, format == BVX_FORMAT_NRRD ? "NRRD" : "VTI", &field->band));
     return write_field_file(context, field, vectors, format == BVX_FORMAT_NRRD ? &nrrd : &vti, file);
 }

@@ -10,6 +10,7 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
+    /* Each writer checks what its format cannot hold. */
     switch (format) {
     case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);
     case BVX_FORMAT_BINVOX: return bvxi_write_binvox(context, grid, file);

@@ -22,6 +22,7 @@ static void npy_put_head(const bvx_grid *grid, bvxi_output *out)
     bvxi_output dict = {0};
     uint8_t length[2];
 
+    /* The dictionary is measured first, as its length stands before it. */
     npy_put_dict(grid, &dict);
     uint64_t const size = (NPY_PREFIX + dict.size + 1 + NPY_ALIGN - 1) / NPY_ALIGN * NPY_ALIGN;
     bvxi_store_u16(length, (uint16_t)(size - NPY_PREFIX));

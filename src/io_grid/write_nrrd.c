@@ -35,6 +35,8 @@ static void nrrd_put_head(const bvx_grid *grid, bvxi_output *out)
         bvxi_output_text(out, " ");
         bvxi_output_number(out, (uint64_t)grid->size[a]);
     }
+
+    /* Each axis of the grid is one of space, so its direction has one component. */
     bvxi_output_text(out, "\nspace directions: ");
     nrrd_put_vector(out, s[0], 0, 0);
     bvxi_output_text(out, " ");
@@ -46,6 +48,8 @@ static void nrrd_put_head(const bvx_grid *grid, bvxi_output *out)
     bvxi_output_text(
         out, "\ncenterings: cell cell cell\nkinds: domain domain domain\nencoding: raw\n" BVXI_NRRD_CORNER_KEY
              ":=");
+
+    /* A key of our own: the corner itself, which half a voxel may not lead back to. */
     nrrd_put_vector(out, c[0], c[1], c[2]);
     bvxi_output_text(out, "\n\n");
 }

@@ -17,6 +17,8 @@ static void put_tree_head(const bvx_octree *tree, uint8_t *head)
     memcpy(head, bvxi_tree_magic(), 8);
     bvxi_store_u32(head + BVXI_TREE_AT_VERSION, BVXI_TREE_VERSION);
     bvxi_store_u32(head + BVXI_TREE_AT_HEAD_SIZE, BVXI_TREE_HEAD);
+
+    /* The fields stand where tree_file.h says; the checksum covers all before it. */
     for (int32_t a = 0; a < 3; a++) {
         bvxi_store_f64(head + BVXI_TREE_AT_ORIGIN + 8 * a, tree->lattice.origin[a]);
         bvxi_store_f64(head + BVXI_TREE_AT_SPACING + 8 * a, tree->lattice.spacing[a]);
@@ -48,6 +50,8 @@ static void put_tree_level(void *user, int32_t level, int32_t worker)
     (void)worker;
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
+
+    /* Split is written only where it is neither nothing nor the same as touched. */
     bvxi_tree_store(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);
     p = put_tree_words(p, o->outside, o->words);
@@ -62,6 +66,8 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
 
     job.tree = tree;
     job.place[0] = BVXI_TREE_HEAD;
+
+    /* Each level's place follows from the lengths of those above it, so levels are written in any order. */
     for (int32_t l = 0; l <= tree->levels; l++) {
         const bvxi_octets *const o = octets_of_level(tree, l);
         job.place[l + 1] = job.place[l] + BVXI_TREE_LEVEL_HEAD +
@@ -69,6 +75,7 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     }
     BVXI_TRY(bvxi_make_buffer(ctx, job.place[tree->levels + 1], "the BVX file", file));
     job.bytes = file->bytes;
+    /* The frame is part of every level's checksum: levels of two files cannot be mixed. */
     put_tree_head(tree, job.bytes);
     job.frame = bvxi_tree_frame(job.bytes);
     status = bvxi_parallel(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);

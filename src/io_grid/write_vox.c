@@ -29,6 +29,7 @@ static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
 {
     const uint64_t *word = grid->words;
 
+    /* Each set bit once, lowest first; the last operation clears it. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             for (int32_t k = 0; k < grid->words_per_row; k++)
@@ -56,6 +57,8 @@ bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *fi
                 (int64_t)grid->size[a], axis_name[a], (int64_t)VOX_MAX_SIDE);
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvx_grid_count(ctx, grid, &count)); /* at most 2^24 */
+
+    /* A chunk's head has the bytes of what follows, so they are summed up first. */
     uint64_t const voxels = 4 + 4 * count, children = 2 * VOX_CHUNK + VOX_SIZE_BYTES + voxels;
     BVXI_TRY(bvxi_make_buffer(ctx, VOX_START + VOX_CHUNK + children, "the VOX file", &made));
     p = made.bytes;

@@ -29,6 +29,7 @@ static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
     double corner[3];
 
     bvxi_grid_corner(grid, corner);
+    /* Cells are the voxels, so the extent ends at size, a point beyond the last cell's. */
     bvxi_output_text(
         out,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -45,6 +46,8 @@ static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
         "\">\n      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n        <DataArray "
         "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n    </Piece>\n"
         "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
+
+    /* The count of bytes before them, in 64 bits as the head said. */
     bvxi_store_u32(length, (uint32_t)(voxels & 0xffffffffu));
     bvxi_store_u32(length + 4, (uint32_t)(voxels >> 32));
     bvxi_output_add(out, length, sizeof length);

@@ -27,10 +27,12 @@ typedef struct vtu_leaves {
 static void list_vtu_corners(vtu_leaves *v)
 {
     for (uint64_t n = 0; n < 8 * v->count; n++) {
+        /* Doubling the place for each level up brings corners of all levels to one lattice. */
         const bvx_octree_leaf *const leaf = &v->leaf[n / 8];
         int32_t const up = v->tree->levels - leaf->level;
         uint64_t at[3];
         for (int a = 0; a < 3; a++) at[a] = (uint64_t)(leaf->ijk[a] + (int32_t)(n >> a & 1)) << up;
+        /* 21 bits each: the sides are checked to be below 2^21, so the last corner fits too. */
         v->place[n] = at[2] << 2 * VTU_SIDE_BITS | at[1] << VTU_SIDE_BITS | at[0];
         v->corner[n] = (uint32_t)n;
     }
@@ -74,6 +76,7 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
     bvxi_output_text(out, "\" NumberOfCells=\"");
     bvxi_output_number(out, v->count);
     bvxi_output_text(out, "\">\n");
+    /* The arrays follow each other, each after a count of 8 bytes. */
     for (int i = 0; i < VTU_ARRAYS; i++) {
         bvxi_output_text(out, vtu_array[i]);
         bvxi_output_number(out, offset);
@@ -100,6 +103,7 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
     uint32_t number = UINT32_MAX;
 
     for (uint64_t i = 0; i < 8 * v->count; i++) {
+        /* Equal places stand together, so a point is written where they change. */
         if (i == 0 || v->place[i] != v->place[i - 1]) {
             for (int a = 0; a < 3; a++) {
                 double const at = (double)(v->place[i] >> VTU_SIDE_BITS * a & mask);
@@ -108,6 +112,7 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
             point += 24;
             number++;
         }
+        /* Each corner of a leaf gets the number of its place, wherever in the file the leaf stands. */
         bvxi_store_u32(corners + 4 * (size_t)v->corner[i], number);
     }
     return corners + size[1];
@@ -117,6 +122,7 @@ static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
 {
     uint64_t size[VTU_ARRAYS];
 
+    /* The arrays in the order of vtu_array: points and corners, then offsets, types, levels, states. */
     vtu_sizes(v, size);
     to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
     for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
@@ -134,6 +140,7 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
     bvxi_output head = {0};
     uint64_t size[VTU_ARRAYS], bytes = sizeof tail - 1;
 
+    /* Sorted, equal corners of neighbouring leaves become one point. */
     list_vtu_corners(v);
     BVXI_TRY(bvxi_radix_sort(v->ctx, v->place, v->corner, 8 * v->count));
     BVXI_TRY(bvxi_progress(v->ctx, "octree", 0.7));
@@ -158,6 +165,8 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
 
     v.ctx = ctx;
     v.tree = tree;
+
+    /* Places must fit the bits of a key, and the last corner must be a finite number. */
     for (int a = 0; a < 3; a++) {
         double const far = tree->lattice.origin[a] + (double)tree->lattice.dims[a] * tree->lattice.spacing[a];
         if (tree->lattice.dims[a] >= (int32_t)1 << VTU_SIDE_BITS)
@@ -169,10 +178,13 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
                                  "%s: the lattice ends beyond the largest number along %s", vtu_name,
                                  axis_name[a]);
     }
+
+    /* Leaves are counted first, so that the list is made in its exact size. */
     BVXI_TRY(bvxi_octree_leaves(ctx, vtu_name, 0.0, 0.1, tree, states, NULL, 0, &v.count));
     if (v.count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the tree has no leaf in states %d", vtu_name,
                          (int64_t)states);
+    /* Eight corners a leaf: their numbers must fit 31 bits, as VTK's Int32 has them. */
     if (v.count >= (uint64_t)1 << 28)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u leaves; VTU is written up to 2^28 - 1", vtu_name, v.count);
@@ -198,6 +210,8 @@ static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree,
     if (format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: format %d holds no octree; take BVX or VTU",
                          vtu_name, (int64_t)format);
+
+    /* The whole tree is read back by bvx_read_octree; leaves of some states would be no tree. */
     if (format == BVX_FORMAT_BVX && states != 0)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: states is %d; BVX holds the whole tree, and takes 0", vtu_name,
