@@ -26,6 +26,7 @@ static inline uint32_t bvxi_popcount(uint64_t w)
 #if defined(__GNUC__) && defined(__POPCNT__)
     return (uint32_t)__builtin_popcountll(w);
 #else
+    /* Counts of pairs, of fours, of bytes; the multiplication adds the bytes up in the highest. */
     w -= w >> 1 & UINT64_C(0x5555555555555555);
     w = (w & UINT64_C(0x3333333333333333)) + (w >> 2 & UINT64_C(0x3333333333333333));
     w = (w + (w >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
@@ -60,6 +61,7 @@ static inline void bvxi_set_run(uint64_t *row, int32_t begin, int32_t end)
 {
     if (begin >= end) return;
     int32_t const first = begin >> 6, last = (end - 1) >> 6;
+    /* One word at the beginning, one at the end, whole ones between. */
     uint64_t const head = ~UINT64_C(0) << (begin & 63), tail = bvxi_tail_mask(end);
     if (first == last) {
         row[first] |= head & tail;

@@ -31,6 +31,7 @@ static inline uint64_t bvxi_rank_build(bvxi_rank *rank, const uint64_t *words, u
 {
     uint64_t total = 0;
 
+    /* One prefix for four words: an eighth of their bytes. */
     for (uint64_t i = 0; i < word_count; i++) {
         if (i % BVXI_RANK_WORDS == 0) prefix[i / BVXI_RANK_WORDS] = (uint32_t)total;
         total += bvxi_popcount(words[i]);

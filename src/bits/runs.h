@@ -38,6 +38,7 @@ static inline uint64_t bvxi_runs_next(bvxi_runs *runs)
     uint64_t length = 0;
 
     for (;;) {
+        /* The run ends at the first bit that is not like it. */
         uint64_t const ends = (runs->open ^ runs->flip) & bvxi_tail_mask(runs->left);
         if (ends != 0 && runs->left != 0) {
             int32_t const n = bvxi_lowest(ends);
@@ -48,6 +49,7 @@ static inline uint64_t bvxi_runs_next(bvxi_runs *runs)
         }
         length += (uint64_t)runs->left;
         runs->left = 0;
+        /* Whole words like the run, but for the last of a row: it may have fewer bits. */
         while (runs->words > 0 && *runs->next == runs->flip && runs->column + 1 < runs->row_words) {
             length += BVXI_WORD_BITS;
             runs->next++;

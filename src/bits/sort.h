@@ -18,6 +18,7 @@ static inline void bvxi_sift_down(int32_t *v, uint32_t root, uint32_t n)
 
 static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
 {
+    /* Rows made to be crowded must not cost their square. */
     if (n > 48) {
         for (uint32_t i = n / 2; i-- > 0;) bvxi_sift_down(v, i, n);
         for (uint32_t i = n; i-- > 1;) {

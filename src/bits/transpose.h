@@ -14,6 +14,7 @@ static inline void bvxi_transpose_64(uint64_t block[64])
     for (int32_t half = 32; half != 0; half >>= 1, low ^= low << half)
         for (int32_t base = 0; base < 64; base += 2 * half)
             for (int32_t k = base; k < base + half; k++) {
+                /* Bits that differ between both halves change places; three operations exchange them. */
                 uint64_t const differ = (block[k] >> half ^ block[k + half]) & low;
                 block[k] ^= differ << half;
                 block[k + half] ^= differ;

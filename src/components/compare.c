@@ -26,6 +26,9 @@ typedef struct compare_work {
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
 {
     memset(s, 0, sizeof *s);
+
+    /* Low at the size and high at -1 widen to the first
+     * voxel that comes, and change nothing where none does. */
     for (int32_t i = 0; i < 3; i++) {
         s->low[i] = size[i];
         s->high[i] = -1;
@@ -50,12 +53,14 @@ static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int
         uint64_t const differ = a[k] ^ b[k], only_a = a[k] & differ, only_b = b[k] & differ;
         uint32_t const same = bvxi_popcount(a[k] & b[k]);
         s->both += same;
+        /* Runs of the difference end at a word where both are the same. */
         if (differ == 0) {
             last_a = last_b = 0;
             continue;
         }
         s->set_a += bvxi_popcount(only_a);
         s->set_b += bvxi_popcount(only_b);
+        /* A run begins where membership changes and the voxel is set. */
         s->runs[0] += bvxi_popcount(bvxi_run_changes(only_a, &last_a) & only_a);
         s->runs[1] += bvxi_popcount(bvxi_run_changes(only_b, &last_b) & only_b);
         if (low[0] < 0) low[0] = k * BVXI_WORD_BITS + bvxi_lowest(differ);
@@ -76,6 +81,8 @@ static void compare_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     clear_compare_sums(a->size, &s);
     bvxi_piece(bvxi_grid_rows(a), w->pieces, index, &begin, &end);
+
+    /* A row belongs to one piece, so the sums of pieces add up to those of the grids. */
     for (uint64_t r = begin; r < end; r++) {
         size_t const at = (size_t)(r * (uint64_t)a->words_per_row);
         compare_row(a->words + at, b->words + at, a->words_per_row, (int32_t)(r % ny), (int32_t)(r / ny), &s);
@@ -103,6 +110,7 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
     int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
 
+    /* A piece has a row at least. */
     w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
     uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
@@ -125,6 +133,7 @@ static void visit_row_difference(const uint64_t *one, const uint64_t *other, int
 
     for (int32_t k = 0; k < words; k++) {
         uint64_t changes = bvxi_run_changes(one[k] & ~other[k], &last);
+        /* Changes are begin and end in turn; a run may go on in the next word. */
         for (; changes != 0; changes &= changes - 1) {
             int32_t const x = k * BVXI_WORD_BITS + bvxi_lowest(changes);
             if (begin >= 0) take(user, begin, x, y, z);
@@ -141,6 +150,7 @@ static bvx_status visit_difference(bvx_context *ctx, const bvx_grid *one, const 
 {
     int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
 
+    /* Only the box of the difference: what differs is small, as a rule. */
     for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
         if ((z - all->low[2]) % step == 0)
             BVXI_TRY(bvxi_progress(ctx, "compare",
@@ -169,6 +179,8 @@ static bvx_status join_difference(bvx_context *ctx, const bvx_grid *one, const b
             size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y;
             size_t const at = row * (size_t)one->words_per_row;
             uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
+            /* The difference of a row exists in the components'
+             * own row only, so a grid for it is never made. */
             for (int32_t k = 0; k < one->words_per_row; k++)
                 words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
             bvxi_components_add(c, y - all->low[1], z - all->low[2]);
@@ -198,6 +210,7 @@ static bvx_status measure_components(bvx_context *ctx, const bvx_grid *one, cons
     compare_sizes s = {c->label, NULL};
     bvx_status status;
 
+    /* The runs come in the order in which they were numbered, so labels are read one after the other. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
     status = visit_difference(ctx, one, other, all, from, to, measure_compare_run, &s);
     for (uint64_t i = 0; status == BVX_OK && i < c->component_count; i++)
@@ -215,6 +228,7 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     bvxi_components c;
     bvx_status status;
 
+    /* Nothing to join, and no memory for it. */
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
     status = join_difference(ctx, one, other, all, from, middle, &c);
@@ -230,6 +244,7 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
 
 static void report_comparison(const compare_sums *all, bvx_grid_difference *d)
 {
+    /* The pass has counted what only one has; with both it is the whole of each. */
     d->only_a = all->set_a;
     d->only_b = all->set_b;
     d->both = all->both;
@@ -253,6 +268,7 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
     memset(&d, 0, sizeof d);
+    /* The messages name which of the two grids is wrong. */
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid a", a));
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_compare, grid b", b));
     BVXI_TRY(bvxi_grid_same(context, function, a, b));

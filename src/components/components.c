@@ -25,6 +25,7 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
 
     memset(c, 0, sizeof *c);
     c->ctx = ctx;
+    /* Numbers of runs are 32 bits, with the last one kept free. */
     if (run_count >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the voxels lie in %u runs along x; fewer than 2^32 - 1 are possible",
@@ -32,6 +33,9 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
     c->run_count = run_count;
     c->connectivity = connectivity;
     c->row_words = bvxi_row_words(size[0]);
+
+    /* A word of zeros before and after each row, and a row
+     * before and after each slice: neighbours need no test. */
     c->stride = (uint64_t)c->row_words + 2;
     c->slice = c->stride * ((uint64_t)size[1] + 2); /* below 2^45 */
     status = bvxi_alloc(ctx, BVXI_SCRATCH, run_count * sizeof *c->label, "the components' labels", &c->label);
@@ -66,6 +70,7 @@ static inline void unite_components(uint32_t *parent, uint32_t i, uint32_t j)
 {
     uint32_t a = parent[i], b = parent[j];
 
+    /* Both ways up are taken in steps, and each step hangs a run under an earlier parent: Rem's splicing. */
     while (a != b) {
         if (a > b) {
             parent[i] = b;
@@ -127,6 +132,7 @@ BVXI_VECTOR_INLINE uint32_t count_component_bits(uint64_t w, int fast)
 BVXI_VECTOR_INLINE void join_component_pairs(uint32_t *parent, component_pairs pairs, component_word r,
                                              uint32_t r_before, component_word n, uint32_t n_before, int fast)
 {
+    /* A bit's run is the runs before the word and those that begin up to the bit. */
     uint64_t const r_starts = r.here & ~r.low, n_starts = n.here & ~n.low;
 
     for (; pairs.back != 0; pairs.back &= pairs.back - 1) {
@@ -171,6 +177,7 @@ BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
     component_pairs of_a, of_b, of_c, of_d;
 
     if (connectivity == BVXI_CONNECT_6) {
+        /* Faces only: the row before in y and the one before in z. */
         of_a = straight_component_pairs(r, a, 0);
         of_b = straight_component_pairs(r, b, 0);
         if ((of_a.back | of_b.back) == 0) return;
@@ -179,6 +186,7 @@ BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
         return;
     }
     component_word const c = component_word_at(behind[2].words, k), d = component_word_at(behind[3].words, k);
+    /* What B touches was joined with it already, so pairs with the others are left out there. */
     uint64_t const by_b = component_word_reach(b), by_ab = by_b | component_word_reach(a);
     of_b = all_component_pairs(r, b, 0, 0, 0);
     if (connectivity == BVXI_CONNECT_26) {
@@ -203,6 +211,7 @@ BVXI_VECTOR_INLINE uint64_t rank_component_row(bvxi_components *c, const uint64_
 {
     uint64_t n = c->added, any = 0;
 
+    /* Runs are numbered where they begin: a set bit after one that is not set. */
     for (int32_t k = 0; k < c->row_words; k++) {
         before[k] = (uint32_t)n;
         n += count_component_bits(words[k] & ~(words[k] << 1 | words[k - 1] >> 63), fast);
@@ -216,6 +225,7 @@ BVXI_VECTOR_INLINE uint64_t rank_component_row(bvxi_components *c, const uint64_
 BVXI_VECTOR_INLINE void join_component_row(bvxi_components *c, int32_t y, int32_t z, int32_t connectivity,
                                            int fast)
 {
+    /* Two slices take turns: this one and the one before. */
     size_t const above = (size_t)c->stride;
     size_t const now = (z & 1) != 0 ? (size_t)c->slice : 0;
     size_t const earlier = (z & 1) != 0 ? 0 : (size_t)c->slice;
@@ -228,6 +238,7 @@ BVXI_VECTOR_INLINE void join_component_row(bvxi_components *c, int32_t y, int32_
                                      {words + earlier + at - above, before + earlier + at - above},
                                      {words + earlier + at + above, before + earlier + at + above}};
 
+    /* An empty row joins nothing. */
     if (rank_component_row(c, row.words, before + now + at, fast) == 0) return;
     for (int32_t k = 0; k < c->row_words; k++)
         if (row.words[k] != 0) join_component_word(c->label, row, behind, k, connectivity, fast);
@@ -268,6 +279,7 @@ void bvxi_components_number(bvxi_components *c)
     uint32_t *const label = c->label;
     uint32_t next = 0;
 
+    /* Runs come in order, so one walk numbers all. */
     for (uint64_t i = 0; i < c->added; i++) { /* a parent is an earlier run, whose label is final by now */
         uint32_t const parent = label[i], of_parent = label[parent];
         label[i] = parent == i ? next : of_parent;

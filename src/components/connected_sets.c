@@ -10,6 +10,7 @@ static uint64_t count_space_runs(const bvx_grid *grid, int32_t empty)
     for (uint64_t r = 0; r < rows; r++) {
         const uint64_t *const row = grid->words + (size_t)r * (size_t)grid->words_per_row;
         uint64_t last = 0;
+        /* Empty voxels are set ones of the inverted word, without what lies past the row. */
         for (int32_t k = 0; k < grid->words_per_row; k++) {
             uint64_t w = empty ? ~row[k] : row[k];
             if (k + 1 == grid->words_per_row) w &= bvxi_tail_mask(grid->size[0]);
@@ -27,9 +28,11 @@ static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
     const uint64_t *from = g->words;
 
     for (int32_t z = 0; z < g->size[2]; z++) {
+        /* Eight calls of progress over the grid, as a slice may be small. */
         if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, s->stage, (double)z / (double)g->size[2]));
         for (int32_t y = 0; y < g->size[1]; y++, from += words) {
             uint64_t *const row = bvxi_components_row(&s->parts, y, z);
+            /* The row is made where the components want it: no inverted grid is needed. */
             for (int32_t k = 0; k < words; k++) row[k] = from[k] ^ flip;
             row[words - 1] &= tail;
             bvxi_components_add(&s->parts, y, z);
@@ -46,6 +49,8 @@ bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *
     bvx_status status;
 
     memset(spaces, 0, sizeof *spaces);
+
+    /* The number of runs is known before, so the forest is made in its exact size. */
     BVXI_TRY(bvxi_components_open(ctx, function, connectivity, grid->size, count_space_runs(grid, empty),
                                   &spaces->parts));
     spaces->grid = grid;
@@ -61,6 +66,7 @@ void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *use
     const bvx_grid *const g = spaces->grid;
     const uint32_t *label = spaces->parts.label;
 
+    /* The same runs in the same order as they were joined, so labels go along with them. */
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y;
@@ -109,6 +115,7 @@ static void flip_space_run(void *user, uint32_t space, int32_t begin, int32_t en
     const spaces_flip *const f = user;
     uint64_t *const row = f->words +
                           ((size_t)z * (size_t)f->grid->size[1] + (size_t)y) * (size_t)f->grid->words_per_row;
+    /* The run is cut into words; a flip turns empty voxels to set ones and back. */
     if (!f->marked[space]) return;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] ^= bvxi_run_mask(begin, end, k);
 }

@@ -31,6 +31,7 @@ static int64_t euler_of_rows(const uint64_t *const rows[4], int32_t words, uint6
     uint64_t last[4] = {0, 0, 0, 0};
     int64_t sum = 0;
 
+    /* Each word of the four rows is read once for all four counts. */
     for (int32_t k = 0; k < words; k++) {
         uint64_t w[4], ab, ac, all;
         for (int32_t i = 0; i < 4; i++)
@@ -55,6 +56,7 @@ static int64_t euler_number(const bvx_grid *g, int any)
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     int64_t sum = 0;
 
+    /* Closed boxes reach one row below the first. */
     for (int32_t z = any ? -1 : 0; z < g->size[2]; z++)
         for (int32_t y = any ? -1 : 0; y < g->size[1]; y++) {
             const uint64_t *const rows[4] = {euler_row(g, y, z), euler_row(g, y + 1, z),
@@ -92,6 +94,7 @@ static bvx_status count_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t
     bvxi_spaces spaces;
     bvx_status status;
 
+    /* A cavity touches no side of the window; the empty space takes the other connectivity. */
     BVXI_TRY(bvxi_spaces_open(ctx, topology_name, "cavities", grid, 1, connectivity, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of cavities", &sides.at_side);
     if (status == BVX_OK) {
@@ -116,9 +119,11 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
                              "%s: connectivity is %d, not 6 or 26", topology_name, (int64_t)connectivity);
     BVXI_TRY(bvx_grid_count(context, grid, &t.voxels));
     BVXI_TRY(count_topology_parts(context, grid, connectivity, &t.components));
+    /* Body and cavities have opposite connectivities, or the Euler number would not hold. */
     BVXI_TRY(count_cavities(context, grid, connectivity == BVXI_CONNECT_6 ? BVXI_CONNECT_26 : BVXI_CONNECT_6,
                             &t.cavities));
     t.euler = euler_number(grid, connectivity == BVXI_CONNECT_26);
+    /* Euler's formula in three dimensions: parts less tunnels plus cavities. */
     t.tunnels = (int64_t)(t.components + t.cavities) - t.euler;
     *topology = t;
     return BVX_OK;

@@ -22,6 +22,7 @@ static void look_for_seed(void *user, uint32_t space, int32_t begin, int32_t end
 {
     fill_spaces_work *const w = user;
     const uint64_t *const row = w->filled->words + row_of_voxel(w->filled, y, z);
+    /* A run is known to be wanted at the first seed in it. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !w->wanted[space]; k++)
         w->wanted[space] = (row[k] & bvxi_run_mask(begin, end, k)) != 0;
 }
@@ -43,6 +44,7 @@ static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int
                     "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
                     grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)walls->size[0],
                     (int64_t)walls->size[1], (int64_t)walls->size[2]);
+        /* A seed inside a wall stands in no space. */
         if (bvx_grid_get(walls, s[0], s[1], s[2]))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
                              grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);
@@ -60,10 +62,13 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
     BVXI_TRY(bvxi_spaces_open(ctx, grid_fill_name, "fill", walls, 1, connectivity, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the spaces' marks", &work.wanted);
     if (status == BVX_OK) {
+        /* The result holds the seeds first, so that runs are
+         * compared with words and no seed is searched for. */
         memset(filled->words, 0, (size_t)bvxi_grid_words(filled) * 8);
         for (uint64_t i = 0; i < count; i++)
             bvx_grid_set(filled, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2], 1);
         bvxi_spaces_each(&spaces, look_for_seed, &work);
+        /* Filling comes after all looking, as a space may have its seed in its last run. */
         bvxi_spaces_each(&spaces, fill_space_run, &work);
     }
     bvxi_drop(ctx, work.wanted);
@@ -88,6 +93,8 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     memcpy(window.low, walls->low, sizeof window.low);
     memcpy(window.size, walls->size, sizeof window.size);
     bvxi_grid_renew(context, &walls->lattice, &window, filled);
+
+    /* A copy of the struct: after a failure the caller's grid is as it was. */
     made = *filled;
     BVXI_TRY(bvxi_grid_open(context, grid_fill_name, &walls->lattice, &window, &made));
     status = fill_from_seeds(context, walls, seeds, seed_count, connectivity, &made);

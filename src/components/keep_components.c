@@ -54,6 +54,8 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
     w->ctx = ctx;
     BVXI_TRY(
         bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
+
+    /* Spaces are counted by now, so the lists have their exact size. */
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels);
     if (status == BVX_OK)
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks);
@@ -81,6 +83,7 @@ static void keep_seeded_run(void *user, uint32_t space, int32_t begin, int32_t e
     const keep_seeds *const s = user;
     const uint64_t *const row = s->seeds->words + ((size_t)z * (size_t)s->seeds->size[1] + (size_t)y) *
                                                       (size_t)s->seeds->words_per_row;
+    /* A run with a seed keeps its part, which may have many runs. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++)
         if ((row[k] & bvxi_run_mask(begin, end, k)) != 0) s->marks[space] = 0;
 }
@@ -90,9 +93,12 @@ static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const b
 {
     keep_seeds s = {seeds, w->marks};
     bvx_grid marked = *seeds;
+
+    /* Seeds are marked in a grid of their own: one walk over runs finds those of any number of seeds. */
     memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
     for (uint64_t i = 0; i < o->seed_count; i++)
         bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
+    /* All go, but for those that a seed is found in. */
     memset(w->marks, 1, (size_t)w->spaces.count);
     bvxi_spaces_each(&w->spaces, keep_seeded_run, &s);
 }
@@ -109,12 +115,15 @@ static void drop_all_but_largest(keep_work *w, uint64_t largest)
     uint64_t low = 0, high = 0, equal;
 
     if (count_parts_of(w, 0) <= largest) return;
+
+    /* By halving the size: no list of parts is sorted, whatever their number. */
     for (uint64_t i = 0; i < w->spaces.count; i++) high = w->voxels[i] > high ? w->voxels[i] : high;
     while (low < high) { /* at least `largest` parts reach low; fewer reach high + 1 */
         uint64_t const middle = low + (high - low + 1) / 2;
         if (count_parts_of(w, middle) >= largest) low = middle;
         else high = middle - 1;
     }
+    /* Parts of just this size may be more than are wanted: the first ones stay. */
     equal = largest - count_parts_of(w, low + 1); /* of this size as many as there is room for */
     for (uint64_t i = 0; i < w->spaces.count; i++) {
         if (w->marks[i] || w->voxels[i] > low) continue;
@@ -143,6 +152,7 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, con
 {
     BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
+    /* Seeds are checked before a voxel is looked at. */
     for (uint64_t i = 0; i < o->seed_count; i++) {
         const int32_t *const s = o->seeds + 3 * i;
         for (int32_t a = 0; a < 3; a++)
@@ -169,10 +179,12 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     if (o->seed_count != 0) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words);
     else status = BVX_OK;
     if (status == BVX_OK) {
+        /* Seeds first, then small parts, then the largest of what is left. */
         if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
         drop_small_parts(&w, o->at_least);
         if (o->largest != 0) drop_all_but_largest(&w, o->largest);
         if (o->report != NULL) report_kept(&w, o->report);
+        /* The result may be the grid itself; then only what goes is changed. */
         if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
         bvxi_spaces_flip(&w.spaces, w.marks, made->words);
     }
@@ -214,12 +226,16 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
     keep_work w;
 
     BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
+
+    /* What touches a side of the window is no cavity; of
+     * the others only small ones, where that is requested. */
     for (uint64_t i = 0; i < w.spaces.count; i++) {
         w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
         set += w.marks[i] ? w.voxels[i] : 0;
         count += w.marks[i];
     }
     if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
+    /* Flipping empty voxels sets them. */
     bvxi_spaces_flip(&w.spaces, w.marks, words);
     close_keep_work(&w);
     if (voxels != NULL) *voxels = set;
@@ -237,6 +253,8 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
+
+    /* After all checks: an array of the caller's must not be touched by a call that is refused. */
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
     status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, filled, NULL);
     if (status == BVX_OK) *result = made;

@@ -23,6 +23,7 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
     parts_list *const list = user;
     bvx_component *const p = &list->parts[space];
 
+    /* The first run of a part has its least voxel. */
     if (space == list->seen) { /* spaces are numbered as they come */
         const bvx_grid *const g = list->grid;
         memset(p, 0, sizeof *p);
@@ -33,6 +34,8 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
         p->low[2] = z;
         list->seen++;
     }
+
+    /* The box grows with every run; z only rises. */
     p->voxels += (uint64_t)(end - begin);
     p->low[0] = begin < p->low[0] ? begin : p->low[0];
     p->low[1] = y < p->low[1] ? y : p->low[1];
@@ -60,6 +63,7 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, parts_name, connectivity));
     BVXI_TRY(bvxi_spaces_open(context, parts_name, "components", grid, 0, connectivity, &spaces));
+    /* The count is known even where the array is too short, so that the caller can make a longer one. */
     *count = spaces.count;
     if (parts != NULL && spaces.count > capacity)
         status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
@@ -83,6 +87,7 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
 {
     uint64_t starts = w & ~(w << 1 | last);
 
+    /* Which way is quicker depends on how long the runs are. */
     if (bvxi_popcount(w) < 4 * bvxi_popcount(starts)) { /* short runs: voxel by voxel */
         for (; w != 0; w &= w - 1) {
             int32_t const x = bvxi_lowest(w);
@@ -96,6 +101,7 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
         uint64_t const rest = ~(w >> begin); /* 0 when the run fills the word */
         int32_t const end = rest == 0 ? BVXI_WORD_BITS : begin + bvxi_lowest(rest);
         uint32_t value;
+        /* A run that begins in this word has the next label. */
         label += starts >> begin & 1;
         value = label[-1] + 1;
         for (int32_t x = begin; x < end; x++) to[x] = value;
@@ -108,6 +114,7 @@ static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32
 {
     uint64_t last = 0;
 
+    /* Voxels without a part have 0. */
     memset(to, 0, (size_t)size * sizeof *to);
     for (int32_t k = 0; k * BVXI_WORD_BITS < size; k++) {
         uint64_t const w = size - k * BVXI_WORD_BITS < BVXI_WORD_BITS ? row[k] & bvxi_tail_mask(size)
@@ -142,6 +149,8 @@ static bvx_status label_rows(bvx_context *ctx, const bvxi_spaces *spaces, uint32
                 empty += nx;
                 continue;
             }
+
+            /* The empty rows before this one, all at once. */
             memset(labels - empty, 0, empty * sizeof *labels);
             empty = 0;
             label = label_row(row, g->size[0], label, labels);
@@ -163,6 +172,7 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
     if (labels == NULL) return bvxi_fail_null(context, label_name, "labels");
     BVXI_TRY(bvxi_grid_check(context, label_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, label_name, connectivity));
+    /* The product is checked, as a window may have more voxels than 64 bits count. */
     for (int32_t a = 0; a < 3; a++) voxels = bvxi_mul(voxels, (uint64_t)grid->size[a], &ok);
     if (!ok || capacity < voxels)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the window has %u voxels, the array given holds %u",

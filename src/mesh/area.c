@@ -12,6 +12,7 @@ double bvxi_view_area(const bvx_mesh_view *view)
 
         bvxi_view_triangle(view, t, c);
         for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        /* The cross product is as long as twice the area. */
         sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
     }
     return sum;

@@ -27,6 +27,8 @@ static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
 {
     uint32_t next = 0;
 
+    /* Each position is represented by its first vertex, so
+     * representatives rise and get the next numbers in their order. */
     if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
     else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
     for (uint64_t v = 0; v < c->view->vertex_count; v++) {
@@ -46,6 +48,7 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     double centre[3], p[3][3], n[3], least[3], most[3], volume = 0.0, area = 0.0;
     uint32_t raw[3], *to = c->corners;
 
+    /* Scaled, sums of products neither overflow nor vanish; about the centre, less is lost in the volume. */
     for (int a = 0; a < 3; a++) {
         centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
         least[a] = high[a];
@@ -58,6 +61,7 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
                 bvxi_progress(ctx, "check", progress + 0.05 * (double)t / (double)c->view->triangle_count));
         bvxi_view_triangle(c->view, t, raw);
         for (int k = 0; k < 3; k++) to[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
+        /* Two corners at one place leave no triangle: it has no area and no side. */
         if (to[0] == to[1] || to[1] == to[2] || to[2] == to[0]) continue;
         to += 3;
         for (int k = 0; k < 3; k++) {
@@ -68,6 +72,8 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
                 p[k][a] *= scale;
             }
         }
+
+        /* Twice the area is the length of the normal, so one cross product serves area and volume. */
         double const twice = bvxi_facet_normal((const double(*)[3])p, n);
         r->degenerate += twice == 0.0;
         area += twice;
@@ -76,6 +82,8 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     c->triangle_count = (uint64_t)(to - c->corners) / 3;
     r->triangles = c->triangle_count;
     r->collapsed = c->view->triangle_count - c->triangle_count;
+
+    /* The scale is a power of two: taking it back is exact. */
     r->area = area * 0.5 * back * back;
     r->volume = volume / 6.0 * back * back * back + 0.0;
     for (int a = 0; a < 3; a++) {
@@ -112,6 +120,8 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
 
     BVXI_TRY(bvxi_progress(ctx, "check", 0.0));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->triangle_count * 12, "the check's corners", &c->corners));
+
+    /* Welding changes which triangles count, so it comes before all sums. */
     BVXI_TRY(weld_vertices(ctx, c, weld));
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     /* once more about the right centre */
@@ -120,6 +130,7 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
         memcpy(kept_high, c->result.high, sizeof kept_high);
         BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
     }
+    /* Its memory is freed before the topology needs its own. */
     free_renumber(ctx, c);
     if (c->triangle_count != 0)
         return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);

@@ -17,6 +17,7 @@
 /* A coordinate axis along which the triangle has an area when seen from there, or -1. */
 static int cross_axis(const double *const t[3])
 {
+    /* An area shows along one of the axes at least, or there is none. */
     for (int axis = 0; axis < 3; axis++)
         if (bvxi_orient_flat(t[0], t[1], t[2], axis) != 0) return axis;
     return -1;
@@ -57,6 +58,7 @@ static int cross_view_axis(const double *const t[3])
     double size[3];
 
     bvxi_orient_plane_of(t, &plane);
+    /* The largest component belongs to the axis along which the triangle looks widest. */
     for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane.normal[k]);
 
     if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
@@ -88,6 +90,7 @@ static int cross_flat_segments(const double p[3], const double q[3], const doubl
     int const to_a = bvxi_orient_flat(p, q, a, axis), to_b = bvxi_orient_flat(p, q, b, axis);
     int const to_p = bvxi_orient_flat(a, b, p, axis), to_q = bvxi_orient_flat(a, b, q, axis);
 
+    /* Both cross each other's line properly, or an end of one lies on the other. */
     if (to_a * to_b < 0 && to_p * to_q < 0) return 1;
     return (to_a == 0 && cross_in_box(a, p, q, axis)) || (to_b == 0 && cross_in_box(b, p, q, axis)) ||
            (to_p == 0 && cross_in_box(p, a, b, axis)) || (to_q == 0 && cross_in_box(q, a, b, axis));
@@ -122,6 +125,7 @@ typedef struct cross_triangle {
 static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a,
                        cross_triangle *b)
 {
+    /* A common corner lies in both planes, so its side is 0 without being computed. */
     unsigned const own_p = bvxi_cross_own(q, p), own_q = bvxi_cross_own(p, q);
 
     for (unsigned k = 0; k < 3; k++) {
@@ -131,6 +135,7 @@ static void cross_open(const double *const p[3], const double *const q[3], cross
         b->side[k] = (own_q >> k & 1) != 0 ? bvxi_orient(p[0], p[1], p[2], q[k]) : 0;
     }
 
+    /* An area is looked for only where all corners lie in the other's plane. */
     a->has_area = b->side[0] != 0 || b->side[1] != 0 || b->side[2] != 0 || bvxi_has_area(p);
     b->has_area = a->side[0] != 0 || a->side[1] != 0 || a->side[2] != 0 || bvxi_has_area(q);
 }
@@ -144,8 +149,11 @@ static int cross_edge(const cross_triangle *a, int i, int k, const cross_triangl
     if (!b->has_area)
         return cross_segments(p, q, t[0], t[1]) || cross_segments(p, q, t[1], t[2]) ||
                cross_segments(p, q, t[2], t[0]);
+
+    /* Both ends strictly on one side: the segment does not reach the plane. */
     if (a->side[i] * a->side[k] > 0) return 0;
 
+    /* In the plane: an end may be inside, or the segment may cross an edge. */
     if (a->side[i] == 0 && a->side[k] == 0) {
         int const axis = cross_axis(t);
 
@@ -174,9 +182,11 @@ static int cross_opposite(const cross_triangle *a, const double *common, const c
 {
     int own[2] = {0, 0}, count = 0;
 
+    /* What is not common: the edge opposite to it, or less where a corner is there twice. */
     for (int k = 0; k < 3; k++)
         if (a->corner[k] != common) own[count++] = k;
 
+    /* Without an area the ray ends at one of the other corners. */
     if (a->has_area) return cross_edge(a, own[0], own[1], b);
     for (int k = 0; k < count; k++)
         if (cross_edge(a, own[k], own[k], b)) return 1;
@@ -220,6 +230,7 @@ static void cross_compare(const double *const p[3], const double *const q[3], cr
     c->own_p = c->own_q = NULL;
 
     for (int i = 0; i < 3; i++) {
+        /* A corner that is there twice is compared as one, since pointers stand for places. */
         int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
 
         if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c->own_p = p[i];
@@ -244,10 +255,13 @@ int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3
     cross_triangle a, b;
 
     cross_compare(p, q, &c);
+
+    /* The same triangle: it overlaps itself where it has an area. */
     if (c.count == 3) return bvxi_has_area(p);
     if (c.count == 2)
         return c.own_p != NULL && c.own_q != NULL && cross_fold(c.common[0], c.common[1], c.own_p, c.own_q);
 
+    /* Sides are only needed where one corner or none is common. */
     cross_open(p, q, &a, &b);
     if (c.count == 1) return cross_opposite(&a, c.common[0], &b) || cross_opposite(&b, c.common[0], &a);
     return cross_any_edge(&a, &b) || cross_any_edge(&b, &a);

@@ -33,6 +33,7 @@ static inline int bvxi_cross_apart(const bvxi_orient_plane *plane, const double 
 {
     int side = 0;
 
+    /* A side that is not certain, or one on either side, ends the test: the exact answer decides. */
     for (unsigned k = 0; k < 3; k++) {
         int s;
 
@@ -51,6 +52,7 @@ static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const 
 {
     bvxi_orient_plane other;
 
+    /* Most pairs are separated by one of the two planes. */
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
 
     bvxi_orient_plane_of(q, &other);

@@ -15,6 +15,7 @@ static void places_of_triangle(const uint32_t *representative, const uint32_t co
     uint32_t const b = representative[corner[1]];
     uint32_t const c = representative[corner[2]];
     uint32_t const low = a < b ? a : b, high = a < b ? b : a;
+    /* The middle one is what is neither the least nor the greatest. */
     place[0] = low < c ? low : c;
     place[2] = high > c ? high : c;
     place[1] = c <= low ? low : c >= high ? high : c;
@@ -27,6 +28,7 @@ uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *represen
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const to = corner + 3 * kept;
 
+        /* Written to where the next kept triangle goes: one that is dropped is overwritten. */
         bvxi_view_triangle(view, t, to);
         kept += representative[to[0]] != representative[to[1]] &&
                 representative[to[1]] != representative[to[2]] &&
@@ -50,6 +52,7 @@ static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representati
     uint64_t const limit = bvxi_probe_limit(view->triangle_count);
     uint64_t count = 0, probes = 0;
 
+    /* The triangle is written behind the kept ones first, and stays only when it is new. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const mine = corner + 3 * count;
         uint32_t place[3], other[3];
@@ -57,11 +60,15 @@ static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representati
         bvxi_view_triangle(view, t, mine);
         places_of_triangle(representative, mine, place);
         if (place[0] == place[1] || place[1] == place[2]) continue;
+
+        /* An open table, half as large again as the triangles: the searches stay short. */
         for (slot = hash_of_places(place) * size >> 31; table[slot] != 0;
              slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
             if (memcmp(place, other, sizeof place) == 0) break;
         }
+
+        /* Too many steps are the sign of input that was made against the hash; a tree takes over. */
         if (BVXI_UNLIKELY(probes > limit)) return 0;
         if (table[slot] != 0) continue;
         table[slot] = (uint32_t)++count;
@@ -90,6 +97,7 @@ static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, cons
     bvxi_key_tree tree;
 
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, kept_key, &all, view->triangle_count));
+    /* As the table does it, and in the same order, so the first of several stays here too. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, corner + 3 * count);
         places_of_triangle(representative, corner + 3 * count, place);

@@ -34,6 +34,7 @@ static void finite_pack_vertices(bvx_mesh *mesh, uint32_t *number)
     void *const uvs = mesh->uv_triangles == NULL ? mesh->uvs : NULL; /* those of vertices */
     uint64_t kept = 0;
 
+    /* A vertex moves up only over ones that are gone, so it never lands on one that is still needed. */
     for (uint64_t v = 0; v < mesh->vertex_count; v++) {
         number[v] = FINITE_GONE;
         if (!finite_vertex(mesh, v)) continue;
@@ -55,6 +56,8 @@ static void finite_pack_triangles(bvx_mesh *mesh, const uint32_t *number)
 
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *const corner = mesh->triangles + (size_t)t * 3;
+
+        /* A triangle goes when one of its corners is gone. */
         uint32_t const now[3] = {number[corner[0]], number[corner[1]], number[corner[2]]};
         if (now[0] == FINITE_GONE || now[1] == FINITE_GONE || now[2] == FINITE_GONE) continue;
         memcpy(mesh->triangles + (size_t)kept * 3, now, sizeof now);
@@ -77,6 +80,8 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
     *dropped = 0;
     bvx_mesh_view_of(mesh, &view);
     BVXI_TRY(bvxi_view_check(ctx, function, &view));
+
+    /* A mesh without such vertices is left as it is, without memory for numbers. */
     while (bad < vertices && finite_vertex(mesh, bad)) bad++;
     if (bad == vertices) return BVX_OK;
 
@@ -86,6 +91,8 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
         if (corner[0] >= vertices || corner[1] >= vertices || corner[2] >= vertices)
             return bvxi_view_fail_index(ctx, function, &view, t);
     }
+
+    /* Vertices first: their new numbers are what triangles are packed by. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *number, "the numbers of vertices", &number));
     finite_pack_vertices(mesh, number);
     finite_pack_triangles(mesh, number);

@@ -26,9 +26,13 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, cons
     *per_axis = o->axis_resolution[0] != 0 || o->axis_resolution[1] != 0 || o->axis_resolution[2] != 0;
     *by_spacing = o->spacing[0] != 0 || o->spacing[1] != 0 || o->spacing[2] != 0;
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(lattice_rows)));
+
+    /* Three ways to give a size; two at once might contradict each other. */
     if ((o->resolution != 0) + *per_axis + *by_spacing != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: give exactly one of resolution, axis_resolution and spacing", function);
+
+    /* A spacing gives the count; a resolution gives the spacing. */
     for (int32_t a = 0; a < 3; a++) {
         int32_t const n = *per_axis ? o->axis_resolution[a] : *by_spacing ? 1 : o->resolution;
         if (n < 1 || n > BVXI_MAX_SIDE)
@@ -45,6 +49,8 @@ static bvx_status check_fit_options(bvx_context *ctx, const char *function, cons
 static double least_cover(double extent, double spacing)
 {
     double const n = extent / spacing;
+    /* 2^-40 of the count is taken off before rounding up:
+     * the rounding of the division must not cost a layer. */
     double const whole = -floor(n * (1.0 / 1099511627776.0) - n);
     return whole < 1 ? 1 : whole;
 }
@@ -64,6 +70,7 @@ static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target 
     if (target->low == NULL || target->high == NULL)
         return bvxi_fail_null(ctx, name, target->low == NULL ? "low" : "high");
 
+    /* Corners of the caller's: finite, and the low one not above. */
     for (int32_t a = 0; a < 3; a++) {
         double const from = target->low[a], to = target->high[a];
 
@@ -108,10 +115,14 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
     BVXI_TRY(take_target(context, name, target, low, high));
+
+    /* The longest side has the resolution, and the others follow its spacing. */
     for (int32_t a = 0; a < 3; a++) {
         extent[a] = high[a] - low[a];
         if (extent[a] > extent[longest]) longest = a;
     }
+
+    /* A spacing needs no extent; a resolution divides one. */
     if (!by_spacing && !(extent[longest] > 0))
         return bvxi_fail(context, BVX_ERR_EMPTY,
                          target->mesh == NULL && target->points == NULL
@@ -123,6 +134,7 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
                              "%s: the extent is too large for a double", name);
     for (int32_t a = 0; a < 3; a++) {
         double n;
+        /* Along a flat axis the longest side's extent gives the spacing. */
         if (per_axis) {
             spacing[a] = (extent[a] > 0 ? extent[a] : extent[longest]) / o.axis_resolution[a];
             n = o.axis_resolution[a];
@@ -130,10 +142,14 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
             spacing[a] = by_spacing ? o.spacing[a] : extent[longest] / o.resolution;
             n = !by_spacing && a == longest ? o.resolution : least_cover(extent[a], spacing[a]);
         }
+
+        /* Compared as doubles, before the cast: counts may be far beyond 32 bits. */
         if (!(n + 2.0 * o.padding <= BVXI_MAX_SIDE))
             return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: spacing %g needs %g voxels; %d along an axis are possible", name,
                                  spacing[a], n + 2.0 * o.padding, (int64_t)BVXI_MAX_SIDE);
+
+        /* Padding is the same on both sides, so the origin moves down by it. */
         dims[a] = (int32_t)n + 2 * o.padding;
         origin[a] = low[a] - o.padding * spacing[a];
     }

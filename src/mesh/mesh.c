@@ -20,6 +20,7 @@ bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int3
 static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
                  uint64_t triangle_count)
 {
+    /* Arrays with anything more would keep values of another surface. */
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
     if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
     if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) return 0;
@@ -46,6 +47,8 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
     if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) /* and these too */
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
+
+    /* Checked last, so that a message about room means that all else is right. */
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY,
                          "%s: the surface has %u vertices and %u triangles, the arrays hold %u and %u",
@@ -70,6 +73,7 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     bvx_mesh made = {0};
     bvx_status status;
 
+    /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
     if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
         bvx_mesh_free(ctx, mesh);
     if (mesh->positions != NULL || mesh->triangles != NULL) {
@@ -79,6 +83,8 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
         memset(mesh->frame, 0, sizeof mesh->frame);
         return BVX_OK;
     }
+
+    /* New arrays go to a mesh of their own: after a failure the caller's is as it was. */
     made.owned = 1;
     made.position_type = position_type;
     made.vertex_count = made.vertex_capacity = vertex_count;
@@ -167,6 +173,8 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     BVXI_TRY(check_mesh_struct(context, function, mesh));
     type[0] = mesh->position_type;
 
+    /* Head, positions and triangles one after the other, each
+     * seeded by what came before: none can pass for another. */
     bvxi_hash_start(&h, 0);
     bvxi_hash_i32(&h, type, 2);
     bvxi_hash_u64(&h, &mesh->vertex_count, 1);

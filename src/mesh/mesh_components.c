@@ -27,6 +27,7 @@ void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint
     uint32_t c[3];
 
     for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = representative[v];
+    /* The least vertex of a part is its root, so the answer does not depend on the order of triangles. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
         join_pieces(piece, c[0], c[1]);

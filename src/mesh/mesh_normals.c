@@ -17,6 +17,8 @@ static void give_facet(const bvx_mesh_view *view, double scale, const double *su
 
     bvxi_view_triangle(view, t, c);
     bvxi_triangle_normal(view, scale, c, own);
+
+    /* The mean of three unit normals, as the paper shades facets. */
     for (int k = 0; k < 3 && averaged; k++) {
         float n[3];
         bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
@@ -41,6 +43,8 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
                              normals_name, (int64_t)averaged);
     BVXI_TRY(bvxi_view_check(context, normals_name, mesh));
     BVXI_TRY(bvxi_view_bounds(context, normals_name, mesh, low, high));
+
+    /* Sums are needed for vertices, and for facets only where these are averaged. */
     scale = bvxi_unit_scale(low, high);
     if (vertex_normals != NULL || averaged) {
         BVXI_TRY(

@@ -31,12 +31,15 @@ void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum)
 
 void bvxi_unit_normal(const double sum[3], float normal[3])
 {
+    /* The largest component first, which is 0 only where all are. */
     double most = 0.0, u[3], length;
 
     for (int a = 0; a < 3; a++) {
         double const size = sum[a] < 0.0 ? -sum[a] : sum[a];
         most = size > most ? size : most;
     }
+
+    /* Without facets, or where they cancel out, up is as good as any direction. */
     if (!(most > 0.0)) {
         normal[0] = normal[1] = 0.0f;
         normal[2] = 1.0f;

@@ -54,6 +54,8 @@ static orient_double orient_take_apart(double x)
     int32_t field, zeros;
 
     memcpy(&bits, &x, sizeof bits);
+
+    /* The hidden leading digit belongs to all but subnormal numbers. */
     field = (int32_t)(bits >> 52 & 2047);
     m = bits & ((UINT64_C(1) << 52) - 1);
     if (field != 0) m |= UINT64_C(1) << 52;
@@ -80,6 +82,7 @@ static void orient_open_axis(const double *const points[], int count, int k, ori
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
 
+    /* The unit of the axis is the lowest digit of any value; the bits reach from there to the highest. */
     for (int i = 0; i < count; i++) {
         orient_double const v = axis->value[i] = orient_take_apart(points[i][k]);
         int32_t const top = v.exponent + orient_digits(v.mantissa);
@@ -99,6 +102,7 @@ static void orient_open_axis(const double *const points[], int count, int k, ori
 static int64_t orient_small_difference(const orient_axis *axis, int i, int last)
 {
     const orient_double *const a = &axis->value[i], *const b = &axis->value[last];
+    /* As multiples of the unit, the values of at most 57 bits and their difference fit 64. */
     int64_t const x = a->mantissa != 0 ? a->mantissa * (INT64_C(1) << (a->exponent - axis->low)) : 0;
     int64_t const y = b->mantissa != 0 ? b->mantissa * (INT64_C(1) << (b->exponent - axis->low)) : 0;
     return x - y;
@@ -144,6 +148,7 @@ static void orient_large_difference(const orient_axis *axis, int i, int last, or
     orient_place(a, axis->low, first);
     orient_place(b, axis->low, second);
 
+    /* The sign is that of a - b, before sizes are compared. */
     r->sign = a->mantissa < 0 || (a->mantissa == 0 && b->mantissa > 0) ? -1 : 1;
     if (!add && orient_compare(first, second, r->count) < 0) {
         larger = second;
@@ -166,12 +171,15 @@ static void orient_add_product(uint32_t *sum, const uint32_t *a, int32_t a_count
     for (int32_t i = 0; i < a_count; i++) {
         uint64_t carry = 0;
 
+        /* Many limbs are 0 where few digits are set. */
         if (a[i] == 0) continue;
         for (int32_t k = 0; k < b_count; k++) { /* at most (2^32 - 1)^2 + 2 (2^32 - 1) = 2^64 - 1 */
             carry += (uint64_t)a[i] * b[k] + sum[i + k];
             sum[i + k] = (uint32_t)carry;
             carry >>= 32;
         }
+
+        /* The carry may run on over limbs that are already set. */
         for (int32_t k = i + b_count; carry != 0; k++) {
             carry += sum[k];
             sum[k] = (uint32_t)carry;
@@ -201,6 +209,7 @@ static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a
     uint32_t two[2 * ORIENT_LIMBS];
     int32_t const count = a->count + b->count;
 
+    /* The product of two first; the third factor goes into the sum at once. */
     memset(two, 0, (size_t)count * sizeof *two);
     orient_add_product(two, a->limb, a->count, b->limb, b->count);
 
@@ -217,10 +226,12 @@ static int orient_large(const orient_axis axis[3])
     orient_number d[3][3]; /* of each axis, of each point */
     orient_sums sums;
 
+    /* Differences to the last point: three vectors, whose determinant is the answer. */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) orient_large_difference(&axis[k], i, 3, &d[k][i]);
 
     orient_sums_open(&sums, d[0][0].count + d[1][0].count + d[2][0].count + 1);
+    /* The six products of the determinant, added and subtracted in two sums without a sign. */
     for (int i = 0; i < 3; i++) {
         int const k = (i + 1) % 3, l = (i + 2) % 3;
         orient_sums_add(&sums, 1, &d[0][i], &d[1][k], &d[2][l]);
@@ -242,6 +253,7 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
     for (int k = 0; k < 3; k++) orient_open_axis(points, 4, k, &axis[k]);
     if (axis[0].bits + axis[1].bits + axis[2].bits > ORIENT_FEW_BITS) return orient_large(axis);
 
+    /* Few digits: three differences and their products fit 64 bits, so whole numbers decide. */
     for (int k = 0; k < 3; k++) {
         u[k] = orient_small_difference(&axis[k], 0, 3);
         v[k] = orient_small_difference(&axis[k], 1, 3);
@@ -257,6 +269,7 @@ static int orient_flat_large(const orient_axis axis[2])
     orient_number d[2][2];
     orient_sums sums;
 
+    /* The same in two dimensions: two vectors and two products. */
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < 2; i++) orient_large_difference(&axis[k], i, 2, &d[k][i]);
 
@@ -272,6 +285,7 @@ int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[
     orient_axis along[2];
     int64_t sum;
 
+    /* The two axes that remain, the next one first, so that left stays left. */
     orient_open_axis(points, 3, (axis + 1) % 3, &along[0]);
     orient_open_axis(points, 3, (axis + 2) % 3, &along[1]);
     if (along[0].bits + along[1].bits > ORIENT_FEW_BITS) return orient_flat_large(along);

@@ -43,6 +43,7 @@ static inline void bvxi_orient_plane_of(const double *const t[3], bvxi_orient_pl
 {
     double u[3], v[3];
 
+    /* The edges from the first corner; each has a rounding in it, which the bound counts. */
     for (int k = 0; k < 3; k++) {
         u[k] = t[1][k] - t[0][k];
         v[k] = t[2][k] - t[0][k];
@@ -51,6 +52,7 @@ static inline void bvxi_orient_plane_of(const double *const t[3], bvxi_orient_pl
     plane->origin = t[0];
     for (int k = 0; k < 3; k++) {
         int const l = k == 2 ? 0 : k + 1, m = k == 0 ? 2 : k - 1;
+        /* Each component keeps the sizes of its products beside it: they bound its error. */
         double const x = u[l] * v[m], y = u[m] * v[l];
 
         plane->normal[k] = x - y;
@@ -65,6 +67,8 @@ static inline int bvxi_orient_side(const bvxi_orient_plane *plane, const double 
     double const height = plane->normal[0] * x + plane->normal[1] * y + plane->normal[2] * z;
     double const size = plane->error[0] * bvxi_absolute(x) + plane->error[1] * bvxi_absolute(y) +
                         plane->error[2] * bvxi_absolute(z);
+
+    /* A height within the bound may have either sign. */
     double const bound = BVXI_ORIENT_ERROR * size + BVXI_ORIENT_TINY;
 
     return (height > bound) - (height < -bound);
@@ -78,6 +82,7 @@ static inline int bvxi_orient(const double a[3], const double b[3], const double
     bvxi_orient_plane plane;
     int side;
 
+    /* The filter says on which side of the normal, the determinant the opposite. */
     bvxi_orient_plane_of(t, &plane);
     side = bvxi_orient_side(&plane, d);
 

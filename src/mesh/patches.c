@@ -39,6 +39,7 @@ static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
 {
     *differs = 0;
     while (link[t] >> 1 != t) {
+        /* Paths are halved on the way, and each link keeps whether its two ends differ. */
         uint32_t const up = link[t] >> 1, above = link[up] >> 1;
 
         link[t] = above << 1 | ((link[t] ^ link[up]) & 1);
@@ -52,8 +53,11 @@ static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
     uint32_t const a = patch_root(w->link, s, &ds), b = patch_root(w->link, t, &dt);
+
+    /* The least triangle is the root, so the result does not depend on the order of edges. */
     uint32_t const least = a < b ? a : b, most = a < b ? b : a;
 
+    /* Two ways to the same root that disagree: the patch has one side only. */
     if (a == b) {
         if ((ds ^ dt) != differ) w->torn[a] = 1;
         return;
@@ -87,11 +91,14 @@ static void list_half_edges(patch_work *w)
         uint32_t *const c = w->corner + 3 * t;
         int flat;
 
+        /* A triangle with two corners at one place has no
+         * sides, so its half-edges go to the end of the order. */
         bvxi_view_triangle(w->view, t, c);
         for (int k = 0; k < 3; k++) c[k] = w->representative[c[k]];
         flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
 
         for (uint64_t k = 0; k < 3; k++) {
+            /* The lower corner first: both half-edges of an edge get the same key, whichever way they run. */
             uint64_t const a = c[k], b = c[k == 2 ? 0 : k + 1];
 
             w->keys[3 * t + k] = flat ? UINT64_MAX : a < b ? a << 32 | b : b << 32 | a;
@@ -117,6 +124,7 @@ static uint32_t runs_down(const patch_work *w, uint64_t at)
 
 static void link_edge(patch_work *w, uint64_t at, uint64_t n)
 {
+    /* Parts hang together over any edge, patches only over those of two triangles. */
     for (uint64_t i = 1; i < n; i++) join_parts(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
     if (n == 2)
         join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
@@ -128,9 +136,11 @@ static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
 {
     uint64_t down = 0;
 
+    /* Half of an edge's triangles running each way is balance; what is more stays open. */
     for (uint64_t i = 0; i < n; i++) down += runs_down(w, at + i) ^ w->out->turn[w->numbers[at + i] / 3];
     w->out->open_edges += 2 * down > n ? 2 * down - n : n - 2 * down;
 
+    /* The first edge that a manifold would not have is kept for the message. */
     if (n == 1 || (n == 2 && down == 1)) return;
     if (w->out->refused_edges++ != 0) return;
     w->out->refused[0] = (uint32_t)(w->keys[at] >> 32);
@@ -155,6 +165,7 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
     uint32_t c[3];
 
     bvxi_view_triangle(view, t, c);
+    /* About the centre, so that volumes of a mesh far away do not drown in rounding. */
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(view, c[k], p[k]);
         for (int a = 0; a < 3; a++) p[k][a] -= centre[a];
@@ -171,6 +182,7 @@ static void sum_patches(patch_work *w)
         patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
         double const volume = bvxi_patches_volume(w->view, t, w->centre);
 
+        /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
         *(differs ? &s->other : &s->same) += 1;
         s->volume += differs ? -volume : volume;
     }
@@ -181,6 +193,8 @@ static uint32_t turns_root(const patch_sums *s)
 {
     uint64_t const all = (uint64_t)s->same + s->other;
 
+    /* A clear majority, five eighths, decides; else the sign of
+     * the volume, which is above 0 when normals point outwards. */
     if (8 * (uint64_t)s->same >= 5 * all) return 0;
     if (8 * (uint64_t)s->other >= 5 * all) return 1;
     return s->volume < 0 || (s->volume == 0 && s->other > s->same);
@@ -196,6 +210,7 @@ static void choose_turned(patch_work *w)
 
         out->part[t] = part_root(out->part, (uint32_t)t);
         out->unorientable += root == t && w->torn[root];
+        /* A torn patch is left as it is: no turning makes it run one way. */
         out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
         out->turned += out->turn[t];
     }
@@ -229,6 +244,7 @@ static void close_patch_work(bvx_context *ctx, patch_work *w)
 
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 {
+    /* At first each triangle is a patch and a part of its own. */
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         w->link[t] = (uint32_t)t << 1;
         w->out->part[t] = (uint32_t)t;
@@ -238,6 +254,7 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     BVXI_TRY(bvxi_radix_sort(ctx, w->keys, w->numbers, 3 * w->out->triangles));
     each_edge(w, link_edge);
 
+    /* Sums need all links, and turning needs all sums. */
     sum_patches(w);
     choose_turned(w);
     each_edge(w, balance_edge);
@@ -252,6 +269,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
 
     memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
+    /* Half-edges have three numbers a triangle, which 32 bits must hold. */
     if (view->triangle_count > UINT32_MAX / 3)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "the mesh has %u triangles; at most %u can be looked at edge by edge",
@@ -280,6 +298,7 @@ void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)
 void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, uint32_t *index,
                        bvx_mesh_view *turned)
 {
+    /* Two corners change places, which turns the triangle and keeps its first corner. */
     for (uint64_t t = 0; t < patches->triangles; t++) {
         uint32_t *const c = index + 3 * t;
 

@@ -41,11 +41,14 @@ static int ear_holds(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q, 
 {
     const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
 
+    /* The box of the triangle first, which is what refuses most corners. */
     for (size_t k = 0; k < 2; k++) {
         double const x = xy[r][k];
         if (x < xy[p][k] && x < xy[v][k] && x < xy[q][k]) return 0;
         if (x > xy[p][k] && x > xy[v][k] && x > xy[q][k]) return 0;
     }
+
+    /* A corner at the same place as one of the triangle's does not count as inside. */
     if (bvxi_place_order(xy[r], xy[p]) == 0 || bvxi_place_order(xy[r], xy[v]) == 0 ||
         bvxi_place_order(xy[r], xy[q]) == 0)
         return 0;
@@ -58,6 +61,7 @@ static int ear_is_free(polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
 {
     for (uint32_t i = 0; i < e->reflex_count;) {
         uint32_t const r = e->reflex[i];
+        /* Corners that are no longer reflex are taken out when they are met: none becomes reflex again. */
         if (e->state[r] != EAR_REFLEX) {
             e->reflex[i] = e->reflex[--e->reflex_count];
             continue;
@@ -74,6 +78,8 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
     int32_t const turn = bvxi_ring_side(e->ring, p, v, q);
+
+    /* Each round in vain allows more, so that the loop always goes on. */
     if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
     if (round > 0) return 0;
     return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
@@ -82,6 +88,7 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 static void ear_cut(polygon_ears *e, uint32_t v)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
+    /* Only the two neighbours turn differently now. */
     bvxi_ring_triangle(e->ring, p, v, q);
     e->next[p] = q;
     e->previous[q] = p;
@@ -104,6 +111,9 @@ static void ears_prepare(polygon_ears *e, void *scratch)
     e->previous = e->next + n;
     e->reflex = e->previous + n;
     e->state = (uint8_t *)(e->reflex + n);
+
+    /* Bounded work: a ring made to have no ears would cost
+     * the square of its corners, times the reflex ones. */
     e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH
                                                                   : EAR_LOOKS_MOST;
     for (uint32_t i = 0; i < n; i++) {
@@ -128,6 +138,7 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
     e.ask = EAR_ASK;
     ears_prepare(&e, scratch);
     while (left > 3 && e.looks < e.looks_left) {
+        /* Called by looks, since a corner may take one or all reflex ones. */
         if (e.looks >= e.ask) {
             BVXI_TRY(
                 bvxi_progress(ring->ctx, "cut polygon", 0.7 + 0.3 * (double)e.looks / (double)e.looks_left));
@@ -137,6 +148,7 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
         if (ear_may_go(&e, v, round)) {
             ear_cut(&e, v);
             left--;
+            /* A cut changes what its neighbours are, so the stricter rules get another chance. */
             vain = round = 0;
         } else if (++vain == left) {
             vain = 0;
@@ -144,6 +156,8 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
         }
         v = e.next[v];
     }
+
+    /* Three corners, or all that is left when the looks are used up. */
     ear_make_fan(&e, v);
     return BVX_OK;
 }

@@ -17,6 +17,7 @@ enum { SIDE_TERMS = 12 };
 /* high + low = a + b, high the rounded sum. */
 static void side_sum(double a, double b, double *high, double *low)
 {
+    /* What rounding took off the sum, exactly: Knuth's order of operations works for any two sizes. */
     double const sum = a + b, part = sum - a;
     *low = (a - (sum - part)) + (b - part);
     *high = sum;
@@ -36,6 +37,8 @@ static void side_product(double a, double b, double *high, double *low)
     double const product = a * b;
     side_split(a, &a1, &a0);
     side_split(b, &b1, &b0);
+
+    /* The product's error as the sum of the halves' products, each of which is exact. */
     *low = a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0);
     *high = product;
 }
@@ -49,6 +52,7 @@ static void side_grow(double *parts, int count, double value)
 
 static int32_t side_of_products(const double a[2], const double b[2], const double c[2])
 {
+    /* The determinant written out in coordinates, which are exact where differences are not. */
     const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
                                   {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
     double parts[SIDE_TERMS] = {0};
@@ -60,6 +64,7 @@ static int32_t side_of_products(const double a[2], const double b[2], const doub
         side_grow(parts, n, low);
         side_grow(parts, n + 1, high);
     }
+    /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
     while (n > 0 && parts[n - 1] == 0.0) n--;
     return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
 }
@@ -68,6 +73,7 @@ int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
 {
     double ac[2], bc[2], rest[4], left, left_low, right, right_low;
 
+    /* Exact differences need two products only; that is the case for whole numbers of usual size. */
     for (size_t k = 0; k < 2; k++) {
         side_sum(a[k], -c[k], &ac[k], &rest[k]);
         side_sum(b[k], -c[k], &bc[k], &rest[k + 2]);

@@ -52,6 +52,8 @@ bvx_status bvxi_polygon_order(const bvxi_ring *ring, uint32_t *order, uint32_t *
     uint32_t const n = ring->count;
     uint32_t *from = order, *to = other;
 
+    /* A merge sort from the bottom up: stable, without
+     * recursion, and its time does not depend on the corners. */
     for (uint32_t i = 0; i < n; i++) order[i] = i;
     for (uint32_t width = 1; width < n; width *= 2) { /* merge runs of this width */
         BVXI_TRY(bvxi_ring_ask(ring, 0.4 * (double)width / (double)n));
@@ -68,6 +70,8 @@ bvx_status bvxi_polygon_order(const bvxi_ring *ring, uint32_t *order, uint32_t *
         to = swap;
     }
     if (from != order) memcpy(order, from, (size_t)n * sizeof *order);
+
+    /* Neighbours in the order at one place: the polygon touches itself. */
     *touches = 0;
     for (uint32_t i = 1; i < n; i++)
         if (bvxi_place_order(ring->xy[order[i - 1]], ring->xy[order[i]]) == 0) *touches = 1;
@@ -90,6 +94,7 @@ static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corn
     sweep_interval *const v = s->intervals;
     uint32_t low = SWEEP_NONE, high = SWEEP_NONE; /* where what remains and right of the path is hung */
 
+    /* The two halves of the split are hung below number 0, the scratch, and put together at the end. */
     v[SWEEP_NONE].left = v[SWEEP_NONE].right = SWEEP_NONE;
     for (;;) {
         int const up = highest || sweep_is_above(s, root, corner);
@@ -107,6 +112,7 @@ static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corn
             root = child;
             if ((up ? v[root].right : v[root].left) == SWEEP_NONE) break;
         }
+        /* What lies beside the path goes to the half of the lower or of the higher intervals. */
         if (up) {
             v[low].right = root;
             low = root;
@@ -131,6 +137,8 @@ static uint32_t sweep_find(polygon_sweep *s, uint32_t corner)
     uint32_t found;
 
     if (s->root == SWEEP_NONE) return SWEEP_NONE;
+
+    /* The root is a neighbour of the place searched for: it, or the highest of those below it. */
     s->root = sweep_splay(s, s->root, corner, 0);
     if (sweep_is_above(s, s->root, corner)) return s->root;
     if (v[s->root].left == SWEEP_NONE) return SWEEP_NONE;
@@ -148,6 +156,7 @@ static void sweep_insert(polygon_sweep *s, uint32_t found, uint32_t interval)
     v[interval].left = found;
     v[interval].right = found == SWEEP_NONE ? s->root : v[found].right;
     if (found != SWEEP_NONE) v[found].right = SWEEP_NONE;
+    /* Below it hang all up to the one found, above it all others: the new root keeps the order. */
     s->root = interval;
 }
 
@@ -161,6 +170,8 @@ static void sweep_remove(polygon_sweep *s, uint32_t interval, uint32_t corner)
         s->good = 0;
         return;
     }
+
+    /* The two subtrees are joined: the highest of the lower ones has no right subtree after splaying. */
     rest = v[interval].right;
     s->root = v[interval].left;
     if (s->root == SWEEP_NONE) {
@@ -186,7 +197,10 @@ static int sweep_cut(polygon_sweep *s, uint32_t below, uint32_t above, uint32_t 
 {
     uint32_t const a = s->links[below].corner, b = s->links[above].corner;
 
+    /* A corner that does not see the two: they stay in the chain. */
     if (bvxi_ring_side(s->ring, a, corner, b) < wanted) return 0;
+
+    /* A simple polygon has count - 2 triangles; one more shows that this one is not. */
     if (s->ring->made == s->ring->count - 2) {
         s->good = 0;
         return 0;
@@ -260,6 +274,7 @@ static void sweep_start(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const made = ++s->interval_count;
     sweep_interval *const v = &s->intervals[made];
+    /* It lies right above the interval below its corner, since edges do not cross. */
     sweep_insert(s, sweep_find(s, corner), made);
     sweep_bound(s, made, corner, before);
     v->bottom = v->top = v->front = sweep_link(s, corner);
@@ -272,6 +287,7 @@ static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
     uint32_t made, front, copy, roof;
     sweep_interval *lower, *upper;
 
+    /* A corner inside of nothing: edges have crossed. */
     if (found == SWEEP_NONE) {
         s->good = 0;
         return;
@@ -279,11 +295,14 @@ static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
     made = ++s->interval_count;
     lower = &s->intervals[found];
     upper = &s->intervals[made];
+
+    /* Floors and roofs: the lower interval ends at the corner's own edge, the upper one begins there. */
     sweep_insert(s, found, made);
     roof = lower->roof;
     sweep_bound(s, made, corner, roof);
     sweep_bound(s, found, lower->floor, before);
     front = lower->front;
+    /* The front belongs to both chains now, so it gets a second link. */
     copy = sweep_link(s, s->links[front].corner);
     upper->bottom = copy;
     upper->top = lower->top == front ? copy : lower->top;
@@ -304,6 +323,7 @@ static void sweep_end(polygon_sweep *s, uint32_t corner, uint32_t before)
         s->good = 0;
         return;
     }
+    /* With both edges ended, all that is left of the chain must be cut off from this corner. */
     for (uint32_t k = s->intervals[i].bottom; (next = s->links[k].above) != SWEEP_NONE; k = next) {
         if (sweep_cut(s, k, next, corner, 0)) continue;
         s->good = 0;
@@ -324,9 +344,13 @@ static void sweep_merge(polygon_sweep *s, uint32_t corner, uint32_t before)
     }
     lower = &s->intervals[low];
     upper = &s->intervals[high];
+
+    /* The corner closes the lower chain and opens the way to the upper one, which follows it. */
     sweep_add_top(s, lower, corner);
     sweep_join(s, lower->top, sweep_cut_up(s, upper->bottom, corner));
     lower->top = upper->top;
+    /* The interval above is taken out before its roof is
+     * passed to the one below, which the search still needs. */
     sweep_remove(s, high, corner);
     sweep_bound(s, low, lower->floor, upper->roof);
 }
@@ -338,6 +362,7 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
     int const from_left = s->rank[before]<s->rank[corner], to_right = s->rank[after]> s->rank[corner];
     uint32_t i;
 
+    /* One edge comes and one goes: the corner continues a floor or a roof. */
     if (from_left && to_right) {
         if ((i = sweep_with_floor(s, before)) == SWEEP_NONE) return;
         sweep_bound(s, i, corner, s->intervals[i].roof);
@@ -347,6 +372,7 @@ static void sweep_corner(polygon_sweep *s, uint32_t corner)
         sweep_bound(s, i, s->intervals[i].floor, before);
         sweep_add_top(s, &s->intervals[i], corner);
     } else {
+        /* Both edges on one side: whether the interior lies between them is the sense of the turn. */
         int32_t const turn = bvxi_ring_side(ring, before, corner, after);
         if (turn == 0) s->good = 0; /* one edge lies on the other */
         else if (to_right && turn > 0) sweep_start(s, corner, before);
@@ -376,11 +402,14 @@ bvx_status bvxi_polygon_sweep(bvxi_ring *ring, const uint32_t *order, void *scra
     s.intervals = (sweep_interval *)(void *)(s.links + (size_t)n * 2 + 2);
     s.good = 1;
     memset(s.interval_of, 0, (size_t)n * sizeof *s.interval_of);
+    /* The rank makes every later comparison of corners one of whole numbers. */
     for (uint32_t i = 0; i < n; i++) s.rank[order[i]] = i;
     for (uint32_t i = 0; i < n && s.good; i++) {
         if (i % SWEEP_ASK == 0) BVXI_TRY(bvxi_ring_ask(ring, 0.4 + 0.3 * (double)i / (double)n));
         sweep_corner(&s, order[i]);
     }
+
+    /* All three must hold for a triangulation; else another way is taken. */
     *good = s.good && ring->made == n - 2 && s.root == SWEEP_NONE;
     return BVX_OK;
 }

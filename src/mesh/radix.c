@@ -10,6 +10,7 @@ enum { RADIX_DIGITS = 8, RADIX_VALUES = 256 };
 static void count_radix_digits(const uint64_t *keys, uint64_t count,
                                uint32_t table[RADIX_DIGITS][RADIX_VALUES])
 {
+    /* All digits are counted in one walk over the keys, as their counts do not depend on the order. */
     memset(table, 0, sizeof table[0] * RADIX_DIGITS);
     for (uint64_t i = 0; i < count; i++)
         for (int d = 0; d < RADIX_DIGITS; d++) table[d][keys[i] >> 8 * d & 255]++;
@@ -22,6 +23,7 @@ static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
 
     for (int v = 0; v < RADIX_VALUES; v++) {
         uint32_t const n = table[v];
+        /* A digit that is the same everywhere does not change the order: its pass is left out. */
         if (n == count) return 0;
         table[v] = sum;
         sum += n;
@@ -46,6 +48,7 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     number_to = spare_numbers;
     count_radix_digits(keys, count, table);
     for (int d = 0; d < RADIX_DIGITS; d++) {
+        /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
         if (!radix_counts_to_places(table[d], count)) continue;
         for (uint64_t i = 0; i < count; i++) {
             uint32_t const place = table[d][key_from[i] >> 8 * d & 255]++;
@@ -59,6 +62,8 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
         number_from = number_to;
         number_to = number_swap;
     }
+
+    /* After an odd number of passes the result lies in the spare arrays. */
     if (key_from != keys) {
         memcpy(keys, key_from, (size_t)count * sizeof *keys);
         memcpy(numbers, number_from, (size_t)count * sizeof *numbers);

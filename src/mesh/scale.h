@@ -9,6 +9,7 @@ static inline double bvxi_unit_scale(const double low[3], const double high[3])
 {
     double largest = 0.0, s = 1.0;
 
+    /* The larger of both ends counts, whatever its sign. */
     for (int a = 0; a < 3; a++) {
         largest = high[a] > largest ? high[a] : largest;
         largest = -low[a] > largest ? -low[a] : largest;

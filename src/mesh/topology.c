@@ -62,6 +62,7 @@ static void entries_sift(uint64_t *e, size_t at, size_t n)
 {
     uint64_t const value = e[at];
 
+    /* A hole moves down the heap; the value is stored once, where it stops. */
     for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
         if (child + 1 < n && e[child + 1] > e[child]) child++;
         if (e[child] <= value) break;
@@ -73,6 +74,7 @@ static void entries_sift(uint64_t *e, size_t at, size_t n)
 
 static void entries_sort(uint64_t *e, size_t n)
 {
+    /* Buckets hold some three edges as a rule, for which insertion is the fastest. */
     if (n <= TOPOLOGY_INSERTION_LIMIT) {
         for (size_t i = 1; i < n; i++) {
             uint64_t const value = e[i];
@@ -98,6 +100,7 @@ static void fill_edge_buckets(topology *c)
     uint32_t sum = 0;
     const uint32_t *t = c->corners;
 
+    /* Counted by the lower vertex first, so that every bucket has its place. */
     memset(c->bucket_end, 0, (size_t)c->vertex_count * sizeof *c->bucket_end);
     for (uint64_t h = 0; h < half_edges; h += 3, t += 3) {
         c->bucket_end[t[0] < t[1] ? t[0] : t[1]]++;
@@ -145,6 +148,7 @@ static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, 
     size_t kept = 0;
 
     for (size_t i = 0; i < n; i++) {
+        /* Each triangle has three edges; this test leaves one of them, that of its two least vertices. */
         uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
         if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
     }
@@ -167,12 +171,16 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
         r->boundary_edges++;
         return;
     }
+
+    /* A ring over all half-edges of the edge: each links to the next, the last to the first. */
     for (size_t i = 0; i < n; i++) {
         uint32_t const h = (uint32_t)e[i];
         c->ring[h] = (uint32_t)e[i + 1 == n ? 0 : i + 1];
         upwards += c->corners[h] == lower;
         if (i > 0 && !c->edges_alone) join_triangles(c, first / 3, h / 3);
     }
+
+    /* More than one half-edge in the same direction contradicts an orientation. */
     if (upwards > 1 || n - upwards > 1) r->oriented = 0;
     if (n == 2 && upwards != 1) r->flipped_edges++;
     if (n > 2) {
@@ -185,6 +193,7 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
 
 static bvx_status check_edges(topology *c)
 {
+    /* Every triangle is a component at first, and each join takes one away. */
     uint64_t begin = 0;
 
     for (uint64_t t = 0; t < c->triangle_count; t++) c->parent[t] = (uint32_t)t;
@@ -194,6 +203,7 @@ static bvx_status check_edges(topology *c)
         uint64_t const end = c->bucket_end[v];
         if (v % TOPOLOGY_ASKS == 0)
             BVXI_TRY(bvxi_progress(c->ctx, "check", 0.4 + 0.4 * (double)v / (double)c->vertex_count));
+        /* In a bucket the lower vertex is the same, so sorting brings each edge's half-edges together. */
         entries_sort(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint64_t stop = begin + 1;
@@ -215,6 +225,7 @@ static int walk_fan(topology *c, uint32_t v, uint32_t h, uint32_t from)
     for (;;) {
         uint32_t const over = c->ring[h];
         uint32_t corner;
+        /* The edge has one triangle only: the fan ends here. */
         if (over == h) return 0;
         if (c->corners[over] == v) { /* the neighbour leaves v over this edge: its other edge at v comes in */
             corner = over;
@@ -255,6 +266,8 @@ static bvx_status check_vertices(topology *c)
         topology_bit_set(c->seen, v);
         r->vertices++;
         topology_bit_set(c->walked, h);
+
+        /* A fan with a border is walked from its middle to both ends. */
         if (!walk_fan(c, v, (uint32_t)h, (uint32_t)h))
             walk_fan(c, v, half_edge_before((uint32_t)h), (uint32_t)h);
     }
@@ -313,6 +326,7 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     c.result = certificate;
     c.edges_alone = edges_alone;
     status = allocate_topology(ctx, &c);
+    /* Edges first: what they break decides which vertices have fans at all. */
     if (status == BVX_OK) {
         fill_edge_buckets(&c);
         status = check_edges(&c);

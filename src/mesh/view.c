@@ -13,6 +13,8 @@ bvx_status bvxi_view_fail_index(bvx_context *ctx, const char *function, const bv
     uint64_t c[3];
     int k = 0;
     bvxi_view_raw_triangle(view, t, c);
+
+    /* The message names the first corner that is out of range. */
     while (k < 2 && c[k] < view->vertex_count) k++;
     return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                          "%s: triangle %i has vertex index %u, but there are %u vertices", function, t, c[k],
@@ -36,6 +38,7 @@ static bvx_status check_view_positions(bvx_context *ctx, const char *function, c
 {
     uint32_t const least = v->position_type == BVX_F32 ? 12 : 24;
 
+    /* Sizes and strides before counts: the product below is computed with them. */
     if (v->position_type != BVX_F32 && v->position_type != BVX_F64)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: mesh.position_type is %u, not BVX_F32 (1) or BVX_F64 (2)", function,
@@ -52,6 +55,7 @@ static bvx_status check_view_positions(bvx_context *ctx, const char *function, c
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                              "%s: mesh.positions is NULL with a vertex_count of %u", function,
                              v->vertex_count);
+    /* On machines of 32 bits the product may be more than any array holds. */
     if (v->vertex_count * bvxi_view_position_stride(v) > SIZE_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: mesh.vertex_count is %u, more than memory can hold", function,
@@ -65,6 +69,8 @@ static bvx_status check_view_indices(bvx_context *ctx, const char *function, con
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: mesh.triangle_count is %u, the limit is below 2^31", function,
                              v->triangle_count);
+
+    /* Without indices the vertices are the corners, three a triangle. */
     if (v->indices == NULL) {
         if (3 * v->triangle_count > v->vertex_count)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NULL,
@@ -76,6 +82,7 @@ static bvx_status check_view_indices(bvx_context *ctx, const char *function, con
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: mesh.index_type is %u, not BVX_U16 (1), BVX_U32 (2) or BVX_U64 (3)",
                              function, (uint64_t)v->index_type);
+    /* The types are 2, 4 and 8 bytes wide, in this order. */
     if (v->index_stride != 0 && v->index_stride < (uint32_t)6 << (v->index_type - BVX_U16))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
                          "%s: mesh.index_stride is %u, less than the %u bytes of a triangle", function,
@@ -120,6 +127,7 @@ static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3]
     uint32_t c[3];
     double p[3];
 
+    /* The first corner's vertex starts both bounds; there is a triangle, as the caller has checked. */
     bvxi_view_triangle(v, 0, c);
     bvxi_view_position(v, c[0], low);
     bvxi_view_position(v, c[0], high);
@@ -171,14 +179,17 @@ static int bounds_of_block(const unsigned char *at, size_t n, float low[3], floa
 
     memcpy(lo, at, 4 * lanes);
     memcpy(hi, at, 4 * lanes);
+    /* x * 0 is 0 for finite numbers and NaN for the others, so a sum shows whether one is among them. */
     for (size_t k = 0; k < lanes; k++) zero[k] = lo[k] * 0.0f;
     for (; i + VIEW_LANES <= 3 * n; i += VIEW_LANES) take_lanes(at + 4 * i, lo, hi, zero);
+    /* The rest goes to the first lanes, which are x, y, z in turn as well. */
     for (int k = 0; i < 3 * n; i++, k++) {
         memcpy(&f, at + 4 * i, sizeof f);
         lo[k] = f < lo[k] ? f : lo[k];
         hi[k] = f > hi[k] ? f : hi[k];
         zero[k] += f * 0.0f;
     }
+    /* Lanes become axes: every third one is of the same coordinate. */
     for (size_t k = 0; k < lanes; k++) {
         low[k % 3] = k < 3 || lo[k] < low[k % 3] ? lo[k] : low[k % 3];
         high[k % 3] = k < 3 || hi[k] > high[k % 3] ? hi[k] : high[k % 3];
@@ -196,6 +207,8 @@ static int bounds_of_all(const bvx_mesh_view *v, view_extremes *e)
         uint64_t const n = v->vertex_count - first < VIEW_VERTEX_BLOCK ? v->vertex_count - first
                                                                        : VIEW_VERTEX_BLOCK;
         float low[3], high[3];
+        /* A block keeps the search for the vertex short: it
+         * is looked for only in the one that has the extreme. */
         finite &= bounds_of_block(p + 12 * (size_t)first, (size_t)n, low, high);
         for (int a = 0; a < 3; a++) {
             if (first == 0 || low[a] < e->low[a]) {
@@ -227,6 +240,7 @@ static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
 
+    /* A count that is known when compiling makes the first loop one without a remainder. */
     if (n == VIEW_INDEX_BLOCK) {
         for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
             memcpy(&c, at + 4 * i, sizeof c);
@@ -246,6 +260,7 @@ static int indices_within(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
 
+    /* As above: the whole block has a loop of its own. */
     if (n == VIEW_INDEX_BLOCK) {
         for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
             memcpy(&c, at + 4 * i, sizeof c);
@@ -273,6 +288,7 @@ static int triangles_mention(const bvx_mesh_view *v, uint32_t want[6], int *with
         size_t const n = left < VIEW_INDEX_BLOCK ? (size_t)left : VIEW_INDEX_BLOCK;
         const unsigned char *const at = p + 4 * (size_t)first;
         *within = indices_within(at, n, (uint32_t)(v->vertex_count - 1));
+        /* From the end, so that a vertex that was found can give its place to the last one. */
         for (int k = missing - 1; k >= 0; k--)
             if (indices_mention(at, n, want[k])) want[k] = want[--missing];
     }
@@ -287,6 +303,8 @@ static int bounds_packed(const bvx_mesh_view *v, double low[3], double high[3])
     int within;
 
     if (!bvxi_view_packed_f32(v) || !bvxi_view_packed_u32(v) || v->vertex_count == 0) return 0;
+
+    /* Something that is not finite: the plain loops name it. */
     if (!bounds_of_all(v, &e)) return 0;
     for (int a = 0; a < 3; a++) {
         want[2 * a] = vertex_at_extreme(v, e.low_block[a], a, e.low[a]);
@@ -304,6 +322,8 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
 
     if (view->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", function);
+    /* The fast way answers only where it is certain; else
+     * the specification decides, and finds what to report. */
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
@@ -320,6 +340,8 @@ bvx_status bvxi_view_take_points(bvx_context *ctx, const char *function, const b
                                  bvx_mesh_view *points)
 {
     if (view == NULL) return bvxi_fail_null(ctx, function, "points");
+
+    /* Triangles of the caller's are left out, and with them what could be wrong about indices. */
     *points = *view;
     points->indices = NULL;
     points->triangle_count = 0;
@@ -373,6 +395,7 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     const void *const to[2] = {result->positions, result->triangles};
     const void *const from[2] = {view->positions, view->indices};
 
+    /* Each array that is written against each that is read. */
     for (int32_t i = 0; i < 2; i++)
         for (int32_t k = 0; k < 2; k++)
             if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))
@@ -386,6 +409,7 @@ uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner
 {
     bvxi_hash hash;
 
+    /* By places, not by indices: the hash is the same for any numbering of the vertices. */
     bvxi_hash_start(&hash, 0);
     for (int k = 0; k < 3; k++) {
         double p[3];

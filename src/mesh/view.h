@@ -80,6 +80,7 @@ static inline int bvxi_view_packed_u32(const bvx_mesh_view *v)
 /* Corners of triangle t as the caller gave them; u64 indices are not cut short. */
 static inline void bvxi_view_raw_triangle(const bvx_mesh_view *v, uint64_t t, uint64_t corner[3])
 {
+    /* Copied, not cast: the caller's array may have any alignment. */
     if (v->indices == NULL) {
         corner[0] = 3 * t;
         corner[1] = 3 * t + 1;
@@ -109,6 +110,7 @@ static inline int bvxi_view_triangle(const bvx_mesh_view *v, uint64_t t, uint32_
     corner[0] = (uint32_t)c[0];
     corner[1] = (uint32_t)c[1];
     corner[2] = (uint32_t)c[2];
+    /* A bitwise and: all three are compared without a jump, as they are right nearly always. */
     return (c[0] < v->vertex_count) & (c[1] < v->vertex_count) & (c[2] < v->vertex_count);
 }
 

@@ -23,6 +23,7 @@ static uint32_t weld_hash(const double p[3])
     uint64_t h = 0, bits;
     double x;
 
+    /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
     for (int a = 0; a < 3; a++) {
         x = p[a] + 0.0;
         memcpy(&bits, &x, sizeof bits);
@@ -50,6 +51,8 @@ static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *
     for (uint64_t i = 0; i < v->vertex_count; i++) {
         BVXI_TRY(weld_ask(ctx, v, i));
         bvxi_view_position(v, i, p);
+
+        /* The high bits of the hash times the size spread over the table without a division. */
         uint64_t slot = (uint64_t)weld_hash(p) * size >> 31; /* size < 2^33 */
         for (;; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             uint32_t const other = table[slot];
@@ -65,6 +68,7 @@ static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *
                 break;
             }
         }
+        /* Too many steps so far: whatever was found is thrown away, and the tree begins anew. */
         if (BVXI_UNLIKELY(probes > limit)) return BVX_OK;
     }
     *different = found;
@@ -90,6 +94,7 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
     for (uint64_t i = 0; i < view->vertex_count && status == BVX_OK; i++) {
         status = weld_ask(ctx, view, i);
         representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
+        /* A vertex that finds itself is the first at its position. */
         *different += representative[i] == i;
     }
     bvxi_key_tree_close(ctx, &tree);
@@ -106,6 +111,8 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
     status = weld_into(ctx, view, table, size, representative, different);
     bvxi_drop(ctx, table);
+
+    /* No vertex at all has been found different: the mark of a search that was given up. */
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
     return weld_by_tree(ctx, view, representative, different);
 }

@@ -34,6 +34,7 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
     static const double instead[2][3] = {{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}};
     double upwards[3], right[3], half[3], other_half[3];
 
+    /* Halves are subtracted, as the difference of two large coordinates might overflow. */
     memset(camera, 0, sizeof *camera);
     for (int a = 0; a < 3; a++) {
         half[a] = high[a] * 0.5 - low[a] * 0.5;
@@ -44,6 +45,8 @@ void bvxi_camera_look(bvxi_camera *camera, const double low[3], const double hig
     bvxi_camera_move(camera, low, high);
     camera_normalize(direction, camera->axis[2]);
     camera_normalize(up, upwards);
+
+    /* Looking along `up`, another direction has to say where up is. */
     bvxi_vec_cross(upwards, camera->axis[2], right);
     for (int k = 0; k < 2 && bvxi_vec_length(right) < 1e-6; k++)
         bvxi_vec_cross(instead[k], camera->axis[2], right);
@@ -65,6 +68,7 @@ void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int3
     double const side[2] = {(double)width, (double)height};
 
     for (int a = 0; a < 2; a++) {
+        /* The tighter side decides, so that all fits in. */
         double const size = extent->high[a] - extent->low[a];
         double const scale = side[a] * CAMERA_FILLS / (size > CAMERA_THIN ? size : CAMERA_THIN);
         if (a == 0 || scale < camera->scale) camera->scale = scale;

@@ -28,6 +28,7 @@ static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double p
 {
     int32_t count = 0;
 
+    /* Points on the plane count as inside, so a triangle that only touches it keeps its corner. */
     for (int32_t i = 0; i < n; i++) {
         const double *const p = in[i], *const q = in[i + 1 == n ? 0 : i + 1];
         double const here = sign * (p[axis] - plane), there = sign * (q[axis] - plane);
@@ -45,6 +46,9 @@ int32_t bvxi_cut_triangle(const bvxi_cut *cut, const double triangle[3][3], doub
     int32_t n = 3;
 
     memcpy(corner, triangle, 3 * sizeof *corner);
+
+    /* Two arrays take turns; a plane that cuts nothing off
+     * is skipped, so most triangles stay where they are. */
     for (int a = 0; a < 3; a++)
         for (int high = 0; high < 2 && n > 0; high++) {
             double const plane = high ? cut->high[a] : cut->low[a], sign = high ? -1.0 : 1.0;

@@ -25,6 +25,7 @@ static double kept_voxel_centre(const bvx_grid *g, int axis, int32_t i)
 /* The first voxel of an axis whose centre lies at or above a place (above: beyond it), by bisection. */
 static int32_t first_voxel_from(const bvx_grid *g, int axis, double place, int above)
 {
+    /* By bisection on the same sum that places voxels, so that rounding cannot make two answers. */
     int32_t begin = 0, end = g->size[axis];
 
     while (begin < end) {
@@ -42,6 +43,7 @@ void bvxi_grid_cut(const bvx_grid *grid, const double low[3], const double high[
     for (int a = 0; a < 3; a++) {
         begin[a] = first_voxel_from(grid, a, low[a], 0);
         end[a] = first_voxel_from(grid, a, high[a], 1);
+        /* A cut between two centres leaves nothing, not less than nothing. */
         if (end[a] < begin[a]) end[a] = begin[a];
     }
 }
@@ -70,6 +72,8 @@ static void extent_of_rows(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+
+    /* Each piece has an extent of its own; the largest of all does not depend on their order. */
     bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         int32_t j, k, first, last;
@@ -98,6 +102,8 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_drop(ctx, s->extent);
     BVXI_TRY(status);
+
+    /* Three reasons for an empty picture have three messages. */
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", s->picture.function,
                          bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) ||
@@ -121,8 +127,11 @@ static void look_at_grid(bvxi_grid_scene *s)
         low[a] = l->origin[a] + s->grid->low[a] * l->spacing[a];
         high[a] = l->origin[a] + ((double)s->grid->low[a] + s->grid->size[a]) * l->spacing[a];
     }
+
+    /* The camera looks at the whole lattice, so a cut does not turn the picture. */
     bvxi_camera_look(c, low, high, s->picture.options.direction, s->picture.options.up);
     bvxi_camera_turn(c, low, s->corner);
+    /* Edges of a voxel in the camera's axes: all corners are sums of whole multiples of them. */
     for (int e = 0; e < 3; e++)
         for (int a = 0; a < 3; a++) s->edge[e][a] = c->axis[a][e] * (l->spacing[e] * c->unit);
 }
@@ -146,6 +155,7 @@ static void place_grid(bvxi_grid_scene *s)
     int32_t const bits = s->picture.raster.fraction_bits;
     double low[3], at[3];
 
+    /* The low corner of what is kept, as the base of all integer places. */
     for (int a = 0; a < 3; a++)
         low[a] = s->corner[a] + s->begin[0] * s->edge[0][a] + s->begin[1] * s->edge[1][a] +
                  s->begin[2] * s->edge[2][a];
@@ -153,6 +163,8 @@ static void place_grid(bvxi_grid_scene *s)
     for (int a = 0; a < 2; a++) {
         s->base[a] = snap_to_fixed(at[a], bits);
         s->low[a] = s->high[a] = 0;
+        /* Every edge is snapped once; strips of any length
+         * are whole multiples of it and meet without gaps. */
         for (int e = 0; e < 3; e++) {
             s->step[e][a] = snap_to_fixed((a == 0 ? s->edge[e][0] : -s->edge[e][1]) * c->scale, bits);
             if (s->step[e][a] < 0) s->low[a] += (int32_t)s->step[e][a];
@@ -160,10 +172,12 @@ static void place_grid(bvxi_grid_scene *s)
         }
     }
     s->base_z = at[2];
+    /* Steps of voxels too small to be seen are smoothed over; larger ones show as faces. */
     s->picture.roughness = s->picture.options.smooth || voxel < GRID_FINE ? voxel : 0.0;
     s->blocky = s->picture.options.smooth ? 0.0 : voxel / GRID_FINE * (voxel / GRID_FINE);
     for (int e = 0; e < 3; e++) {
         s->step_z[e] = s->edge[e][2] * c->scale;
+        /* Square to the eye's plane a face covers no sample. */
         if (c->axis[2][e] == 0.0) continue; /* never drawn */
         s->plane[e].dx = -c->axis[0][e] / c->axis[2][e];
         s->plane[e].dy = c->axis[1][e] / c->axis[2][e];
@@ -179,6 +193,7 @@ static void clip_grid_range(int64_t base, int64_t step, int64_t low, int64_t hig
     if (step == 0) {
         if (base < low || base > high) last = -1;
     } else {
+        /* The inequality is turned so that the step is positive, and divided once. */
         int64_t const a = step > 0 ? low - base : base - high, b = step > 0 ? high - base : base - low;
         int64_t const d = step > 0 ? step : -step;
         if (a > 0) first = (a + d - 1) / d;
@@ -203,10 +218,13 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
     const bvxi_grid_scene *const s = w->scene;
     int const u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     int64_t const length = u == 0 ? n : 1;
+
+    /* Relative to the voxels that are kept, as the base is. */
     int64_t at[3] = {i - s->begin[0], j - s->begin[1], k - s->begin[2]};
     int32_t corner[4][2];
     bvxi_raster_plane plane = s->plane[axis];
 
+    /* The face on the side of the eye. */
     at[axis] += s->step_z[axis] > 0.0;
     for (int a = 0; a < 2; a++) {
         int64_t const p = s->base[a] + at[0] * s->step[0][a] + at[1] * s->step[1][a] + at[2] * s->step[2][a];
@@ -215,6 +233,8 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
         corner[2][a] = (int32_t)(p + length * s->step[u][a] + s->step[v][a]);
         corner[3][a] = (int32_t)(p + s->step[v][a]);
     }
+
+    /* The plane through the face, for depths; low and high keep rounding inside it. */
     double const part = 1.0 / (double)((int64_t)1 << w->raster->fraction_bits);
     double const along = (double)length * s->step_z[u], across = s->step_z[v];
     plane.x = corner[0][0] * part;
@@ -229,6 +249,7 @@ static void draw_strip(const face_work *w, int axis, uint32_t id, int32_t i, int
 static void draw_faces_of_word(const face_work *w, int axis, uint32_t id, uint64_t faces, int32_t first,
                                int32_t j, int32_t k)
 {
+    /* A run of set bits is one strip; along x itself faces do not join. */
     while (faces != 0) {
         int32_t const begin = bvxi_lowest(faces);
         uint64_t const rest = ~(faces >> begin); /* its lowest set bit ends the run */
@@ -259,6 +280,7 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
     const bvx_grid *const g = s->grid;
     voxel_row r = {NULL, NULL, 0};
 
+    /* Beside the window all is empty. */
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return r;
     size_t const at = ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
     r.first = g->words + at;
@@ -272,6 +294,7 @@ static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uin
                                const voxel_row *row, int32_t i, int32_t j, int32_t k)
 {
     uint64_t const first = row->first[i], second = row->second[i];
+    /* Three kinds of membership, each face in exactly one. */
     uint64_t const member[3] = {first & second, first & ~second, second & ~first};
     for (int m = 0; m < 3; m++) {
         draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], i * BVXI_WORD_BITS,
@@ -285,6 +308,7 @@ static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uin
 static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, int32_t end)
 {
     const bvxi_grid_scene *const s = w->scene;
+    /* The neighbour towards the eye, along each axis. */
     int32_t const sign[3] = {s->step_z[0] > 0.0 ? 1 : -1, s->step_z[1] > 0.0 ? 1 : -1,
                              s->step_z[2] > 0.0 ? 1 : -1};
     voxel_row const here = row_beside(s, j, k);
@@ -297,7 +321,10 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
             double const facing = s->picture.camera.axis[2][axis];
             int32_t const next = i + sign[0];
             uint64_t set = set_in_row(&beside[axis], i), kept = kept_in_row(s, &beside[axis], i);
+            /* Nearly edge-on, a face covers no sample but might show as a line of noise. */
             if (facing < GRID_EDGE_ON && facing > -GRID_EDGE_ON) continue;
+            /* Along x the neighbours are bits of the same row:
+             * shifted by one, with a bit of the next word. */
             if (axis == 0) {
                 int const in = next >= 0 && next < s->grid->words_per_row;
                 uint64_t const next_set = in ? set_in_row(&here, next) : 0;
@@ -330,6 +357,9 @@ void bvxi_grid_scene_draw(const void *user, const bvxi_raster *raster, bvxi_rast
     int64_t const bottom = (int64_t)rows.end << raster->fraction_bits;
     int32_t const size[3] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1], s->end[2] - s->begin[2]};
     int64_t const along_x = (int64_t)(size[0] - 1) * s->step[0][1];
+
+    /* Each range is widened by what the inner loops may add: a
+     * slice is left out only when none of its rows can show. */
     int64_t const along_y = (int64_t)(size[1] - 1) * s->step[1][1];
     /* for the low corner of a voxel */
     int64_t const row_low = top - s->high[1], row_high = bottom - s->low[1];

@@ -31,6 +31,7 @@ void bvx_render_options_init(bvx_render_options *options, size_t size)
 static bvx_status check_picture_direction(bvx_context *ctx, const char *function, const char *name,
                                           const double v[3])
 {
+    /* A difference from itself is 0 only for finite numbers. */
     for (int a = 0; a < 3; a++)
         if (v[a] - v[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
@@ -49,6 +50,7 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
     if (o->smooth != 0 && o->smooth != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: smooth is %d, not 0 or 1",
                              function, (int64_t)o->smooth);
+    /* What must at least be in the frame: 0 requires nothing. */
     for (int a = 0; a < 2; a++)
         if (!(o->show[a] >= 0.0) || o->show[a] - o->show[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -93,6 +95,7 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
 {
     *options = render_defaults;
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
+    /* Pixels of another allocator cannot be freed here. */
     if (image->pixels != NULL && (image->width < 1 || image->height < 1))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: image brings pixels, which are not used; zero it first", function);
@@ -107,6 +110,8 @@ bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_r
     memset(picture, 0, sizeof *picture);
     picture->function = function;
     BVXI_TRY(bvxi_picture_options(ctx, function, options, image, 1, &picture->options));
+
+    /* Several samples a pixel are a larger frame, which is averaged when it is shaded. */
     picture->raster.width = picture->options.width * picture->options.samples;
     picture->raster.height = picture->options.height * picture->options.samples;
     picture->raster.fraction_bits = bvxi_raster_fraction_bits(
@@ -132,6 +137,7 @@ static void draw_picture_band(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     picture_band(p, index, &rows.begin, &rows.end);
+    /* Bands are counted in pixels, the raster in samples. */
     rows.begin *= p->options.samples;
     rows.end *= p->options.samples;
     bvxi_raster_clear(&p->raster, rows);
@@ -153,6 +159,8 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
     picture_work work = {p, NULL};
     bvxi_shade *shade = NULL;
 
+    /* Shading needs all depths of the frame, since light
+     * comes from around each sample: so it is a second pass. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
     BVXI_TRY(bvxi_parallel(ctx, "render", 0.2, 0.5, bands, draw_picture_band, &work));
@@ -172,6 +180,8 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
+
+    /* Depths and samples live only as long as the two passes. */
     status = draw_and_shade(ctx, p, samples);
     bvxi_drop(ctx, p->raster.id);
     bvxi_drop(ctx, p->raster.depth);

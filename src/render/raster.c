@@ -15,6 +15,7 @@ typedef struct raster_span {
 int32_t bvxi_raster_fraction_bits(int32_t side)
 {
     int32_t bits = 20;
+    /* More bits than that would leave 30 bits a coordinate, and products of two must fit 64. */
     while (bits > 0 && (int64_t)side << bits > INT64_C(1) << 29) bits--;
     return bits;
 }
@@ -45,10 +46,13 @@ static void raster_edge(raster_span *span, int32_t first, int32_t begin, int32_t
     int64_t x = raster_floor_div(n, unit), rest = n - x * unit;
     int64_t step = 0, step_rest = 0;
 
+    /* A single row needs no step, and most edges are that short. */
     if (end - begin > 1) {
         step = raster_floor_div(dx, dy);
         step_rest = (dx - step * dy) * ((int64_t)1 << bits);
     }
+
+    /* Quotient and remainder move on together: exact on every row, without another division. */
     for (int32_t row = begin - first; row < end - first; row++) {
         if (x < span->left[row]) span->left[row] = (int32_t)x;
         if (x > span->right[row]) span->right[row] = (int32_t)x;
@@ -65,11 +69,14 @@ static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t
                         const bvxi_raster_plane *p, uint32_t id)
 {
     size_t const at = (size_t)row * (size_t)r->width;
+
+    /* The value at the middle of the row; samples differ by the slope along x. */
     double const z = p->z + p->dy * (row + 0.5 - p->y);
 
     for (int32_t x = left; x < right; x++) {
         double const exact = z + p->dx * (x + 0.5 - p->x);
         float const d = (float)(exact < p->low ? p->low : exact > p->high ? p->high : exact);
+        /* The nearest wins; of equals the first drawn, whose order is that of the triangles. */
         if (d > r->depth[at + (size_t)x]) {
             r->depth[at + (size_t)x] = d;
             r->id[at + (size_t)x] = id;
@@ -85,6 +92,7 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     raster_span span;
     int32_t begin, end;
 
+    /* The box first: most triangles of a fine mesh lie between two rows or two columns of samples. */
     for (int32_t k = 1; k < count; k++)
         for (int32_t a = 0; a < 2; a++) {
             low[a] = corner[k][a] < low[a] ? corner[k][a] : low[a];
@@ -100,6 +108,7 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
         span.left[row] = INT32_MAX;
         span.right[row] = INT32_MIN;
     }
+    /* Each edge that crosses rows of the band narrows or widens the spans of these rows. */
     for (int32_t k = 0; k < count; k++) {
         const int32_t *a = corner[k], *b = corner[k + 1 == count ? 0 : k + 1];
         int32_t from, to;

@@ -19,12 +19,15 @@ static void voxel_of_sample(const bvxi_grid_scene *s, double depth, int axis, in
                             int32_t voxel[3], double part[3])
 {
     const bvxi_camera *const c = &s->picture.camera;
+    /* From the frame back to the world: the sample's place and depth, about the grid's corner. */
     double const q[3] = {(x + 0.5 - c->half[0]) / c->scale + c->middle[0] - s->corner[0],
                          (c->half[1] - y - 0.5) / c->scale + c->middle[1] - s->corner[1],
                          depth / c->scale - s->corner[2]};
 
     for (int a = 0; a < 3; a++) {
         double const along = q[0] * c->axis[0][a] + q[1] * c->axis[1][a] + q[2] * c->axis[2][a];
+
+        /* Half a voxel inside the face, so that rounding cannot take the voxel on the other side. */
         double const half_in = a != axis ? 0.0 : s->step_z[a] > 0.0 ? -0.5 : 0.5;
         double const place = along / (s->grid->lattice.spacing[a] * c->unit) + half_in, v = floor(place);
         double const first = (double)s->begin[a], last = (double)s->end[a] - 1.0;
@@ -43,6 +46,7 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
 
     bvxi_voxel_normal(s->grid, s->also, relative, voxel[0], voxel[1], voxel[2], world);
     for (int a = 0; a < 3; a++) n[a] = bvxi_vec_dot(s->picture.camera.axis[a], world);
+    /* Normals that look away from the eye are laid flat: shading has no back side here. */
     if (n[2] < 0.0) n[2] = 0.0;
     length2 = bvxi_vec_dot(n, n);
     for (int a = 0; a < 3; a++) n[a] = length2 > GRID_BALANCED ? n[a] / sqrt(length2) : face[a];
@@ -51,6 +55,7 @@ static void normal_around(const bvxi_grid_scene *s, const int32_t voxel[3], cons
 /* Light that the lines around a voxel's face leave. */
 static double light_of_lines(const bvxi_grid_scene *s, int axis, const double part[3])
 {
+    /* Lines have one width on the picture, whatever the distance: places are measured in samples. */
     double const side = s->picture.options.samples, scale = s->picture.camera.scale;
     double ink = 0.0;
 
@@ -74,6 +79,7 @@ static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], c
     double mix[3], length2;
     if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
     else memcpy(seen->tangent, face, 3 * sizeof *face);
+    /* Large voxels show their faces, small ones the shape around them; in between both are mixed. */
     for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
     length2 = bvxi_vec_dot(mix, mix);
     for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
@@ -95,6 +101,7 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
     voxel_of_sample(s, depth, axis, x, y, voxel, part);
     seen->light = s->picture.options.wireframe ? light_of_lines(s, axis, part) : 1.0;
     if (bare) seen->light *= GRID_BARE;
+    /* The face that was shaded last is the next one's too, in most cases: its normal and colour stay. */
     row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
     key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 32 + id; /* of the face */
     if (seen->key == key) return;
@@ -104,6 +111,7 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
         face[a] = s->step_z[axis] > 0.0 ? s->picture.camera.axis[a][axis] : -s->picture.camera.axis[a][axis];
         seen->colour[a] = colour[a];
     }
+    /* A face that the cut laid bare is flat: it is none of the surface. */
     if (!bare) normal_of_sample(s, voxel, face, seen);
     for (int a = 0; a < 3 && bare; a++) seen->normal[a] = seen->tangent[a] = face[a];
 }
@@ -115,6 +123,7 @@ static bvx_status render_grid_scene(bvx_context *ctx, bvxi_grid_scene *s, bvx_im
     s->picture.see = see_face;
     s->picture.model = s;
     BVXI_TRY(bvxi_picture_make(ctx, &s->picture));
+    /* The old picture is freed only now, with the new one complete. */
     bvx_image_free(ctx, image);
     *image = s->picture.image;
     return BVX_OK;
@@ -130,6 +139,8 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
+
+    /* Both sets are the same one, so every face belongs to both. */
     s.grid = grid;
     s.also = grid->words;
     return render_grid_scene(context, &s, image);
@@ -167,6 +178,8 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
     BVXI_TRY(bvxi_grid_check(context, function, before));
     BVXI_TRY(bvxi_grid_check(context, function, after));
     BVXI_TRY(check_same_place(context, function, before, after));
+
+    /* Each word of both sets is read side by side: the union needs no memory. */
     s.grid = before;
     s.also = after->words;
     return render_grid_scene(context, &s, image);

@@ -43,6 +43,7 @@ static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
 {
     const bvx_render_options *const o = &s->picture.options;
 
+    /* Where the cut lies inside the bounds, it replaces them for the camera. */
     for (int a = 0; a < 3; a++) {
         s->cut.low[a] = o->cut_low[a] * s->picture.camera.unit;
         s->cut.high[a] = o->cut_high[a] * s->picture.camera.unit;
@@ -66,6 +67,7 @@ static void extent_of_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(s->view->triangle_count, s->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
+        /* What is cut has other corners than the mesh. */
         if (s->cut.on) {
             double left[BVXI_CUT_MOST][3];
             int32_t const n = cut_corners(s, t, left);
@@ -88,6 +90,7 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     uint64_t size;
     bvx_status status;
 
+    /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
@@ -127,12 +130,14 @@ static void place_piece(void *user, int32_t index, int32_t worker)
         bvxi_camera_place(&s->picture.camera, q, at);
         s->vertex[v].x = snap_in_frame(at[0], r->width, r->fraction_bits);
         s->vertex[v].y = snap_in_frame(at[1], r->height, r->fraction_bits);
+        /* Far outside the frame a depth may be any number; 0 does no harm to what is not drawn. */
         s->vertex[v].z = at[2] > -1e29 && at[2] < 1e29 ? (float)at[2] : 0.0f;
     }
 }
 
 static bvx_status place_vertices(bvx_context *ctx, bvxi_mesh_scene *s)
 {
+    /* What is cut is placed triangle by triangle instead. */
     if (s->cut.on) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex,
                         "the picture's vertices", &s->vertex));
@@ -154,6 +159,7 @@ static int32_t place_cut_triangle(const bvxi_mesh_scene *s, uint32_t t, int32_t 
         bvxi_camera_place(&s->picture.camera, q[k], at);
         corner[k][0] = snap_in_frame(at[0], r->width, r->fraction_bits);
         corner[k][1] = snap_in_frame(at[1], r->height, r->fraction_bits);
+        /* The first corner is where the plane begins. */
         if (k == 0) {
             plane->x = at[0];
             plane->y = at[1];
@@ -174,6 +180,7 @@ static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32
     uint32_t c[3];
     int32_t low = INT32_MAX, high = 0;
 
+    /* The rows that the triangle reaches, by its snapped corners. */
     if (s->cut.on) {
         int32_t corner[BVXI_CUT_MOST][2];
         bvxi_raster_plane plane;
@@ -191,6 +198,7 @@ static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32
             high = y > high ? y : high;
         }
     }
+    /* Between two rows of samples there is nothing to draw. */
     if (low == high) return 0;
     high >>= bits;
     *first = (low >> bits) / rows;
@@ -209,6 +217,8 @@ static void draw_scene_triangle(const bvxi_mesh_scene *s, const bvxi_raster *ras
     bvxi_mesh_scene_corners(s, t, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     if (n[2] == 0.0) return; /* seen along its edge: covers no sample */
+
+    /* The slopes are those of the whole triangle, so that a cut changes no depth. */
     plane.dx = -n[0] / n[2];
     plane.dy = n[1] / n[2];
     if (s->cut.on) {
@@ -220,6 +230,8 @@ static void draw_scene_triangle(const bvxi_mesh_scene *s, const bvxi_raster *ras
         corner[k][0] = s->vertex[c[k]].x;
         corner[k][1] = s->vertex[c[k]].y;
     }
+
+    /* Depths stay within the corners', which keeps rounding from piercing a neighbour. */
     plane.x = p[0][0];
     plane.y = -p[0][1];
     plane.z = p[0][2];
@@ -246,6 +258,7 @@ static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
 
+    /* Bounds, places, bands, normals: each step reads what the one before has made. */
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));
@@ -271,6 +284,7 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
     if (low[0] == high[0] && low[1] == high[1] && low[2] == high[2])
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point", function);
+    /* The direction of view is that of the whole mesh; the cut only moves what is looked at. */
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
     take_scene_cut(&s, low, high);
     status = make_scene(context, &s);

@@ -47,6 +47,7 @@ static void box_of_piece(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
+    /* The row's first and last set voxel are its part in the box. */
     for (uint64_t row = begin; row < end; row++) {
         int32_t first[3], last[3];
         bvxi_kept_row(s->begin, s->end, row, &first[1], &first[2]);
@@ -70,6 +71,7 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     uint64_t size;
     bvx_status status;
 
+    /* The cut is what may be shown; the box of what is set in it is what will be. */
     bvxi_grid_cut(s->grid, s->options.cut_low, s->options.cut_high, s->begin, s->end);
     for (int a = 0; a < 3; a++)
         if (s->begin[a] == s->end[a])
@@ -87,6 +89,8 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     BVXI_TRY(status);
     if (high[0] < 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set in what is shown", s->function);
+
+    /* All slices show this one rectangle, so they can be compared. */
     for (int a = 0; a < 3; a++) {
         s->begin[a] = low[a];
         s->end[a] = high[a] + 1;
@@ -111,6 +115,7 @@ static int32_t room_in_cell(int32_t length, int32_t cells)
 /* Pixels a world unit that fit a slice of w x h into cells of a sheet of so many columns. */
 static double scale_of_columns(const slice_sheet *s, int32_t columns, double w, double h)
 {
+    /* Whatever side is tighter decides. */
     int32_t const rows = (s->count + columns - 1) / columns;
     double const across = room_in_cell(s->options.width, columns) / w;
     double const upwards = room_in_cell(s->options.height, rows) / h;
@@ -131,6 +136,7 @@ static void lay_out_sheet(slice_sheet *s)
     double const longest = bvxi_longest_spacing(spacing);
     double best = 0.0, w, h;
 
+    /* The two axes that a slice shows: x before y before z. */
     s->right.axis = s->axis == 0 ? 1 : 0;
     s->up.axis = s->axis == 2 ? 1 : 2;
     for (int side = 0; side < 2; side++) {
@@ -140,8 +146,11 @@ static void lay_out_sheet(slice_sheet *s)
         a->length = side == 0 ? s->options.width : s->options.height;
         a->cells = 1;
     }
+
+    /* Divided by the longest spacing, so that no size overflows. */
     w = s->right.voxels * (spacing[s->right.axis] / longest);
     h = s->up.voxels * (spacing[s->up.axis] / longest);
+    /* Every number of columns is tried: there are 1,024 at most. */
     for (int32_t columns = 1; columns <= s->count; columns++) {
         double const scale = scale_of_columns(s, columns, w, h);
         if (scale <= best) continue;
@@ -151,6 +160,7 @@ static void lay_out_sheet(slice_sheet *s)
     }
     s->right.pixels = slice_pixels(w, best, room_in_cell(s->right.length, s->right.cells));
     s->up.pixels = slice_pixels(h, best, room_in_cell(s->up.length, s->up.cells));
+    /* Half as bright as the mean of both colours, so a line shows on either. */
     for (int a = 0; a < 3; a++) s->line[a] = (uint8_t)((s->options.colour[a] + s->options.background[a]) / 4);
 }
 
@@ -166,6 +176,7 @@ typedef struct pixel_span {
 
 static pixel_span span_of_pixel(const sheet_side *side, int32_t pixel)
 {
+    /* In these units both a pixel's and a voxel's borders are whole numbers, so shares are exact. */
     int64_t const low = (int64_t)pixel * side->voxels, high = low + side->voxels, voxel = side->pixels;
     pixel_span s = {(int32_t)(low / voxel), (int32_t)((high + voxel - 1) / voxel), side->voxels, 0, voxel};
 
@@ -195,6 +206,7 @@ static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
     int64_t count = 0;
 
     for (int32_t x = begin; x < end;) {
+        /* From word to word, with the bits outside the run masked off. */
         int32_t const next = (x & ~63) + 64 < end ? (x & ~63) + 64 : end;
         uint64_t const mask = (next & 63) != 0 ? bvxi_tail_mask(next) : ~UINT64_C(0);
         count += bvxi_popcount(row[x >> 6] & mask & ~UINT64_C(0) << (x & 63));
@@ -216,6 +228,8 @@ static int64_t sum_along_right(const slice_sheet *s, const pixel_span *p, int32_
         }
         return sum;
     }
+
+    /* Along a row the voxels between the ends count by popcount. */
     const uint64_t *const row = s->axis == 1 ? slice_row(g, slice, v) : slice_row(g, v, slice);
     sum = p->first * slice_bit(row, p->begin);
     if (p->end - p->begin == 1) return sum;
@@ -234,6 +248,7 @@ static void draw_slice_pixel(const slice_sheet *s, const pixel_span *right, cons
         sum += share * sum_along_right(s, right, slice, v);
     }
     if (sum == 0) return;
+    /* So little that it would not show is raised until it does. */
     if (sum < all / SLICES_LEAST) sum = all / SLICES_LEAST;
     for (int a = 0; a < 3; a++)
         pixel[a] = (uint8_t)((s->options.background[a] * (all - sum) + s->options.colour[a] * sum + all / 2) /
@@ -245,6 +260,8 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
 {
     int32_t cell = 0, inside;
 
+    /* The row of cells in which the pixel lies, and where it
+     * lies inside the slice; the slice stands in the middle. */
     while (cell + 1 < s->up.cells && cell_begin(&s->up, cell + 1) <= y) cell++;
     inside = y - cell_begin(&s->up, cell);
     inside -= (cell_begin(&s->up, cell + 1) - cell_begin(&s->up, cell) + (cell > 0) - s->up.pixels) / 2;
@@ -255,8 +272,10 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
         int64_t const length = s->end[s->axis] - s->begin[s->axis];
         pixel_span up;
         if (number >= s->count || inside < 0 || inside >= s->up.pixels) continue;
+        /* The middle of each of count equal stretches of the axis. */
         int32_t const slice = s->begin[s->axis] +
                               (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
+        /* Rows of pixels run down, voxels up. */
         up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
         for (int32_t x = 0; x < s->right.pixels && left + x < s->right.length; x++) {
             pixel_span const right = span_of_pixel(&s->right, x);
@@ -280,6 +299,7 @@ static void draw_sheet_band(void *user, int32_t index, int32_t worker)
     int32_t const end = begin + BVXI_PICTURE_BAND < height ? begin + BVXI_PICTURE_BAND : height;
 
     (void)worker;
+    /* Background and lines first, then slices over them. */
     for (int32_t y = begin; y < end; y++) {
         uint8_t *const row = s->image.pixels + (size_t)y * (size_t)s->image.width * 3;
         int const across = is_sheet_line(&s->up, y);
@@ -296,6 +316,7 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
     int32_t const bands = (s->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
     bvx_status status;
 
+    /* Each band writes its own rows. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;
@@ -312,6 +333,7 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
+    /* Options of the view are not looked at: slices have no direction. */
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (axis < 0 || axis > 2)

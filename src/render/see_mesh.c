@@ -27,6 +27,8 @@ bvx_status bvxi_mesh_scene_normals(bvx_context *ctx, bvxi_mesh_scene *s)
 
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, s->view->vertex_count * 12, "the picture's normals", &s->normal));
+
+    /* As long as twice the area, so larger facets count for more. */
     for (uint64_t t = 0; t < s->view->triangle_count; t++) {
         bvxi_mesh_scene_corners(s, (uint32_t)t, c, p);
         bvxi_facet_normal((const double(*)[3])p, n);
@@ -55,6 +57,8 @@ static void blend_vertex_normals(const bvxi_mesh_scene *s, const uint32_t c[3], 
         double const area = area_across(p, k, x, y);
         double m[3];
         for (int i = 0; i < 3; i++) m[i] = (double)s->normal[(size_t)c[k] * 3 + (size_t)i];
+        /* A corner whose mean is far from the facet is a
+         * sharp edge's: its own normal keeps the edge sharp. */
         int const sharp = scene_unit(m) == 0.0 || bvxi_vec_dot(m, flat) < SCENE_SHARP;
         for (int i = 0; i < 3; i++) blend[i] += area * (sharp ? flat[i] : m[i]);
         whole += area; /* negative where the facet is seen from behind: so are all three */
@@ -74,6 +78,7 @@ static void blend_vertex_colours(const bvxi_mesh_scene *s, const uint32_t c[3], 
         share[k] = area_across(p, k, x, y);
         whole += share[k];
     }
+    /* Shares below 0 come from snapping at the border; without them the rest sums up to less than 1. */
     for (int k = 0; k < 3; k++) {
         share[k] = whole == 0.0 ? 1.0 : share[k] / whole > 0.0 ? share[k] / whole : 0.0;
         sum += share[k];
@@ -95,6 +100,7 @@ static double light_of_wires(const bvxi_mesh_scene *s, const double p[3][3], dou
         area[k] = area_across(p, k, x, y);
         whole += area[k];
     }
+    /* A share of the area is a share of the height over that edge, which is the distance from it. */
     for (int k = 0; k < 3; k++) {
         const double *const a = p[(k + 1) % 3], *const b = p[(k + 2) % 3];
         double const length = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
@@ -114,12 +120,15 @@ void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t i
     double p[3][3], n[3];
 
     (void)raster;
+
+    /* One colour and one normal for the whole facet: what the last sample saw holds here too. */
     if (s->normal == NULL && s->view->colours == NULL && !s->picture.options.wireframe && seen->key == id)
         return;
     seen->key = id;
     bvxi_mesh_scene_corners(s, id - 1, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     scene_unit(n);
+    /* The facet's own normal first; a smooth one replaces it where vertices have normals. */
     memcpy(seen->normal, n, sizeof n);
     if (s->normal != NULL)
         blend_vertex_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);
@@ -128,6 +137,8 @@ void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t i
         blend_vertex_colours(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), seen->colour);
     seen->light = s->picture.options.wireframe ? light_of_wires(s, (const double(*)[3])p, x + 0.5, -(y + 0.5))
                                                : 1.0;
+
+    /* Seen from behind, all normals are turned to the eye. */
     seen->inside = n[2] < 0.0;
     for (int a = 0; a < 3; a++) {
         seen->tangent[a] = seen->inside ? -n[a] : n[a];

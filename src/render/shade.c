@@ -47,6 +47,7 @@ static void shade_circle(double circle[SHADE_ROUND][2])
 {
     double c = 0.5, s = sqrt(0.75);
 
+    /* By the half-angle formulas, which need square roots only: cosines are not the same on every machine. */
     for (int k = 0; k < 3; k++) {
         double const half = sqrt((1.0 + c) * 0.5);
         s = s / (2.0 * half);
@@ -54,6 +55,7 @@ static void shade_circle(double circle[SHADE_ROUND][2])
     }
     circle[0][0] = 1.0;
     circle[0][1] = 0.0;
+    /* Each direction is the one before turned by the same angle. */
     for (int k = 1; k < SHADE_ROUND; k++) {
         circle[k][0] = circle[k - 1][0] * c - circle[k - 1][1] * s;
         circle[k][1] = circle[k - 1][0] * s + circle[k - 1][1] * c;
@@ -72,12 +74,14 @@ static void shade_taps(bvxi_shade *s, int32_t patterns, double reach)
 
     shade_circle(circle);
     for (int32_t p = 0; p < patterns; p++) {
+        /* Samples of one pixel look at different places: together they look at all of them. */
         double const phase = ((double)p + 0.5) / (double)patterns;
         shade_tap *tap = s->tap[p];
         for (int32_t d = 0; d < s->directions; d++) {
             const double *const way = circle[(d * patterns + p) * SHADE_ROUND / (s->directions * patterns)];
             for (int32_t k = 0; k < SHADE_STEPS; k++, tap++) {
                 double const share = ((double)k + phase) / SHADE_STEPS;
+                /* A step of less than a pixel would look at the sample itself. */
                 double const length = share * share * reach < 1.0 ? 1.0 : share * share * reach;
                 tap->dx = shade_offset(way[0] * length);
                 tap->dy = shade_offset(way[1] * length);
@@ -98,6 +102,8 @@ bvx_status bvxi_shade_open(bvx_context *ctx, const bvxi_picture *picture, bvxi_s
     bvxi_shade *s;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *s, "the picture's shading", &s));
+
+    /* As many directions in all, whatever the number of samples. */
     s->picture = picture;
     s->directions = directions[picture->options.samples];
     s->reach2 = side * SHADE_REACH * side * SHADE_REACH;
@@ -123,6 +129,7 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
     const shade_tap *ray = s->tap[pattern];
     double const roughness = s->picture->roughness;
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
+    /* Far from the border no tap leaves the picture: one test for all of them. */
     int const inner = x >= s->reach && y >= s->reach && x < r->width - s->reach && y < r->height - s->reach;
     double sum = 0.0;
 
@@ -134,11 +141,13 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
             /* so are the steps behind it */
             if (!inner && (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height)) break;
             double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
+            /* Height over the tangent plane; steps of voxels below the roughness do not count. */
             double const rise = n[0] * tap->x - n[1] * tap->y + n[2] * dz - roughness;
             if (rise > 0.0) {
                 double const length2 = tap->length2 + dz * dz;
                 double const fade = 1.0 - length2 / s->reach2;
                 double const sine2 = rise * rise / length2;
+                /* Squares are compared, so that there is one root a direction and not one a tap. */
                 if (fade > 0.0 && sine2 > SHADE_LEAST_RISE * SHADE_LEAST_RISE && sine2 * fade * fade > most)
                     most = sine2 * fade * fade;
             }
@@ -155,6 +164,9 @@ static int shade_is_outline(const bvxi_shade *s, int32_t x, int32_t y, const dou
     const bvxi_raster *const r = &s->picture->raster;
     int32_t const away = s->picture->options.samples;
     double const z = (double)r->depth[(size_t)y * (size_t)r->width + (size_t)x];
+
+    /* A surface seen at a flat angle falls away fast: the
+     * slope is bounded, or it would be an outline all over. */
     double const steep = n[2] > 0.1 ? n[2] : 0.1;
 
     for (int k = 0; k < 4; k++) {
@@ -173,6 +185,7 @@ static double shade_strength(const bvxi_shade *s, int32_t x, int32_t y, int32_t 
     double const facing = (bvxi_vec_dot(seen->normal, s->light) + SHADE_WRAP) / (1.0 + SHADE_WRAP);
     double const ambient = (0.34 + 0.06 * seen->normal[1]) * open * open;
     double const direct = facing > 0.0 ? 0.74 * facing * (0.45 + 0.55 * open) : 0.0;
+    /* Little of it is ambient, and it is squared: corners get dark, open places stay even. */
     return (ambient + direct) * (shade_is_outline(s, x, y, seen->tangent) ? 0.5 : 1.0);
 }
 
@@ -193,6 +206,7 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
     for (int32_t k = 0; k < side * side; k++) {
         int32_t const x = px * side + k % side, y = py * side + k / side;
         uint32_t const id = r->id[(size_t)y * (size_t)r->width + (size_t)x];
+        /* Nothing was drawn here. */
         if (id == BVXI_RASTER_EMPTY) {
             for (int a = 0; a < 3; a++) sum[a] += p->options.background[a];
             continue;
@@ -203,6 +217,7 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
         for (int a = 0; a < 3; a++)
             sum[a] += here->colour[a] * strength * (here->inside ? shade_inside[a] : 1.0);
     }
+    /* The mean of all samples, background included: edges are smooth. */
     for (int a = 0; a < 3; a++) pixel[a] = shade_byte(sum[a] / (side * side));
 }
 

@@ -24,6 +24,7 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
+        /* A triangle over several bands is in each of them. */
         for (int32_t b = first; b <= last; b++) {
             if (fill) w->bins->triangle[place[b]] = (uint32_t)t;
             place[b]++;
@@ -47,6 +48,7 @@ static void place_bins(const bins_work *w)
 {
     uint64_t sum = 0;
 
+    /* Bands outermost, so that in each of them the pieces stand in their order. */
     for (int32_t b = 0; b < w->bins->bands; b++) {
         w->bins->begin[b] = sum;
         for (int32_t p = 0; p < w->pieces; p++) {
@@ -73,6 +75,7 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
     status = bvxi_parallel(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w);
+    /* Counts are places now, and their sum is the size of the list. */
     if (status == BVX_OK) {
         place_bins(&w);
         status = bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle);

@@ -76,6 +76,7 @@ BVXI_VECTOR_INLINE void centre_corners(const bvxi_surface_job *job, touch_work *
     const uint16_t *const list = w->list[shape];
     int32_t const f = job->fraction_bits, from_low = thirds ? (3 << f) >> 1 : 1 << f;
 
+    /* The middle is a whole number at both kinds of boxes, as F is at least 1. */
     for (int a = 0; a < 3; a++) {
         if ((axes >> a & 1) == 0) continue;
         for (uint32_t i = 0; i < w->count[shape]; i++) {
@@ -126,6 +127,7 @@ static void write_cube_cut(const touch_place *place, const touch_work *w, uint32
     int32_t const x = b->low[0][m], y = b->low[1][m], z = b->low[2][m];
     uint32_t hit = w->hit[m];
 
+    /* The bits of the cube, a row of n at a time, upwards. */
     for (int32_t i = 0; hit != 0; i++, hit >>= n) {
         int32_t const j = y + i % n, k = z + i / n;
         uint32_t const row = hit & ((1u << n) - 1);
@@ -147,6 +149,7 @@ BVXI_VECTOR_INLINE void write_cube(const touch_place *place, const touch_work *w
     uint32_t const z = (uint32_t)(b->low[2][m] - place->k0);
     uint32_t const last = (uint32_t)n - 1, bit = x & 63, hit = w->hit[m];
 
+    /* All comparisons without a jump between them: nearly every cube lies inside. */
     if (BVXI_LIKELY((x < place->nx) & (x + last < place->nx) & (bit + last < 64) & (y < place->ny) &
                     (y + last < place->ny) & (z < place->nz) & (z + last < place->nz))) {
         uint64_t *const word = place->words +
@@ -166,6 +169,7 @@ static void write_box(const touch_place *place, const touch_work *w, uint32_t m)
     const bvxi_touch_batch *const b = &w->batch;
     bvxi_surface_job *const job = place->tile->job;
     bvxi_rows const *const rows = &place->tile->rows;
+    /* The box, cut to the window along x and to the tile along y and z. */
     int32_t const x0 = b->low[0][m] > 0 ? b->low[0][m] : 0;
     int32_t const x1 = b->high[0][m] < job->size[0] ? b->high[0][m] : job->size[0] - 1;
     int32_t const j0 = b->low[1][m] > rows->j0 ? b->low[1][m] : rows->j0;
@@ -185,6 +189,7 @@ BVXI_VECTOR_INLINE void list_by_shape(touch_work *w, uint32_t n)
     const bvxi_touch_batch *const b = &w->batch;
 
     memset(w->count, 0, sizeof w->count);
+    /* The shape decides which test is needed, so triangles of one shape are judged together by one loop. */
     for (uint32_t i = 0; i < n; i++) {
         int32_t const x = b->high[0][i] - b->low[0][i];
         int32_t const y = b->high[1][i] - b->low[1][i];
@@ -218,6 +223,7 @@ BVXI_VECTOR_INLINE void judge_thick_boxes(const bvxi_surface_job *job, touch_wor
         int const shape = first_shape + s, axes = axes_of[s];
         uint32_t const n = w->count[shape];
 
+        /* Only the axes that the tests of this shape look at are centred. */
         centre_corners(job, w, shape, thirds, axes);
         memset(w->missed, 0, n * sizeof *w->missed);
         if ((axes & 3) == 3) judge_projection(w, n, 0, 1, thirds, side);
@@ -225,6 +231,7 @@ BVXI_VECTOR_INLINE void judge_thick_boxes(const bvxi_surface_job *job, touch_wor
         if ((axes & 6) == 6) judge_projection(w, n, 1, 2, thirds, side);
         if (axes == 7) judge_plane(w, n, thirds, side);
 
+        /* What no edge and no plane misses, within the triangle's own box. */
         for (uint32_t i = 0; i < n; i++) {
             uint32_t const m = w->list[shape][i];
             w->hit[m] = whole_box(&w->batch, m, thirds) & ~(uint32_t)w->missed[i];
@@ -267,6 +274,7 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
     touch_work w;
 
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
+        /* A batch at a time: its arrays stay in the nearest cache from step to step. */
         uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
         bvxi_batch_gather(job, id, done, n, &w.batch);
         bvxi_batch_boxes(&w.batch, n, job->fraction_bits, -1, 0);
@@ -274,6 +282,7 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
         hit_small_boxes(&w);
         judge_thick_boxes(job, &w, TOUCH_TWO_XY, 0);
         judge_thick_boxes(job, &w, TOUCH_THREE_XY, 1);
+        /* Lists of attached triangles need their order; bits do not. */
         if (job->task == BVXI_TOUCH_SET) write_by_shape(place, &w);
         else write_in_order(place, &w, n);
     }
@@ -298,6 +307,8 @@ void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64
 
     place.tile = tile;
     place.words = bvxi_surface_row(job, tile->rows.j0, tile->rows.k0);
+
+    /* The tile's first row and its sides, once for all triangles. */
     place.row_words = (uint64_t)job->grid->words_per_row;
     place.slice_words = place.row_words * (uint64_t)job->size[1];
     place.nx = (uint32_t)job->size[0];

@@ -40,6 +40,7 @@ static int64_t parts_of(const sample_triangle *s, int32_t f)
     int64_t const across[3] = {s->to_c[0] - s->to_b[0], s->to_c[1] - s->to_b[1], s->to_c[2] - s->to_b[2]};
     uint64_t const b = square_of(s->to_b), c = square_of(s->to_c), bc = square_of(across);
     uint64_t const longest = (b > c ? (b > bc ? b : bc) : (c > bc ? c : bc)) >> 2 * f;
+    /* A root in doubles, put right by whole numbers: it may be off by one where the square is large. */
     uint64_t k = (uint64_t)sqrt((double)longest);
     while (k * k > longest) k--;
     while ((k + 1) * (k + 1) <= longest) k++;
@@ -57,6 +58,7 @@ static inline sample_walk step_of(int64_t way, int64_t divisor)
 
 static inline void walk_on(sample_walk *w, const sample_walk *step, int64_t divisor)
 {
+    /* Rest and step are both below the divisor, so at most one voxel is carried. */
     int64_t const rest = w->rest + step->rest;
     int const over = rest >= divisor;
     w->voxel += step->voxel + over;
@@ -89,6 +91,7 @@ static void sample_inside(bvxi_surface_tile *tile, const sample_triangle *s, int
         start[a].voxel = s->p[a] >> f; /* not negative */
         start[a].rest = (s->p[a] - (start[a].voxel << f)) * s->k;
     }
+    /* From the edge a b, which has k + 1 points, a row towards c; each row is one point shorter. */
     for (int64_t i = 0; i <= s->k; i++) {
         touch_points(tile, s, start, s->k - i + 1);
         for (int a = 0; a < 3; a++) walk_on(&start[a], &step[a], s->divisor);
@@ -99,6 +102,7 @@ static void sample_inside(bvxi_surface_tile *tile, const sample_triangle *s, int
  * parts of the divisor, lie in [low, high]. */
 static void narrow_points(int64_t from, int64_t way, int64_t low, int64_t high, int64_t *first, int64_t *last)
 {
+    /* The inequality is divided by the way, whose sign says which end is which. */
     int64_t const below = low - from, above = high - from; /* in parts */
     int64_t least, most;
 
@@ -115,6 +119,7 @@ static void narrow_points(int64_t from, int64_t way, int64_t low, int64_t high, 
 /* The points in the tile. */
 static void sample_cut(bvxi_surface_tile *tile, const sample_triangle *s)
 {
+    /* Row by row, the points of the row in the tile are a range that three divisions give. */
     for (int64_t i = 0; i <= s->k; i++) {
         int64_t from[3], first = 0, last = s->k - i;
         sample_walk w[3];
@@ -143,6 +148,7 @@ static void sample_triangle_of(bvxi_surface_tile *tile, const bvxi_touch_batch *
 
     s.number = b->triangle[n];
     for (int a = 0; a < 3; a++) {
+        /* The triangle's numbers relative to its first corner, and whether box and corner lie in the tile. */
         int64_t const voxel = bvxi_floor_shift(b->p[0][a][n], job->fraction_bits);
         s.low[a] = low[a];
         s.high[a] = high[a];
@@ -155,6 +161,7 @@ static void sample_triangle_of(bvxi_surface_tile *tile, const bvxi_touch_batch *
     }
     s.k = parts_of(&s, job->fraction_bits);
     s.divisor = s.k << job->fraction_bits;
+    /* Most triangles lie inside, and need no division a row. */
     if (inside) sample_inside(tile, &s, job->fraction_bits);
     else sample_cut(tile, &s);
     if (first_inside) { /* a triangle counts once, in the tile of its first corner */
@@ -170,6 +177,7 @@ void bvxi_touch_sampled(bvxi_surface_tile *tile, const uint32_t *id, uint64_t co
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
         uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
         bvxi_batch_gather(tile->job, id, done, n, &b);
+        /* Boxes of half-open voxels: the points of a corner on a border belong to the upper voxel. */
         bvxi_batch_boxes(&b, n, tile->job->fraction_bits, 0, 0);
         for (uint32_t i = 0; i < n; i++) sample_triangle_of(tile, &b, i);
     }

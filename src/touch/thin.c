@@ -42,6 +42,7 @@ typedef struct thin_edges {
 /* The triangle's extent along coordinate a. */
 static double thin_extent(const bvxi_triangle *t, int a)
 {
+    /* Without a branch for each order: minimum and maximum of pairs, then of both. */
     int32_t const p = t->p[0][a], q = t->p[1][a], r = t->p[2][a];
     int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
     int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
@@ -54,6 +55,7 @@ static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
     int32_t const f = l->tile->job->fraction_bits;
     double const step = (double)(1 << f), half = 0.5 * step;
 
+    /* Set up for the first line that is hit: most triangles have none. */
     if (!l->ready) {
         bvxi_divider_setup(&l->t, f, thin_extent(&l->t, 1), thin_extent(&l->t, 2), &l->divider);
         l->ready = 1;
@@ -79,6 +81,7 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
     int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
     bvxi_triangle moved = l->t;
 
+    /* Moved by half a voxel, the crossing of a centre's line becomes that of a voxel's border. */
     for (int c = 0; c < 3; c++) moved.p[c][0] += half;
     return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
 }
@@ -89,6 +92,7 @@ static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
     bvxi_surface_job *const job = l->tile->job;
     int32_t voxel[3], w = line_crossing(l, u, v);
 
+    /* What the solid shows needs no mark: one of the two centres beside the crossing is in it. */
     if (job->solid != NULL) {
         if (is_solid_on_line(l, w, u, v) || is_solid_on_line(l, w + 1, u, v)) return;
         w = voxel_of_crossing(l, w, u, v);
@@ -107,6 +111,7 @@ static void make_edges(const thin_lines *l, thin_edges *e)
     for (int i = 0; i < 3; i++) {
         const int32_t *const p = l->t.p[i], *const q = l->t.p[i == 2 ? 0 : i + 1];
         int64_t const du = (int64_t)q[1] - p[1], dv = (int64_t)q[2] - p[2];
+        /* The tie rule as a number: a line on an edge is inside of one of the two triangles at the edge. */
         int64_t const bias = dv < 0 || (dv == 0 && du > 0) ? 0 : 1;
         e->at[i] = du * (l->low[2] * step + half - p[2]) - dv * (l->low[1] * step + half - p[1]) - bias;
         e->along_u[i] = -dv * step;
@@ -122,6 +127,7 @@ static void try_lines(thin_lines *l)
     for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
         int64_t a = e.at[0], b = e.at[1], c = e.at[2];
         for (int32_t u = l->low[1]; u <= l->high[1]; u++) {
+            /* No sign bit in any of the three: inside all edges. */
             if ((a | b | c) >= 0) cross_line(l, u, v);
             a += e.along_u[0];
             b += e.along_u[1];
@@ -136,6 +142,7 @@ static void cut_lines(thin_lines *l)
     int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
     for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
         int64_t first = 0, last = (int64_t)l->high[1] - l->low[1];
+        /* One division for each edge gives the range of lines that are inside. */
         bvxi_cover_span(&l->t, l->low[1] * step + half, v * step + half, step, &first, &last);
         for (int64_t n = first; n <= last; n++) cross_line(l, l->low[1] + (int32_t)n, v);
     }
@@ -153,6 +160,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
     l.axis = thin_axes[axis];
     l.triangle = b->triangle[i];
     l.ready = 0;
+    /* Along the line the whole tile counts; across it, only centres in the triangle's range. */
     for (int a = 0; a < 3; a++) {
         int const from = l.axis[a];
         l.low[a] = a == 0 || b->low[from][i] < low[from] ? low[from] : b->low[from][i];
@@ -163,6 +171,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
     }
     if (!bvxi_triangle_setup(q[0], q[1], q[2], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
+    /* A few lines are tried by additions; the ranges of many are divided out. */
     if (l.high[1] - l.low[1] < THIN_FEW) try_lines(&l);
     else cut_lines(&l);
 }
@@ -181,6 +190,7 @@ void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count
         /* the centres from least on and below the greatest */
         bvxi_batch_boxes(&b, n, f, half - 1, -half - 1);
         for (uint32_t i = 0; i < n; i++) {
+            /* A triangle crosses lines along an axis only where its box holds a centre along both others. */
             int const x = b.low[0][i] <= b.high[0][i];
             int const y = b.low[1][i] <= b.high[1][i];
             int const z = b.low[2][i] <= b.high[2][i];

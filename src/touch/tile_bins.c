@@ -30,6 +30,7 @@ static void cell_range(const bvxi_surface_job *job, uint64_t begin, uint64_t end
             int32_t const shift = a == 1 ? job->tiles.y_shift : job->tiles.z_shift;
             int32_t low = bvxi_floor_shift(q - 1, f) - job->low[a];
             int32_t high = bvxi_floor_shift(q, f) - job->low[a];
+            /* One beyond the window's ends stands for all that lies outside, so the tile fits in a byte. */
             low = low < -1 ? -1 : low > job->size[a] ? job->size[a] : low;
             high = high < -1 ? -1 : high > job->size[a] ? job->size[a] : high;
             byte[a - 1] = (uint32_t)(low < 0 ? 0 : low >= job->size[a] ? OUTSIDE : 1 + (low >> shift));
@@ -64,6 +65,7 @@ static inline int tiles_of_triangle(const bvxi_tiles *tiles, uint32_t p, uint32_
     int32_t const y0 = (int32_t)least_byte(p, q, r, 0), y1 = 255 - (int32_t)least_byte(p, q, r, 16);
     int32_t const z0 = (int32_t)least_byte(p, q, r, 8), z1 = 255 - (int32_t)least_byte(p, q, r, 24);
 
+    /* Wholly before the window or after it, along y or z. */
     if (y1 == 0 || z1 == 0 || y0 == OUTSIDE || z0 == OUTSIDE) return 0;
     range[0] = y0 > 0 ? y0 - 1 : 0;
     range[1] = y1 <= tiles->tiles_y ? y1 - 1 : tiles->tiles_y - 1;
@@ -77,6 +79,7 @@ static inline void bin_triangle(bin_job *b, uint64_t *next, const int32_t r[4], 
     for (int32_t u = r[2]; u <= r[3]; u++)
         for (int32_t v = r[0]; v <= r[1]; v++) {
             int32_t const tile = u * b->job->tiles.tiles_y + v;
+            /* The same walk counts first and fills then, so both agree on every place. */
             if (b->fill) b->job->bins.id[next[tile]] = t;
             next[tile]++;
         }
@@ -95,6 +98,7 @@ static void bin_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t t = begin; t < end; t++) {
         uint32_t corner[3];
         int32_t r[4];
+        /* An index beyond the vertices: the piece ends, and the first one of all pieces is reported. */
         if (!bvxi_view_triangle(job->view, t, corner)) {
             b->bad[index] = t;
             return;
@@ -111,6 +115,7 @@ static uint64_t place_surface_bins(bin_job *b)
     bvxi_surface_job *const job = b->job;
     uint64_t total = 0;
 
+    /* Tiles outermost, so that a tile's pieces stand side by side in their order. */
     for (int32_t tile = 0; tile < job->tiles.count; tile++) {
         for (int32_t i = 0; i < b->pieces; i++) {
             uint64_t const n = b->next[i][tile];
@@ -125,6 +130,7 @@ static uint64_t place_surface_bins(bin_job *b)
 static bvx_status run_bins(bvx_context *ctx, const char *function, bin_job *b)
 {
     BVXI_TRY(bvxi_parallel(ctx, "surface", 0.1, 0.2, b->pieces, bin_piece, b));
+    /* The order of pieces is that of triangles: the message names the first that is wrong. */
     for (int32_t i = 0; i < b->pieces; i++)
         if (b->bad[i] != UINT64_MAX) return bvxi_view_fail_index(ctx, function, b->job->view, b->bad[i]);
     return BVX_OK;
@@ -143,11 +149,13 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     status = job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b)
                                   : BVX_OK;
     if (status == BVX_OK) status = run_bins(ctx, function, b); /* one tile: a check of the indices */
+    /* One tile takes triangles as they come, and needs no list. */
     if (status == BVX_OK && job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;
         bvxi_drop(ctx, b);
         return BVX_OK;
     }
+    /* Counts are places now, so the second walk knows where each triangle goes. */
     if (status == BVX_OK) {
         job->bins.total = place_surface_bins(b);
         b->fill = 1;

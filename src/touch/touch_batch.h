@@ -26,6 +26,7 @@ BVXI_VECTOR_INLINE void bvxi_batch_gather(const bvxi_surface_job *job, const uin
     int32_t const oz = job->low[2] * (1 << shift);
     int const packed = bvxi_view_packed_u32(job->view);
 
+    /* Packed indices are copied; others go through the getter, which knows all types. */
     for (uint32_t i = 0; i < n; i++) {
         uint32_t corner[3];
         uint32_t const t = id != NULL ? id[done + i] : job->first + (uint32_t)(done + i);
@@ -52,6 +53,7 @@ BVXI_VECTOR_INLINE void bvxi_batch_boxes(bvxi_touch_batch *b, uint32_t n, int32_
         for (uint32_t i = 0; i < n; i++) {
             int32_t const pq = p[i] < q[i] ? p[i] : q[i], PQ = p[i] < q[i] ? q[i] : p[i];
             int32_t const least = (pq < r[i] ? pq : r[i]) + below, most = (PQ > r[i] ? PQ : r[i]) + above;
+            /* The shift of a negative number is not defined in C; its complement is not negative. */
             low[i] = least < 0 ? ~(~least >> f) : least >> f;
             high[i] = most < 0 ? ~(~most >> f) : most >> f;
         }

@@ -29,7 +29,7 @@ static const int64_t bvxi_cell_third[3][3] = {
 BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn,
                                              int64_t u0, int64_t u1, int64_t v0, int64_t v1)
 {
-    /* at the point, and slopes */
+    /* The edge's value at the point, and its slopes; turn makes the inside positive. */
     double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn;
     int64_t const u = (du > 0 ? 0 : u1) | (du < 0 ? 0 : u0), v = (dv > 0 ? 0 : v1) | (dv < 0 ? 0 : v0);
     return at < 0 ? u & v : 0;
@@ -39,6 +39,7 @@ BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, do
 BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const double b[3], const double c[3],
                                                    int u, int v)
 {
+    /* The two ways round of a projection differ in the sign of all edges. */
     double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
     double const turn = area < 0 ? -1.0 : 1.0;
     int64_t const u0 = bvxi_octant_half[u][0], u1 = bvxi_octant_half[u][1];
@@ -55,6 +56,9 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_octants(const double a[3], const double b[
     double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
     double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
     double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+
+    /* The plane's value at the point: an octant into which
+     * the value only grows is missed on the positive side. */
     double const at = -(nx * a[0] + ny * a[1] + nz * a[2]);
     int64_t const up = ((nx > 0 ? 0 : 0x55) | (nx < 0 ? 0 : 0xaa)) &
                        ((ny > 0 ? 0 : 0x33) | (ny < 0 ? 0 : 0xcc)) &
@@ -77,6 +81,7 @@ BVXI_VECTOR_INLINE bvxi_cell_edge bvxi_cell_edge_of(double au, double av, double
 {
     double const du = (av - bv) * turn * side, dv = (bu - au) * turn * side;
     bvxi_cell_edge e;
+    /* The value in the middle of the middle cell, raised by the way to its best corner. */
     e.row[1] = (au * bv - av * bu) * turn + 0.5 * ((du < 0 ? -du : du) + (dv < 0 ? -dv : dv));
     e.row[0] = e.row[1] - dv;
     e.row[2] = e.row[1] + dv;
@@ -95,6 +100,7 @@ BVXI_VECTOR_INLINE int64_t bvxi_projection_cells(const double a[3], const double
     bvxi_cell_edge const ca = bvxi_cell_edge_of(c[u], c[v], a[u], a[v], turn, side);
     int64_t missed = 0;
 
+    /* Three edges at once: the least value decides, and a cell that any edge has outside is missed. */
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) {
             double const n = i - 1;
@@ -113,6 +119,8 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_layer(double at, double sx, double sy, dou
                                             int k)
 {
     int64_t missed = 0;
+    /* The reach is what the value changes from a cell's
+     * middle to its corner: beyond it, the plane is missed. */
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) {
             double const value = at + ((double)(i - 1) * sx + (double)(j - 1) * sy + across);
@@ -127,6 +135,8 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3]
     double const nx = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
     double const ny = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
     double const nz = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+
+    /* The value at the middle, what it changes from cell to cell, and half of all three changes. */
     double const at = -(nx * a[0] + ny * a[1] + nz * a[2]), sx = nx * side, sy = ny * side, sz = nz * side;
     double const reach = 0.5 * ((sx < 0 ? -sx : sx) + (sy < 0 ? -sy : sy) + (sz < 0 ? -sz : sz));
     return bvxi_plane_layer(at, sx, sy, -sz, reach, 0) | bvxi_plane_layer(at, sx, sy, 0.0, reach, 1) |

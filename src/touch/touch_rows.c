@@ -60,6 +60,7 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
         int32_t const p = corner[0][a], q = corner[1][a], r = corner[2][a];
         int32_t const least = p < q ? (p < r ? p : r) : (q < r ? q : r);
         int32_t const most = p > q ? (p > r ? p : r) : (q > r ? q : r);
+        /* Closed boxes: a corner on a border reaches the voxel below it as well. */
         t->low[a] = bvxi_floor_shift(least - 1, f);
         t->high[a] = bvxi_floor_shift(most, f);
         if (t->low[a] < low[a]) t->low[a] = low[a];
@@ -67,6 +68,7 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
         if (t->low[a] > t->high[a]) return 0;
     }
     t->step = (int64_t)1 << f;
+    /* Relative to the cut box, so that the products stay within their bits. */
     for (int c = 0; c < 3; c++)
         for (int a = 0; a < 3; a++) t->p[c][a] = corner[c][a] - t->low[a] * t->step;
     return 1;
@@ -101,6 +103,7 @@ static void make_lines(const touch_triangle *t, int u, int v, int64_t area, touc
  * triangle's box along v, or is all of the projection, and v lies in the box: it allows them all. */
 static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first, int64_t *last)
 {
+    /* Each line gives the least or the greatest index, by the sign of its slope. */
     for (int32_t i = 0; i < lines->count; i++) {
         const touch_line *const l = &lines->line[i];
         int64_t const rest = l->b * v + l->c;
@@ -139,17 +142,21 @@ static void make_plane(touch_triangle *t, const int64_t n[3])
     double const rows = (double)(t->high[1] - t->low[1]), slices = (double)(t->high[2] - t->low[2]);
     double inverse;
 
+    /* Turned so that the plane's value grows along x: then low and high are what their names say. */
     for (int a = 0; a < 3; a++) p->n[a] = n[a] * turn;
     if (p->n[0] == 0) return;
     p->most = bvxi_wide_mul(-p->n[0], t->p[0][0]);
     p->most = bvxi_wide_add(p->most, bvxi_wide_mul(-p->n[1], t->p[0][1]));
     p->most = bvxi_wide_add(p->most, bvxi_wide_mul(-p->n[2], t->p[0][2]));
     p->least = p->most;
+    /* A voxel meets the plane where its value is not all above or all below: the best corner of each side. */
     for (int a = 0; a < 3; a++) {
         bvxi_wide const across = bvxi_wide_mul(p->n[a], t->step); /* from side to side of a voxel */
         if (p->n[a] > 0) p->most = bvxi_wide_add(p->most, across);
         else p->least = bvxi_wide_add(p->least, across);
     }
+
+    /* The same bounds in doubles, one multiplication a row; the error says when they can be trusted. */
     inverse = 1.0 / ((double)p->n[0] * (double)t->step);
     p->from = -bvxi_wide_double(p->most) * inverse;
     p->to = -bvxi_wide_double(p->least) * inverse;
@@ -184,6 +191,7 @@ static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k
     double const low = p->from - shift, high = p->to - shift;
     int sure = error < 0.25;
 
+    /* Certainly past the run: nothing is left of it. */
     if (BVXI_LIKELY(sure) && (low > (double)*last + 0.5 || high < (double)*first - 0.5)) {
         *last = *first - 1;
         return;
@@ -191,6 +199,7 @@ static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k
     if (sure && low > (double)*first - 1.5) { /* so it is above -2 */
         int64_t const whole = (int64_t)(low + 2.0) - 2;
         double const part = low - (double)whole;
+        /* The floor is certain where the fraction is farther from 0 and 1 than the error. */
         sure = part > error && part < 1.0 - error;
         if (sure && whole + 1 > *first) *first = whole + 1;
     }
@@ -200,6 +209,7 @@ static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k
         sure = part > error && part < 1.0 - error;
         if (sure && whole < *last) *last = whole;
     }
+    /* One of the two ends was too near to a whole number. */
     if (BVXI_UNLIKELY(!sure)) narrow_exactly(t, j, k, first, last);
 }
 
@@ -214,6 +224,8 @@ static int open_triangle(const bvxi_surface_tile *tile, const int32_t (*corner)[
         u[a] = t->p[1][a] - t->p[0][a];
         v[a] = t->p[2][a] - t->p[0][a];
     }
+
+    /* Three projections and the plane are all that box and triangle can be parted by. */
     n[0] = u[1] * v[2] - u[2] * v[1];
     n[1] = u[2] * v[0] - u[0] * v[2];
     n[2] = u[0] * v[1] - u[1] * v[0];
@@ -230,10 +242,12 @@ static inline void bounds_of_row(const touch_triangle *t, touch_rows_kept *kept,
 {
     int32_t const at = j % ROWS_KEPT;
 
+    /* The bounds do not depend on the slice, so they are worked out once for each row. */
     if (BVXI_UNLIKELY(kept->row[at] != j)) {
         int64_t x0 = 0, x1 = t->high[0] - t->low[0];
         narrow_by_lines(&t->xy, j, &x0, &x1);
         kept->row[at] = j;
+        /* An empty range is kept as 1, 0. */
         kept->first[at] = x0 <= x1 ? (int32_t)x0 : 1;
         kept->last[at] = x0 <= x1 ? (int32_t)x1 : 0;
     }
@@ -249,14 +263,19 @@ void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32
     int across; /* 1: the plane bounds each row in its own place */
 
     if (!open_triangle(tile, corner, &t)) return;
+
+    /* In voxels of the cut box. */
     most = t.high[0] - t.low[0];
     rows = t.high[1] - t.low[1];
     slices = t.high[2] - t.low[2];
     for (int32_t j = 0; j < ROWS_KEPT && j <= rows; j++) kept.row[j] = -1;
+
+    /* A plane square to x bounds all rows alike; one along x is bounded by the lines. */
     across = t.plane.n[0] != 0 && (t.plane.n[1] != 0 || t.plane.n[2] != 0);
     if (t.plane.n[0] != 0 && !across) narrow_exactly(&t, 0, 0, &least, &most);
     for (int64_t k = 0; k <= slices; k++) {
         int64_t j0 = 0, j1 = rows, x0 = least, x1 = most;
+        /* Rows of the slice, and the part of each row that the slice allows. */
         narrow_by_lines(&t.yz, k, &j0, &j1);
         narrow_by_lines(&t.xz, k, &x0, &x1);
         if (x0 > x1) continue;

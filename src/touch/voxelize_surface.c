@@ -33,6 +33,7 @@ static void begin_tile(bvxi_surface_tile *tile)
 {
     bvxi_surface_job *const job = tile->job;
     job->used[tile->number] = job->samples[tile->number] = job->parts[tile->number] = 0;
+    /* Rows are emptied by the task that fills them, while they are about to be needed. */
     for (int32_t k = tile->rows.k0; job->task == BVXI_TOUCH_SET && k < tile->rows.k1; k++)
         memset(bvxi_surface_row(job, tile->rows.j0, k), 0,
                (size_t)(tile->rows.j1 - tile->rows.j0) * (size_t)job->grid->words_per_row * 8);
@@ -50,6 +51,8 @@ static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t 
 static void touch_tile(void *user, int32_t number, int32_t worker)
 {
     bvxi_surface_job *const job = user;
+
+    /* A tile writes its own rows, so tiles may run at the same time. */
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
     (void)worker;
     begin_tile(&tile);
@@ -65,6 +68,7 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+    /* On one thread the triangles are cut into pieces only to report progress. */
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
     job->first = (uint32_t)begin;
     if (piece == 0) begin_tile(&tile);
@@ -87,6 +91,7 @@ static uint64_t place_attached(uint64_t *offset, uint64_t voxels)
     uint64_t total = 0;
 
     for (uint64_t v = 0; v < voxels; v++) {
+        /* As in every counting sort: a count becomes the place of the first. */
         uint64_t const n = offset[v];
         offset[v] = total;
         total += n;
@@ -108,12 +113,15 @@ static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t v
         bvxi_alloc_zero(ctx, BVXI_RESULT, (voxels + 1) * 8, "the voxels' triangle counts", &made->offsets));
     made->voxel_count = voxels;
     job->offset = made->offsets;
+
+    /* The list of a voxel holds each triangle once: last remembers which came last. */
     memset(job->last, 0, (size_t)voxels * 4);
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_COUNT, 0.4, 0.7));
     uint64_t const total = place_attached(made->offsets, voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, total * 4, "the voxels' triangles", &made->triangles));
     made->triangle_count = total;
     job->list = made->triangles;
+    /* The second run must see the same as the first, so it begins with the same marks. */
     memset(job->last, 0, (size_t)voxels * 4);
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_LIST, 0.7, 1.0));
     restore_places(made->offsets, voxels);
@@ -129,6 +137,8 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     bvx_status status;
 
     BVXI_TRY(bvx_grid_count(ctx, job->grid, &voxels));
+
+    /* Ranks are 32 bits wide. */
     if (voxels >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the surface has %u voxels; triangles can be attached to 2^32 - 2",
@@ -139,6 +149,8 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
     bvxi_drop(ctx, job->last);
     bvxi_drop(ctx, prefix);
+
+    /* Filled in apart from the caller's lists, which stay until these are complete. */
     if (status != BVX_OK) {
         bvx_attached_free(ctx, &made);
         return status;
@@ -184,6 +196,8 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
                               bvxi_surface_job *job)
 {
     bvx_status status = bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped);
+
+    /* Each step needs the one before; what was made is freed in any case. */
     if (status == BVX_OK) status = bvxi_bins_open(ctx, function, job);
     if (status == BVX_OK)
         status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
@@ -205,6 +219,8 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
     job->cpu = bvxi_cpu(ctx);
     memcpy(job->size, grid->size, sizeof job->size);
     memcpy(job->low, grid->low, sizeof job->low);
+
+    /* Several pieces on one thread give progress; with more threads the tiles do. */
     bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx));
     job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
 }
@@ -215,6 +231,7 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     bvx_surface_options const o = surface_defaults;
     bvxi_surface_job job;
 
+    /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
     begin_surface(ctx, mesh, BVX_SURFACE_THIN, lost, &job);
     job.solid = solid;
     return run_surface(ctx, function, &o, &job);
@@ -244,6 +261,8 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, surface);
+
+    /* Into a copy of the struct: after a failure the caller's grid is as it was. */
     made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
     begin_surface(context, mesh, o.mode, &made, &job);
@@ -280,6 +299,8 @@ bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);
     memset(shell, 0, sizeof *shell);
+
+    /* Scratch of the caller's size: the shell lives no longer than the step that needs it. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the conservative surface", &shell->words));
     shell->word_capacity = words;
     status = bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell);

@@ -54,6 +54,7 @@ static bvx_status open_edge_table(bvx_context *ctx, uint64_t size, edge_table *t
 /* Edges stand at most twice as far from their places, all together, as they did in the smaller table. */
 static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
 {
+    /* Twice the size: half of it is used at most, so that searches stay short. */
     edge_table larger;
 
     BVXI_TRY(open_edge_table(ctx, 2 * t->size, &larger));
@@ -65,6 +66,8 @@ static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
         larger.key[slot] = t->key[i];
         larger.net[slot] = t->net[i];
     }
+
+    /* Steps count over the table's whole life, or growing would hide a long search. */
     larger.used = t->used;
     larger.puts = t->puts;
     larger.probes += t->probes;
@@ -87,10 +90,13 @@ static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 {
     uint64_t at;
 
+    /* Written at the end first, as the tree compares keys
+     * that stand in the list; kept only when it is new. */
     t->key[t->listed] = key;
     t->net[t->listed] = 0;
     at = bvxi_key_tree_find(&t->tree, t->listed);
     t->listed += at == t->listed;
+    /* used counts the edges that still wait, whatever remains in the list. */
     t->used -= t->net[at] != 0;
     t->net[at] += direction;
     t->used += t->net[at] != 0;
@@ -101,6 +107,7 @@ static bvx_status plant_edge_tree(bvx_context *ctx, edge_table *t)
     BVXI_TRY(bvxi_key_tree_open(ctx, &t->tree, waiting_edge_key, t->key, t->size));
     for (uint64_t i = 0; i < t->size; i++) { /* what is listed lies before i */
         uint64_t const key = t->key[i];
+        /* Keys move down to the front of the same array, never over one that is still to come. */
         if (key == HOLE_EMPTY) continue;
         t->key[t->listed] = key;
         t->net[t->listed] = t->net[i];
@@ -116,6 +123,7 @@ static bvx_status grow_edge_tree(bvx_context *ctx, edge_table *t)
     edge_table larger;
     bvx_status status;
 
+    /* A size of its own: as large only as the edges that still wait require. */
     BVXI_TRY(open_edge_table(ctx, 2 * (t->used + 3) > t->size ? 2 * t->size : t->size, &larger));
     for (uint64_t i = 0; i < t->listed; i++) {
         if (t->net[i] == 0) continue;
@@ -135,6 +143,7 @@ static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 {
     if (BVXI_UNLIKELY(t->tree.child != NULL))
         return t->listed + 3 > t->size ? grow_edge_tree(ctx, t) : BVX_OK;
+    /* The steps of all searches against what honest edges would take: above it, the tree answers for good. */
     if (BVXI_UNLIKELY(t->probes > bvxi_probe_limit(t->puts))) {
         BVXI_TRY(plant_edge_tree(ctx, t));
         return BVX_OK; /* at most half of it is used */
@@ -150,6 +159,7 @@ static void empty_slot(edge_table *t, uint64_t free)
     uint64_t const mask = t->size - 1;
 
     for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
+        /* An entry whose own slot lies after the free one stays: it could not be found from there. */
         if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
         t->key[free] = t->key[i];
         t->net[free] = t->net[i];
@@ -161,6 +171,7 @@ static void empty_slot(edge_table *t, uint64_t free)
 
 static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
 {
+    /* The lower corner first, so that both directions of an edge meet in one slot. */
     uint64_t const key = from < to ? (uint64_t)from << 32 | to : (uint64_t)to << 32 | from;
     int64_t const direction = from < to ? 1 : -1;
     uint64_t slot = slot_of_edge(t, key);
@@ -172,6 +183,8 @@ static inline void put_hole_edge(edge_table *t, uint32_t from, uint32_t to)
     }
     t->puts++;
     for (; t->key[slot] != key && t->key[slot] != HOLE_EMPTY; t->probes++) slot = (slot + 1) & (t->size - 1);
+
+    /* The first of its kind waits; later ones cancel it or wait with it, and at 0 the slot is free again. */
     if (t->key[slot] == HOLE_EMPTY) {
         t->key[slot] = key;
         t->net[slot] = direction;
@@ -188,12 +201,14 @@ static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd
 {
     *edges = NULL;
     *count = 0;
+    /* Counted first, then listed: the list has its exact size. */
     for (int fill = 0; fill < 2; fill++) {
         uint64_t n = 0;
         for (uint64_t i = 0; i < t->size && t->used > 0; i++) {
             uint64_t const key = t->key[i];
             int64_t const net = key == HOLE_EMPTY ? 0 : t->net[i];
             uint64_t copies = (uint64_t)(net < 0 ? -net : net);
+            /* Where directions are not to matter, pairs cancel whichever way they run. */
             if (odd_once) copies &= 1;
             for (uint64_t k = 0; k < copies && fill; k++)
                 (*edges)[n + k] = net > 0 ? key : key << 32 | key >> 32;
@@ -210,10 +225,12 @@ static bvx_status list_open_edges(bvx_context *ctx, const edge_table *t, int odd
 static inline int put_beside(uint32_t *beside, uint32_t from, uint32_t to)
 {
     uint32_t *const slot = beside + (size_t)HOLE_BESIDE * (from < to ? from : to);
+    /* The partner of a value differs in its lowest bit only. */
     uint32_t const value = ((from < to ? to << 1 : from << 1 | 1)) + 1, other = ((value - 1) ^ 1) + 1;
     int free = -1;
 
     for (int i = 0; i < HOLE_BESIDE; i++) {
+        /* The edge the other way waits here: both are done. */
         if (slot[i] == other) {
             slot[i] = 0;
             return 1;
@@ -231,9 +248,11 @@ static bvx_status take_from_beside(bvx_context *ctx, const uint32_t *beside, uin
         for (int i = 0; i < HOLE_BESIDE; i++) {
             uint32_t const value = beside[HOLE_BESIDE * v + (uint64_t)i] - 1;
             if (value == UINT32_MAX) continue;
+            /* Of two directions the lowest bit says which. */
             if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
             else put_hole_edge(t, value >> 1, (uint32_t)v);
             BVXI_TRY(make_room_for_edges(ctx, t));
+            /* So many that nothing of this will be used. */
             if (t->used > limit) return BVX_OK;
         }
     return BVX_OK;
@@ -245,6 +264,7 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
     int const narrow = view->vertex_count < UINT32_MAX / 2; /* corners fit 31 bits */
     uint32_t c[3];
 
+    /* Beside the corners first, which needs no hash; what does not fit there goes to the table. */
     for (uint64_t i = 0; i < view->triangle_count && t->used <= limit; i++) {
         bvxi_view_triangle(view, i, c);
         for (int k = 0; k < 3 && same != NULL; k++) c[k] = same[c[k]];
@@ -315,6 +335,8 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
 static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
 {
     BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
+
+    /* Vertices enter in the order of slots; which one stands for a place does not matter to the edges. */
     for (uint64_t i = 0; i < p->size; i++)
         if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
     bvxi_drop(ctx, p->table);
@@ -327,6 +349,7 @@ static inline bvx_status vertex_at_place(bvx_context *ctx, place_table *p, uint3
 {
     const int32_t *const xyz = p->snapped->xyz, *const q = xyz + 3 * (uint64_t)v;
 
+    /* Only vertices of edges that wait are looked up, so the table is small in most meshes. */
     if (BVXI_UNLIKELY(p->table == NULL)) {
         *first = (uint32_t)bvxi_key_tree_find(&p->tree, v);
         return BVX_OK;
@@ -350,6 +373,7 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
     bvx_status status = open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count,
                                          &p);
 
+    /* Edges that did not meet by number may meet by place, where vertices are not welded. */
     for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
         status = vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from);
         if (status == BVX_OK) status = vertex_at_place(ctx, &p, (uint32_t)list[i], &to);
@@ -370,6 +394,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     place_table p;
     bvx_status status = open_place_table(ctx, s, s->vertex_count, &p);
 
+    /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same);
     for (uint64_t v = 0; v < s->vertex_count && status == BVX_OK; v++)
         status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
@@ -392,16 +417,20 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     *edges = NULL;
     *count = 0;
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
+
+    /* By numbers first: in a welded mesh that is all, without a look at a place. */
     status = cancel_triangles(ctx, view, NULL, limit, &t);
     full = t.used > limit;
     if (status == BVX_OK && !full) status = list_open_edges(ctx, &t, 0, &list, &left);
     close_edge_table(ctx, &t);
     if (status == BVX_OK) status = open_edge_table(ctx, HOLE_TABLE, &t);
+    /* Too many were left for numbers to be of use: all of it again, by places. */
     if (status == BVX_OK)
         status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
     bvxi_drop(ctx, list);
     if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
     close_edge_table(ctx, &t);
+    /* What is left may still cancel along lines, where vertices lie on the middle of edges. */
     if (status == BVX_OK) status = bvxi_cancel_lines(ctx, s, odd_once, edges, count);
     if (status == BVX_OK) return BVX_OK;
 

@@ -57,13 +57,16 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
 
     l->up = 0;
     for (int a = 0; a < 3; a++) {
+        /* Divided by what its components share, all edges of a line have one direction. */
         d[a] = (int64_t)to[a] - from[a];
         divisor = common_divisor((uint32_t)(d[a] < 0 ? -d[a] : d[a]), divisor);
         if (l->up == 0) l->up = (d[a] > 0) - (d[a] < 0);
     }
+    /* Turned so that the first component that is not 0 is positive; up keeps which way the edge runs. */
     for (int a = 0; a < 3; a++) d[a] /= (int64_t)divisor * l->up;
     for (int a = 0; a < 3; a++) {
         int const b = (a + 1) % 3, c = (a + 2) % 3;
+        /* The moment is the same for every point of the line. */
         l->direction[a] = (int32_t)d[a];
         l->moment[a] = from[b] * d[c] - from[c] * d[b];
     }
@@ -85,6 +88,7 @@ static uint64_t hash_line(const hole_line *l)
 static int compare_lines(const hole_line *l, const hole_line *m)
 {
     for (int a = 0; a < 3; a++) {
+        /* Equal lines only: whether one is less than another does not matter, as long as it always is. */
         if (l->moment[a] != m->moment[a]) return l->moment[a] < m->moment[a] ? -1 : 1;
         if (l->direction[a] != m->direction[a]) return l->direction[a] < m->direction[a] ? -1 : 1;
     }
@@ -108,9 +112,11 @@ static void part_lines(const hole_line *line, uint32_t *order, uint64_t n)
 {
     uint64_t same = 1;
 
+    /* Nearly always one hash is one line. */
     while (same < n && compare_lines(&line[order[0]], &line[order[same]]) == 0) same++;
     if (same == n) return;
 
+    /* A heap sort, so that lines made to share a hash cost no more than their logarithm. */
     for (uint64_t i = n / 2; i-- > 0;) sift_lines(line, order, i, n);
     for (uint64_t end = n; end-- > 1;) {
         uint32_t const top = order[0];
@@ -127,6 +133,7 @@ static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
         w->key[i] = hash_line(&w->line[i]);
         w->order[i] = (uint32_t)i;
     }
+    /* Sorted by hash, edges of a line come together, save that several lines may share a hash. */
     BVXI_TRY(bvxi_radix_sort(ctx, w->key, w->order, count));
 
     for (uint64_t i = 0, n; i < count; i += n) {
@@ -152,10 +159,12 @@ static bvx_status order_ends(bvx_context *ctx, line_work *w, const uint32_t *edg
     int const axis = d[0] != 0 ? 0 : d[1] != 0 ? 1 : 2;
 
     for (uint64_t i = 0; i < 2 * n; i++) {
+        /* Both ends of each edge, by their coordinate along an axis on which the line moves. */
         uint32_t const end = edges[i / 2] << 1 | (uint32_t)(i & 1);
         uint64_t const vertex = line_vertex(w, end >> 1, end & 1);
         uint64_t const place = (uint32_t)w->snapped->xyz[3 * vertex + (uint64_t)axis] ^ 0x80000000u;
         uint64_t j = i;
+        /* Few ends are inserted in order as they come; many are sorted below. */
         for (; n <= HOLE_LINE_FEW && j > 0 && w->place[j - 1] > place; j--) {
             w->place[j] = w->place[j - 1];
             w->end[j] = w->end[j - 1];
@@ -173,6 +182,7 @@ static int line_cancels(const line_work *w, uint64_t ends)
 
     for (uint64_t i = 0, next; i < ends; i = next) {
         for (next = i; next < ends && w->place[next] == w->place[i]; next++) {
+            /* Lower ends begin an edge and higher ones end it; edges up and down are counted apart. */
             int64_t const more = (w->end[next] & 1) != 0 ? -1 : 1;
             if (w->line[w->end[next] >> 1].up > 0) up += more;
             else down += more;
@@ -185,6 +195,7 @@ static int line_cancels(const line_work *w, uint64_t ends)
 /* From the lowest end to the highest: each step of the sum begins or ends as many edges. */
 static void sweep_line(line_work *w, uint64_t ends)
 {
+    /* Open ones lie on a stack: their order on a line does not matter, as they all run to the same end. */
     uint64_t open = 0;
     int64_t sum = 0, wanted, have = 0; /* have: edges that are open, negative ones run down */
 
@@ -193,8 +204,10 @@ static void sweep_line(line_work *w, uint64_t ends)
         for (next = i; next < ends && w->place[next] == w->place[i]; next++)
             sum += (w->end[next] & 1) != 0 ? -w->line[w->end[next] >> 1].up : w->line[w->end[next] >> 1].up;
 
+        /* How many edges should be open from here on; the difference begins or ends some. */
         wanted = sum;
         if (w->odd_once) wanted = (sum & 1) == 0 ? 0 : have != 0 ? have : sum > 0 ? 1 : -1;
+        /* First those that are too many end here, then those that are missing begin. */
         for (; have > wanted && have > 0; have--)
             w->left[w->left_count++] = (uint64_t)w->start[--open] << 32 | here;
         for (; have < wanted && have < 0; have++) w->left[w->left_count++] = here << 32 | w->start[--open];
@@ -210,6 +223,7 @@ static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
         const uint32_t *const edges = w->order + i;
         int cancels = 0;
 
+        /* A line with one edge has nothing to cancel. */
         for (n = 1; i + n < count && compare_lines(&w->line[edges[0]], &w->line[edges[n]]) == 0;) n++;
         if (n > 1) {
             BVXI_TRY(order_ends(ctx, w, edges, n));
@@ -242,6 +256,7 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges left", &w.left);
     if (status == BVX_OK) status = cancel_lines(ctx, &w, n);
     if (status == BVX_OK) {
+        /* Never more edges than before, so they fit where the others were. */
         memcpy(*edges, w.left, (size_t)w.left_count * 8);
         status = bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.left_count * 8, "the open edges");
         if (status == BVX_OK) *count = w.left_count;

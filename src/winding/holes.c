@@ -71,6 +71,7 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
 {
     uint64_t n = 0;
 
+    /* Each corner once, in the order of its first appearance; that order is sorted away next. */
     for (uint64_t v = 0; v < s->vertex_count; v++) number[v] = 0;
     for (uint64_t i = 0; i < 2 * count; i++) {
         uint32_t const v = (uint32_t)(edges[i / 2] >> (i % 2 != 0 ? 32 : 0));
@@ -83,6 +84,7 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
         place[end] = top;
         sift_places(s->xyz, place, 0, end);
     }
+    /* Numbers by place: the same geometry gives the same numbers, whatever the vertices were called. */
     for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
     for (uint64_t i = 0; i < count; i++)
         edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
@@ -106,6 +108,7 @@ typedef struct hole_walk {
 /* The next unused edge at a corner, or HOLE_NONE: those that leave it first. */
 static uint32_t next_open_edge(hole_walk *w, uint32_t corner)
 {
+    /* Both lists only move on: an edge that is used stays used. */
     for (; w->out[corner] < w->count && w->edges[w->out[corner]] >> 32 == corner; w->out[corner]++)
         if (!w->used[w->out[corner]]) return (uint32_t)w->out[corner];
     for (; w->in[corner] < w->count && (uint32_t)w->edges[w->incoming[w->in[corner]]] == corner;
@@ -121,6 +124,7 @@ static void start_hole_walk(hole_walk *w, uint64_t corners)
     memset(w->used, 0, (size_t)w->count);
     memset(w->out, 0, (size_t)(corners + 1) * 8);
     memset(w->in, 0, (size_t)(corners + 1) * 8);
+    /* Counts go one place up, so that sums make them starts. */
     for (uint64_t e = 0; e < w->count; e++) {
         w->out[(w->edges[e] >> 32) + 1]++;
         w->in[(uint32_t)w->edges[e] + 1]++;
@@ -140,6 +144,7 @@ static void start_hole_walk(hole_walk *w, uint64_t corners)
  * loop, which is taken off it. So loops meet no corner twice. */
 static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
 {
+    /* Loops begin with the least edge that is left, so that their order follows from the numbers. */
     for (uint64_t e = 0; e < w->count; e++) {
         uint32_t at = (uint32_t)(w->edges[e] >> 32), edge = (uint32_t)e;
         uint64_t length = 1;
@@ -147,6 +152,7 @@ static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
         w->trail[0] = at;
         w->met[at] = 1;
         for (; edge != HOLE_NONE; edge = next_open_edge(w, at)) {
+            /* The edge may be walked against its direction; the other end is where the walk goes. */
             uint32_t const from = (uint32_t)(w->edges[edge] >> 32);
             w->used[edge] = 1;
             at = at == from ? (uint32_t)w->edges[edge] : from;
@@ -155,6 +161,8 @@ static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
                 w->met[at] = (uint32_t)length;
                 continue;
             }
+
+            /* A corner met again: the part of the trail since then is a loop, and leaves the trail. */
             for (uint64_t i = w->met[at] - 1; i < length; i++)
                 holes->vertex[holes->points++] = place[w->trail[i]];
             holes->loop_end[holes->loops++] = holes->points;
@@ -179,6 +187,7 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
         status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the trail along open edges", &w.trail);
     if (status == BVX_OK)
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, corners * 4, "the trail's marks", &w.met);
+    /* All arrays were made: the walk itself cannot fail. */
     if (status == BVX_OK) {
         start_hole_walk(&w, corners);
         walk_loops(&w, place, holes);
@@ -214,6 +223,7 @@ static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     uint32_t *place = NULL, *number = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place);
 
+    /* A loop has as many points as edges, so these arrays hold all of them. */
     holes->room = count;
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number);
     if (status == BVX_OK)
@@ -237,6 +247,8 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
     bvx_status status;
 
     memset(holes, 0, sizeof *holes);
+
+    /* The edges first; most meshes have none, and need nothing more. */
     status = bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count);
     if (status == BVX_OK && count >= HOLE_NONE)
         status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -275,6 +287,8 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
     bvx_status status;
 
     memset(holes, 0, sizeof *holes);
+
+    /* Corners are checked here, as snapping trusts them. */
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
     status = open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes);

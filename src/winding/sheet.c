@@ -37,6 +37,7 @@ typedef struct sheet_sum {
 /* Add the angle of (re, im), which lies between -pi and pi; up: it counts as positive, also where im is 0. */
 static inline void turn_by(sheet_sum *sum, double re, double im, int up)
 {
+    /* The product of two complex numbers adds their angles. */
     double const x = sum->re * re - sum->im * im;
     double y = sum->re * im + sum->im * re;
 
@@ -44,6 +45,7 @@ static inline void turn_by(sheet_sum *sum, double re, double im, int up)
         double const hair = 1e-30 * re * sum->re;
         y += up ? -hair : hair;
     }
+    /* The sign of the imaginary part changes where the sum passes half a turn. */
     if (up && sum->im >= 0 && y < 0) sum->rounds++;
     if (!up && sum->im < 0 && y >= 0) sum->rounds--;
     sum->re = x;
@@ -73,6 +75,7 @@ static void keep_near_triangle(const bvxi_sheet_node *n, const bvxi_seen_point *
     double const limit = n->radius + sum->reach;
     double r2 = 0, u[3], w[3], normal[3];
 
+    /* The ball around the triangle first, then the distance from its plane. */
     for (int a = 0; a < 3; a++) {
         double const r = n->centre[a] - sum->at[a];
         r2 += r * r;
@@ -97,6 +100,7 @@ static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bv
                          const int64_t p[3], sheet_sum *sum)
 {
     const double *const a = q[0]->v, *const b = q[1]->v, *const c = q[2]->v;
+    /* Van Oosterom and Strackee: tan of half the angle is det / den. */
     double const la = q[0]->length, lb = q[1]->length, lc = q[2]->length, most = 1e-10 * la * lb * lc;
     double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
                  a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -104,6 +108,7 @@ static void add_triangle(const bvxi_sheet *s, const uint64_t corner[3], const bv
     int up = det > 0;
 
     if (sum->reach > 0) keep_near_triangle(&s->node[corner[1]], q, det, sum);
+    /* Near the triangle's plane, between its edges, rounding may choose the wrong side: integers decide. */
     if (BVXI_UNLIKELY(det <= most && det >= -most && den <= most)) {
         const int32_t *fixed[3];
         double v[3][3];
@@ -122,6 +127,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
     const double *const a = pa->v, *const b = pb->v;
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, la = pa->length, lb = pb->length;
     double const ab = bvxi_vec_dot(a, b), uu = bvxi_vec_dot(u, u), length = sqrt(uu);
+    /* A bound below the true distance, without a root of the cross product. */
     double c[3], cc, d = 0.5 * (la + lb - length) - sum->reach, rest, factor, *gradient = sum->gradient;
 
     if (uu == 0) return;
@@ -132,6 +138,7 @@ static void add_sheet_edge(const bvxi_seen_point *pa, const bvxi_seen_point *pb,
         d = (bvxi_vec_dot(a, u) >= 0 ? la : bvxi_vec_dot(b, u) <= 0 ? lb : sqrt(cc) / length) - sum->reach;
     rest = d <= 1e-3 * sum->reach ? BVXI_SHEET_NO_BOUND
                                   : sum->reach * sum->reach * length / (4 * BVXI_PI * d * d * d);
+    /* Edges that bend the angle most are kept, to be followed exactly; the others count into the bound. */
     if (rest > sum->edge_rest && sum->look->edges < BVXI_LOOK_EDGES) {
         bvxi_near_edge *const e = &sum->look->edge[sum->look->edges++];
         e->a = *pa;
@@ -157,6 +164,7 @@ static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
 {
     double const r[3] = {n->centre[0] - sum->at[0], n->centre[1] - sum->at[1], n->centre[2] - sum->at[2]};
     double const d2 = bvxi_vec_dot(r, r);
+    /* At least twice the radius away, and far from all places within reach. */
     double const least = n->radius > 2 * sum->reach ? 2 * n->radius : n->radius + 2 * sum->reach;
     double error, rest = 0, bend = 0, factor, d, gap, flux;
 
@@ -171,6 +179,8 @@ static int add_far_part(const bvxi_sheet_node *n, sheet_sum *sum)
         bend = 3 * sum->reach * sum->reach * n->area / (4 * BVXI_PI * left * left * left * left);
         if (rest + bend > sum->near) return 0;
     }
+
+    /* As a dipole: its flux is that of the summed normals at the ball's centre. */
     factor = 1 / (4 * BVXI_PI * d2 * d);
     flux = bvxi_vec_dot(r, n->normal);
     sum->error += error;
@@ -191,12 +201,14 @@ static void add_loop(const bvxi_sheet *s, uint64_t begin, uint64_t last, const i
     bvxi_seen_point a, seen[40];
     int32_t count = 1;
 
+    /* The stack holds ends only: what lies to the left of the part in hand is done. */
     end[0] = last;
     see_point(s, begin, sum, &a);
     see_point(s, last, sum, &seen[0]);
     if (edges) add_sheet_edge(&seen[0], &a, sum);
     while (count > 0) {
         uint64_t const j = end[count - 1], m = i + (j - i) / 2, corner[3] = {i, m, j};
+        /* A part is taken whole where it is one edge, or far; else it is a triangle and two parts. */
         const bvxi_seen_point *const b = &seen[count - 1];
         const bvxi_seen_point *const three[3] = {&a, &seen[count], b};
         if (j - i < 2 || (j - i > 2 && (i != begin || j != last) && add_far_part(&s->node[m], sum))) {
@@ -238,6 +250,8 @@ static void add_sheet(const bvxi_sheet *s, const int64_t p[3], double near, shee
     sum->error = BVXI_SHEET_ROUNDING;
     sum->near = near;
     w.count = 0;
+
+    /* Groups of loops from the whole down; a far group is one dipole. */
     if (s->holes->loops > 0) bvxi_sheet_push(&w, 0, s->holes->loops);
     while (bvxi_sheet_take(&w, &i, &j)) {
         uint64_t const m = i + (j - i) / 2;
@@ -265,6 +279,7 @@ void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, do
 {
     sheet_sum sum;
 
+    /* What is gathered around the place begins at 0, and the look has no near parts yet. */
     sum.gradient[0] = sum.gradient[1] = sum.gradient[2] = sum.rest = sum.bend = 0;
     memset(look, 0, sizeof *look);
     sum.look = look;
@@ -292,6 +307,7 @@ bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int3
 {
     bvxi_sheet_answer answer = {0, 0, 0};
 
+    /* Each level opens more parts; the first that leaves no doubt answers. */
     for (int level = 0; level < BVXI_SHEET_LEVELS; level++) {
         sheet_sum sum;
         sum.reach = 0;
@@ -309,6 +325,7 @@ double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uin
     sum.reach = 0;
     start_sheet_sum(s, p, &sum);
     for (uint64_t i = 0; i < count; i++) {
+        /* All triangles of these cells, one by one: nothing of them is far. */
         const bvxi_sheet_cell *const c = &s->tree->cell[cells[i]];
         for (uint64_t t = c->first; t < c->end; t++) {
             uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};

@@ -26,6 +26,7 @@ BVXI_SIMD_CODE static inline int BVXI_SIMD(add_far_to_four)(const bvxi_sheet_nod
 
     BVXI_SIMD(from_centre)(n, sum, r);
     doubles4 const d2 = four_dot(r, r);
+    /* One lane that is near opens the part for all: each is then as exact as by itself. */
     if (four_bits(four_less_equal(d2, four_all(least * least))) != 0) return 0;
     doubles4 const d = four_sqrt(d2);
     doubles4 const gap = four_sub(d, four_all(n->radius));
@@ -44,6 +45,7 @@ BVXI_SIMD_CODE static inline int BVXI_SIMD(add_far_to_four)(const bvxi_sheet_nod
         sum->bend = four_add(sum->bend, bend);
     }
 
+    /* As in add_far_part: a dipole in all four lanes. */
     doubles4 const factor = four_div(four_all(1 / (4 * BVXI_PI)), four_mul(d2, d));
     doubles4 const flux = BVXI_SIMD(flux_of)(n, r);
     sum->error = four_add(sum->error, four_div(four_all(part), cube));
@@ -97,6 +99,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(begin_four)(const bvxi_sheet *s, con
 {
     doubles4 const zero = four_all(0.0);
 
+    /* Rows become columns: a lane is a place, a vector one coordinate of all four. */
     for (int a = 0; a < 3; a++) {
         double const at[4] = {(double)p[0][a], (double)p[1][a], (double)p[2][a], (double)p[3][a]};
         sum->at[a] = four_mul(four_load(at), four_all(s->scale[a]));
@@ -118,6 +121,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(end_four)(four_sum *sum)
 
     four_store(re, sum->re);
     four_store(im, sum->im);
+    /* The angle needs a branch and a polynomial, so it is taken lane by lane, once. */
     for (int l = 0; l < 4; l++)
         turns[l] = (im[l] < 0 ? -bvxi_angle(re[l], -im[l]) : bvxi_angle(re[l], im[l])) / (2 * BVXI_PI);
     sum->turns = four_add(sum->turns, four_add(four_load(turns), sum->rounds));
@@ -135,6 +139,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_sheet_to_four)(const bvxi_sheet *s, con
     while (bvxi_sheet_take(&w, &i, &j)) {
         uint64_t const m = i + (j - i) / 2;
 
+        /* Where all four are far, the group is done; else its halves, from left to right. */
         if (BVXI_SIMD(add_far_to_four)(bvxi_sheet_group(s, i, j), sum)) continue;
         if (j - i < 2) {
             BVXI_SIMD(add_loop_to_four)
@@ -159,6 +164,7 @@ BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet
 
     BVXI_SIMD(from_centre)(n, sum, r);
     doubles4 const d2 = four_dot(r, r);
+    /* Each lane as it would decide alone: its digits must be those of the single place. */
     four_mask far = four_and(active, four_less(four_all(least * least), d2));
     if (four_bits(far) == 0) return far;
 
@@ -178,6 +184,7 @@ BVXI_SIMD_CODE static inline four_mask BVXI_SIMD(add_far_alone)(const bvxi_sheet
 BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64_t begin, uint64_t last,
                                                      four_mask active, four_sum *sum)
 {
+    /* A lane that has taken a part as a whole stands still until the walk has passed that part. */
     doubles4 until = four_choose(active, four_all(0.0), four_all(0x1p60));
     uint64_t i = begin, end[40];
     four_point a, seen[40];
@@ -192,6 +199,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64
         const four_point *const three[3] = {&a, &seen[count], b};
         four_mask open = four_less_equal(until, four_all((double)i));
 
+        /* The whole loop is never a far part here, as its group was looked at before. */
         if (j - i > 2 && (i != begin || j != last)) {
             four_mask const far = BVXI_SIMD(add_far_alone)(&s->node[m], open, sum);
             until = four_choose(far, four_all((double)j), until);
@@ -205,6 +213,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(add_loop_alone)(const bvxi_sheet *s, uint64
         }
         end[count] = m;
         BVXI_SIMD(see_four)(s, m, sum, &seen[count]);
+        /* Only the lanes that are open take the triangle. */
         sum->active = open;
         BVXI_SIMD(add_triangle_to_four)(s, corner, three, sum);
         count++;
@@ -227,6 +236,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(angles_four)(const bvxi_sheet *s, const int
     if (s->holes->loops > 0) bvxi_sheet_push(&w, 0, s->holes->loops);
     while (bvxi_sheet_take(&w, &i, &j)) {
         uint64_t const m = i + (j - i) / 2;
+        /* Loops before a lane's point were part of a group that it took as a whole. */
         four_mask open = four_less_equal(until, four_all((double)i));
         four_mask const far = BVXI_SIMD(add_far_alone)(bvxi_sheet_group(s, i, j), open, &sum);
 
@@ -253,6 +263,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int
     double numbers[10][4];
     four_sum sum;
 
+    /* Edges and triangles are listed as they are met; everything else is stored at the end. */
     for (int l = 0; l < 4; l++) look[l].edges = look[l].triangles = 0;
     sum.look = look;
     sum.reach = reach;
@@ -265,6 +276,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(around_four)(const bvxi_sheet *s, const int
     four_store(numbers[7], sum.rest);
     four_store(numbers[8], sum.bend);
     four_store(numbers[9], sum.edge_bend);
+    /* Vectors become the four answers. */
     for (int l = 0; l < 4; l++) {
         for (int a = 0; a < 3; a++) look[l].gradient[a] = numbers[a][l];
         for (int a = 0; a < 3; a++) look[l].edge_gradient[a] = numbers[3 + a][l];
@@ -287,6 +299,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(turns_four)(const bvxi_sheet *s, const int6
     BVXI_SIMD(add_sheet_to_four)(s, p, bvxi_sheet_near[0], &sum);
     four_store(turns, sum.turns);
     four_store(error, sum.error);
+    /* What is in doubt is evaluated again by itself, with more parts opened. */
     for (int l = 0; l < 4; l++)
         if (!bvxi_sheet_conclude(turns[l], error[l], want_clear, &answer[l]))
             answer[l] = bvxi_sheet_turns(s, p[l], want_clear);

@@ -35,6 +35,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint6
 
 BVXI_SIMD_CODE static void BVXI_SIMD(lane_of_point)(const four_point *p, int32_t lane, bvxi_seen_point *to)
 {
+    /* Stored first, as lanes cannot be read one by one. */
     double x[4][4];
 
     for (int a = 0; a < 3; a++) four_store(x[a], p->v[a]);
@@ -46,6 +47,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(lane_of_point)(const four_point *p, int32_t
 BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 re, doubles4 im, four_mask up)
 {
     doubles4 const zero = four_all(0.0), one = four_all(1.0);
+    /* The product of the complex numbers, as in turn_by. */
     doubles4 x = four_sub(four_mul(sum->re, re), four_mul(sum->im, im));
     doubles4 y = four_add(four_mul(sum->re, im), four_mul(sum->im, re));
 
@@ -60,6 +62,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(turn_four)(four_sum *sum, doubles4 r
     four_mask less = four_but(four_and(four_less(sum->im, zero), four_less_equal(zero, y)), up);
     four_mask full = four_less(zero, one);
     int any = ++sum->factors == 8;
+    /* Lanes that stand still keep their product, their rounds and their count. */
     if (sum->alone) {
         more = four_and(more, sum->active);
         less = four_and(less, sum->active);
@@ -96,6 +99,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_
                            four_sub(four_all(n->centre[2]), sum->at[2])};
     doubles4 u[3], w[3], normal[3];
     double numbers[4][4];
+    /* The ball first: most triangles are near no lane. */
     uint32_t lanes = four_bits(four_less_equal(four_dot(r, r), four_all(limit * limit)));
 
     if (lanes == 0) return;
@@ -107,6 +111,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_
     lanes &= four_bits(four_less_equal(four_mul(det, det), most));
     if (lanes == 0) return;
 
+    /* The few lanes that are left are written one after the other. */
     for (int a = 0; a < 3; a++) four_store(numbers[a], normal[a]);
     four_store(numbers[3], det);
     for (; lanes != 0; lanes &= lanes - 1) {
@@ -134,6 +139,7 @@ BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, cons
     double dets[4], dens[4], ups[4];
     const int32_t *fixed[3];
 
+    /* Rare, so each lane goes through the exact answer by itself. */
     for (int k = 0; k < 3; k++) fixed[k] = s->xyz + 3 * (uint64_t)s->holes->vertex[corner[k]];
     four_store(dets, *det);
     four_store(dens, *den);
@@ -164,6 +170,7 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_she
     doubles4 const most = four_mul(four_mul(four_mul(four_all(1e-10), la), lb), lc);
     doubles4 n[3];
 
+    /* The same sums in the same order as for one place, so that their digits agree. */
     four_cross(b, c, n);
     doubles4 det = four_dot(a, n);
     doubles4 const den_ab = four_add(four_mul(four_mul(la, lb), lc), four_mul(four_dot(a, b), lc));

@@ -28,10 +28,11 @@ int bvxi_sheet_swept(const bvxi_sheet_look *look, const double h[3], double *tur
         double const nh = bvxi_vec_dot(e->n, h);
         double const c2 = lb * lb - 2 * bh + hh, d2 = la * la - 2 * ah + hh;
         double const lc = c2 > 0 ? sqrt(c2) : 0, ld = d2 > 0 ? sqrt(d2) : 0;
+        /* The two triangles of the parallelogram, each by the formula of the solid angle. */
         double const ac = e->ab - ah, size = la * la * lb * lc * lc * ld;
         double const first = la * lb * lc + e->ab * lc + (lb * lb - bh) * la + ac * lb;
         double const second = la * lc * ld + ac * ld + (ac - bh + hh) * la + (la * la - ah) * lc;
-        /* turned round, as the angle falls by it */
+        /* Both triangles' product is the parallelogram's number; turned round, as the angle falls by it. */
         double const x = first * second - nh * nh, y = nh * (first + second);
         double const next_re = re * x - im * y;
         double const next_im = re * y + im * x;
@@ -63,11 +64,13 @@ static int sure_sign(double v, double size)
 static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
 {
     double const area = sqrt(bvxi_vec_dot(t->n, t->n)), far = t->p[0].length + bvxi_vec_length(h);
+    /* The triangle's volume with the place has the sign of its side: once before the way, once after it. */
     int const from = sure_sign(t->det, area * far);
     int const to = sure_sign(t->det - bvxi_vec_dot(t->n, h), area * far);
     int turn[3], sum;
 
     if (from == to && from != 0) return 0;
+    /* The way's line against each edge: all three signs alike mean that it goes through. */
     for (int i = 0; i < 3; i++) {
         const bvxi_seen_point *const a = &t->p[i], *const b = &t->p[(i + 1) % 3];
         const double *const u = a->v, *const v = b->v;
@@ -78,6 +81,7 @@ static int32_t enter_triangle(const bvxi_near_triangle *t, const double h[3])
     for (int i = 0; i < 3; i++)
         if (turn[i] * turn[(i + 1) % 3] < 0) return 0; /* the line passes it by */
     sum = turn[0] + turn[1] + turn[2];
+    /* Some sign was not sure: no answer is better than a wrong one. */
     if (from == 0 || to == 0 || (sum != 3 && sum != -3)) return 2;
     return to > 0 ? 1 : -1;
 }

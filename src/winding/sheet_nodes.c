@@ -26,6 +26,8 @@ static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_she
 
     memcpy(low, bvxi_sheet_point(s, i), sizeof low);
     memcpy(high, low, sizeof high);
+
+    /* The box gives a centre; the farthest point gives the radius. */
     for (uint64_t k = i + 1; k <= j; k++) {
         const double *const p = bvxi_sheet_point(s, k);
         for (int a = 0; a < 3; a++) {
@@ -51,6 +53,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
     memset(node, 0, sizeof *node);
     enclose_points(s, i, j, node);
     w.count = 0;
+    /* The same walk as the sums', so that a node is made of the triangles that it stands for. */
     bvxi_sheet_push(&w, i, j);
     while (bvxi_sheet_take(&w, &from, &to)) {
         uint64_t const m = from + (to - from) / 2;
@@ -78,6 +81,7 @@ void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
 static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
 {
     double const d = sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
+    /* The ball around two balls touches both at their far sides; one may hold the other. */
     double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
 
     memset(both, 0, sizeof *both);
@@ -96,6 +100,7 @@ static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
 {
     const int32_t *const q = s->xyz + 3 * (uint64_t)s->holes->vertex[bvxi_loop_begin(s->holes, loop)];
     uint64_t key = 0;
+    /* 21 bits of each coordinate, the highest first, in turn. */
     for (int bit = 20; bit >= 0; bit--)
         for (int a = 0; a < 3; a++) key = key << 1 | ((uint32_t)(q[a] + (1 << 30)) >> (bit + 10) & 1);
     return key;
@@ -110,6 +115,7 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
     bvxi_sheet_walk w;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 8, "the holes' places", &key);
 
+    /* Loops that lie near each other become neighbours, so that groups of them are small in space. */
     if (status == BVX_OK) {
         for (uint32_t l = 0; l < loops; l++) {
             key[l] = loop_place(s, l);
@@ -119,6 +125,7 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
     }
     if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 16, "the groups of holes", &range);
     if (status == BVX_OK) {
+        /* From the whole down, halving by count. */
         w.count = 0;
         if (loops > 0) bvxi_sheet_push(&w, 0, loops);
         while (bvxi_sheet_take(&w, &i, &j)) {
@@ -128,6 +135,7 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
             bvxi_sheet_push(&w, i, i + (j - i) / 2);
             bvxi_sheet_push(&w, i + (j - i) / 2, j);
         }
+        /* Backwards: both halves of a group stand after it, so they are done. */
         while (count-- > 0) {
             uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
             join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
@@ -143,6 +151,7 @@ static void fill_sheet(bvxi_sheet *s)
 {
     uint64_t begin = 0;
 
+    /* Points as doubles once: every sum reads them again and again. */
     for (uint64_t i = 0; i < 3 * s->holes->points; i++)
         s->point[i] = (double)s->xyz[3 * (uint64_t)s->holes->vertex[i / 3] + i % 3] * s->scale[i % 3];
     for (uint64_t l = 0; l < s->holes->loops; begin = s->holes->loop_end[l++]) {
@@ -152,6 +161,7 @@ static void fill_sheet(bvxi_sheet *s)
         bvxi_sheet_push(&w, begin, s->holes->loop_end[l] - 1);
         while (bvxi_sheet_take(&w, &i, &j)) {
             uint64_t const m = i + (j - i) / 2;
+            /* A node for each part of three points and more, at its middle point. */
             if (j - i < 2) continue;
             make_node(s, i, j, &s->node[m]);
             bvxi_sheet_push(&w, i, m);
@@ -171,6 +181,8 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
     sheet->xyz = snapped->xyz;
     sheet->fraction_bits = lattice->fraction_bits;
     sheet->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+
+    /* In units of the largest spacing, so that distances are true and numbers near 1. */
     for (int a = 0; a < 3; a++) {
         sheet->step[a] = lattice->spacing[a] / largest;
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);

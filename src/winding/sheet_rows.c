@@ -41,6 +41,8 @@ static uint64_t start_column(const bvxi_turns_job *job, bvxi_turns_worker *w, in
             uint64_t const row = bvxi_block_row(job->solid, y + j, z + k);
             int64_t sum = 0;
             b->crossed[at] = sorted_row(job->crossed, row);
+            /* The sum over a row is 0 where the mesh is closed
+             * there; other rows are counted for the report. */
             if (job->mesh == NULL) continue;
             w->mesh[at] = sorted_row(job->mesh, row);
             for (uint32_t i = 0; i < w->mesh[at].count; i++) sum += (w->mesh[at].code[i] & 1) != 0 ? -1 : 1;
@@ -56,6 +58,7 @@ static void start_block(const bvxi_turns_job *job, bvxi_turns_block *b, int32_t 
 
     b->low[0] = g->low[0] + x;
     b->size[0] = g->size[0] - x < BVXI_TURNS_SIDE ? g->size[0] - x : BVXI_TURNS_SIDE;
+    /* Bits of the block that exist; what is known already need not be evaluated. */
     all = b->size[0] == 32 ? UINT32_MAX : ((uint32_t)1 << b->size[0]) - 1;
     for (int32_t k = 0; k < b->size[2]; k++)
         for (int32_t j = 0; j < b->size[1]; j++) {
@@ -72,6 +75,7 @@ static void keep_clear(const bvxi_turns_job *job, const bvxi_turns_block *b, int
     for (int32_t k = 0; k < b->size[2]; k++)
         for (int32_t j = 0; j < b->size[1]; j++) {
             uint32_t const row = bvxi_turns_row(j, k);
+            /* Two blocks share a word, so bits are or-ed in. */
             if (b->clear[row] != 0)
                 job->clear[bvxi_turns_word(job, b, j, k) + (uint64_t)(x >> 6)] |= (uint64_t)b->clear[row]
                                                                                   << (x & 63);
@@ -87,11 +91,14 @@ static void turns_column(void *user, int32_t column, int32_t worker)
                                       column / job->columns_y * BVXI_TURNS_SIDE);
     int32_t done = 0; /* up to here the rule has been asked */
 
+    /* Along the row, block by block; stretches without turns wait until something comes. */
     if (job->mesh != NULL) job->odd_rows[column] = odd;
     for (int32_t x = 0; x < nx; x += BVXI_TURNS_SIDE) {
         start_block(job, &w->block, x);
         bvxi_sheet_block(&w->block);
+        /* No turns and nothing known: the rule is called for it later, with its neighbours. */
         if (!w->block.dirty && job->known == NULL) continue;
+        /* What was put off lies before this block, and has no turns. */
         if (done < x) {
             w->block.dirty = 0; /* in what lies before it */
             job->rule(job, &w->block, w->mesh, done, x);
@@ -118,11 +125,14 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
 
     job->columns_y = (rows->ny - 1) / BVXI_TURNS_SIDE + 1;
     job->columns = job->columns_y * ((rows->nz - 1) / BVXI_TURNS_SIDE + 1);
+
+    /* Memory for each worker, not for each column: a block is used again. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the workers' blocks of turns", &job->worker));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)job->columns * 8, "the columns' counts",
                              &job->odd_rows);
     if (status == BVX_OK && tree != NULL)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, cell_bytes, "the workers' cells", &pending);
+    /* Each worker has a part of one block of memory for its cells. */
     for (int32_t w = 0; w < bvxi_threads(ctx) && pending != NULL; w++)
         job->worker[w].block.pending = pending + (uint64_t)w * cells;
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job);
@@ -143,6 +153,7 @@ static uint64_t list_sheet(const bvxi_holes *holes, uint32_t *corner)
         bvxi_sheet_walk w;
         w.count = 0;
         bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
+        /* The triangles of the sheet in the order of the walk, by the mesh's vertices. */
         while (bvxi_sheet_take(&w, &i, &j)) {
             uint64_t const m = i + (j - i) / 2;
             if (j - i < 2) continue;
@@ -163,6 +174,8 @@ bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, con
 
     memset(sheet, 0, sizeof *sheet);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 12, "the sheet's triangles", &corner));
+
+    /* The sheet uses the mesh's own vertices, so it needs corners only. */
     sheet->positions = view->positions;
     sheet->vertex_count = view->vertex_count;
     sheet->position_type = view->position_type;

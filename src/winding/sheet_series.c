@@ -10,6 +10,7 @@ void bvxi_series_open(bvxi_series_table *t)
     uint8_t n = 0;
 
     memset(t, 0, sizeof *t);
+    /* By degree, so that the terms up to a degree are the first so many. */
     for (int degree = 0; degree <= BVXI_SERIES_ORDER; degree++) {
         for (int x = degree; x >= 0; x--)
             for (int y = degree - x; y >= 0; y--) {
@@ -17,6 +18,7 @@ void bvxi_series_open(bvxi_series_table *t)
                 t->power[n][0] = (uint8_t)x;
                 t->power[n][1] = (uint8_t)y;
                 t->power[n][2] = (uint8_t)z;
+                /* A term is a term of one degree less times a coordinate; less says which, for each axis. */
                 t->axis[n] = (uint8_t)(x > 0 ? 0 : y > 0 ? 1 : 2);
                 if (x > 0) t->less[n][0] = number[x - 1][y][z];
                 if (y > 0) t->less[n][1] = number[x][y - 1][z];
@@ -25,6 +27,7 @@ void bvxi_series_open(bvxi_series_table *t)
             }
         t->end[degree] = n;
     }
+    /* The product of two terms, where it is not of too high a degree. */
     for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++) {
             int const x = t->power[i][0] + t->power[k][0];
@@ -42,6 +45,7 @@ static int series_degree(const bvxi_series_table *t, int i)
 void bvxi_series_powers(const bvxi_series_table *t, const double v[3], int32_t terms, double *value)
 {
     static const double part[BVXI_SERIES_ORDER + 1] = {0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
+    /* Each power is one that is known times a coordinate; the factors 1/n make them Taylor's. */
     value[0] = 1;
     for (int i = 1; i < terms; i++)
         value[i] = value[t->less[i][t->axis[i]]] * v[t->axis[i]] * part[t->power[i][t->axis[i]]];
@@ -51,6 +55,7 @@ void bvxi_series_move_moments(const bvxi_series_table *t, const double *m, const
 {
     double power[BVXI_SERIES_LOCAL];
     bvxi_series_powers(t, v, BVXI_SERIES_LOCAL, power);
+    /* Taylor's series about the new centre: each moment is a sum of those of lower degree. */
     for (int k = 0; k < BVXI_SERIES_LOCAL; k++) {
         int const end = t->end[BVXI_SERIES_ORDER - series_degree(t, k)];
         for (int i = 1; i < end; i++) sum[t->sum[k][i]] += power[k] * m[i];
@@ -62,6 +67,7 @@ void bvxi_series_move_local(const bvxi_series_table *t, const double *c, const d
     double power[BVXI_SERIES_LOCAL];
 
     bvxi_series_powers(t, v, BVXI_SERIES_LOCAL, power);
+    /* Terms above the order are left out, as everywhere. */
     for (int k = 0; k < BVXI_SERIES_LOCAL; k++) {
         int const end = t->end[BVXI_SERIES_ORDER - 1 - series_degree(t, k)];
         double sum = 0;
@@ -78,12 +84,14 @@ static void series_derivatives(const bvxi_series_table *t, const double r[3], do
     int const xx = t->sum[1][1], yy = t->sum[2][2];
     int i = 1;
 
+    /* 1 / |r| itself, then degree by degree. */
     d[0] = sqrt(inverse);
     for (int n = 1; n <= BVXI_SERIES_ORDER; n++) {
         double const once = -(2 * n - 1) * inverse / n, twice = -(n - 1) * inverse / n;
         for (; i < t->end[n]; i++) {
             const uint8_t *const p = t->power[i], *const less = t->less[i];
             double first = 0, second = 0;
+            /* The sum of the second derivatives is 0, so z twice follows from x twice and y twice. */
             if (p[2] >= 2) { /* both are before it */
                 const uint8_t *const sum = t->sum[t->less[less[2]][2]];
                 d[i] = -d[sum[xx]] - d[sum[yy]];
@@ -106,6 +114,7 @@ void bvxi_series_add(const bvxi_series_table *t, const double *m, const double r
 
     series_derivatives(t, r, d);
     for (int k = 0; k < locals; k++) {
+        /* The terms of moments and of the local series go together up to the order. */
         int const degree = series_degree(t, k), end = t->end[BVXI_SERIES_ORDER - degree];
         const uint8_t *const at = t->sum[k];
         double sum = 0;

@@ -28,6 +28,7 @@ static uint64_t list_tree_triangles(const bvxi_holes *holes, uint32_t *corner)
         bvxi_sheet_walk w;
         w.count = 0;
         bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
+        /* As fill_sheet walks it, so the triangles are those of the sums. */
         while (bvxi_sheet_take(&w, &i, &j)) {
             uint64_t const m = i + (j - i) / 2;
             if (j - i < 2) continue;
@@ -47,6 +48,7 @@ static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
     uint64_t key = 0, place[3];
 
     for (int a = 0; a < 3; a++) {
+        /* Corners are within 2^30 of 0; the sum is moved up so that it is not negative. */
         int64_t sum = (int64_t)3 << 30;
         for (int k = 0; k < 3; k++) sum += s->xyz[3 * (uint64_t)s->holes->vertex[corner[k]] + (uint64_t)a];
         place[a] = (uint64_t)(sum / 3) >> 10;
@@ -63,6 +65,7 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
     uint32_t *number = NULL, *listed = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the sheet's order", &number);
 
+    /* The triangles' own order is by loops; by place, near ones become neighbours. */
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sheet's triangles as they come", &listed);
     if (status == BVX_OK) {
@@ -89,6 +92,7 @@ static uint32_t cut_keys(const uint64_t *keys, uint32_t first, uint32_t end)
     uint32_t low = first, high = end - 1; /* 0 at low, 1 at high */
 
     if (differ == 0) return first + (end - first) / 2;
+    /* Only the highest bit that differs is kept; keys are sorted, so it is 0 first and then 1. */
     while ((differ & (differ - 1)) != 0) differ &= differ - 1;
     while (high - low > 1) {
         uint32_t const middle = low + (high - low) / 2;
@@ -114,6 +118,7 @@ static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
         uint32_t const up = parent[count];
         uint32_t const number = (uint32_t)tree->cells++;
         int const leaf = to - from <= TREE_LEAF;
+        /* The first walk only counts, as there is no memory for cells yet. */
         if (tree->cell != NULL) {
             tree->cell[number].first = from;
             tree->cell[number].end = to;
@@ -122,6 +127,8 @@ static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
         }
         tree->leaves += (uint64_t)leaf;
         if (leaf) continue;
+
+        /* Two halves: the second's number is known only when it is met, so its parent gets it then. */
         first[count] = first[count + 1] = from;
         end[count] = end[count + 1] = to;
         first[count] = end[count + 1] = cut_keys(keys, from, to);
@@ -138,6 +145,7 @@ static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree
 
 static double tree_distance(const double a[3], const double b[3])
 {
+    /* The walk over triangles is for small cells; larger ones take the ball of both halves. */
     double const v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return bvxi_vec_length(v);
 }
@@ -149,6 +157,7 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
 
     memcpy(low, sheet_tree_point(s, tree, 3 * (uint64_t)c->first), sizeof low);
     memcpy(high, low, sizeof high);
+    /* The box, then the farthest corner from its middle. */
     for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++)
         for (int a = 0; a < 3; a++) {
             double const v = sheet_tree_point(s, tree, i)[a];
@@ -168,6 +177,7 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
 static void enclose_halves(const bvxi_sheet_cell *a, const bvxi_sheet_cell *b, bvxi_sheet_cell *both)
 {
     double const d = tree_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
+    /* As for the nodes of loops: it touches both balls at their far sides. */
     double const t = d > 0 ? (radius - a->radius) / d : 0;
     for (int i = 0; i < 3; i++)
         both->centre[i] = a->centre[i] + (t < 0 ? 0 : t > 1 ? 1 : t) * (b->centre[i] - a->centre[i]);
@@ -187,6 +197,7 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
                                 sheet_tree_point(s, tree, 3 * t + 2)};
     double u[3], v[3], n[3];
 
+    /* The normal, as long as the area, is what the moments are made of. */
     for (int a = 0; a < 3; a++) {
         u[a] = p[1][a] - p[0][a];
         v[a] = p[2][a] - p[0][a];
@@ -194,6 +205,7 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
     for (int a = 0; a < 3; a++)
         n[a] = 0.5 * (u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3]);
     c->area += bvxi_vec_length(n);
+    /* One point in the middle, three near the corners, three near the sides. */
     for (int i = 0; i < 7; i++) {
         int const kind = i == 0 ? 0 : 1 + (i - 1) / 3, apex = (i + 2) % 3;
         double const w = weight[kind], b = side[kind];
@@ -216,12 +228,15 @@ static void fill_sheet_cell(const bvxi_sheet *s, const bvxi_sheet_tree *tree, bv
     memset(c->moment, 0, sizeof c->moment);
     half[0] = c + 1;
     half[1] = tree->cell + c->second;
+    /* The smaller ball is dear, so only small cells have it. */
     if (c->end - c->first <= TREE_EXACT) enclose_triangles(s, tree, c);
     else enclose_halves(half[0], half[1], c);
     if (c->second == 0) {
         for (uint64_t t = c->first; t < c->end; t++) add_triangle_moments(s, tree, t, c);
         return;
     }
+
+    /* Moments are moved to the common centre and added. */
     for (int i = 0; i < 2; i++) {
         double v[3];
         for (int a = 0; a < 3; a++) v[a] = half[i]->centre[a] - c->centre[a];
@@ -236,6 +251,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     uint64_t *keys = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys);
 
+    /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
     if (status == BVX_OK) status = order_sheet(ctx, s, tree, keys);
     if (status == BVX_OK) {
         cut_sheet_cells(keys, tree);
@@ -244,6 +260,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     }
     if (status == BVX_OK) {
         cut_sheet_cells(keys, tree);
+        /* Backwards, as halves stand after what they are halves of. */
         for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
     }
     bvxi_drop(ctx, keys);
@@ -265,6 +282,7 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     bvx_status status;
 
     *tree = NULL;
+    /* Few or large holes are served better by their own groups. */
     if (holes->loops < TREE_LOOPS || holes->points / holes->loops >= TREE_LOOP_POINTS) return BVX_OK;
     if (holes->points == 2 * holes->loops) return BVX_OK; /* no triangle */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *t, "the sheet's tree", &t));
@@ -292,6 +310,8 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *s, const int64_t p[3], double q, 
     while (count-- > 0) {
         uint32_t const number = stack[count];
         const bvxi_sheet_cell *const c = &tree->cell[number];
+
+        /* Far enough: the moments answer, with the bound on what they leave out. */
         double const r[3] = {c->centre[0] - at[0], c->centre[1] - at[1], c->centre[2] - at[2]};
         double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
         if (c->radius * c->radius < q * q * d2) {
@@ -301,6 +321,7 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *s, const int64_t p[3], double q, 
             stack[count++] = c->second;
             stack[count++] = number + 1;
         } else {
+            /* Cells that are near are gathered, so that their triangles are summed together. */
             near[nears++] = number;
             if (nears < TREE_NEAR) continue;
             turns += bvxi_sheet_cells_angle(s, p, near, TREE_NEAR);

@@ -37,6 +37,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
     const bvxi_sheet *const s = block->sheet;
     double way[3];
 
+    /* The brick's middle, and the reach of its centres. */
     v->reach = 0;
     for (int a = 0; a < 3; a++) {
         v->half[a] = 0.5 * (b->size[a] - 1) * s->step[a];
@@ -45,6 +46,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
         way[a] = from == NULL ? 0 : v->middle[a] - from->middle[a];
     }
     v->reach = sqrt(v->reach) * (1 + 1e-9);
+    /* An eighth takes over the polynomial of the brick above, moved to its own middle. */
     v->error = from == NULL ? TREE_ROUNDING : from->error;
     v->near = 0;
     v->pendings = 0;
@@ -64,6 +66,7 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
         double const r[3] = {c->centre[0] - v->middle[0], c->centre[1] - v->middle[1],
                              c->centre[2] - v->middle[2]};
         double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], reach = c->radius + v->reach;
+        /* Far from all of the brick's centres: into the polynomial. */
         if (reach * reach < tree_near * tree_near * d2) {
             bvxi_series_add(&tree->table, c->moment, r, 0, v->local);
             v->error += c->area * bvxi_series_rest(d2, reach / sqrt(d2));
@@ -72,6 +75,7 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
             stack[count++] = c->second;
             stack[count++] = first;
         } else {
+            /* What is near stays on the list, and its greatest share counts as a bound. */
             double const gap = sqrt(d2) * (1 - 1e-9) - reach;
             v->near += gap <= 0 ? 1 : c->area / (4 * BVXI_PI * gap * gap);
             pending[v->pendings++] = stack[count];
@@ -82,9 +86,11 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
 /* 1 when all centres of the brick have one whole number. */
 static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int32_t *whole, int *clear)
 {
+    /* Near cells alone may be half a turn: no polynomial can be certain. */
     double power[BVXI_SERIES_LOCAL], spread = v->error + v->near, n;
     if (v->near >= 0.5) return 0;
     bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
+    /* The greatest change within the brick: every term at its largest. */
     for (int i = 1; i < BVXI_SERIES_LOCAL; i++)
         spread += power[i] * (v->local[i] < 0 ? -v->local[i] : v->local[i]);
     if (!is_certain(block, v->local[0], spread, &n, clear)) return 0;
@@ -94,6 +100,7 @@ static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int3
 
 static int tell_by_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
 {
+    /* From coarse to fine; the first that is certain answers. */
     for (int i = 0; i < 3; i++) {
         double error, n, turns = bvxi_sheet_tree_angle(block->sheet, p, tree_ask[i], &error);
         if (!is_certain(block, turns, error + TREE_ROUNDING, &n, clear)) continue;
@@ -113,12 +120,14 @@ static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint
     int32_t whole;
     int clear;
 
+    /* The centre in whole numbers for exact questions, and its way from the middle for the polynomial. */
     for (int a = 0; a < 3; a++) {
         p[a] = (block->low[a] + at[a]) * step + step / 2;
         h[a] = (block->low[a] + at[a] + 0.5) * s->step[a] - v->middle[a];
     }
     bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
     for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+    /* Near cells are summed exactly, so only the polynomial's error is left. */
     if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
     if (is_certain(block, turns, v->error, &n, &clear)) whole = (int32_t)n;
     else if (!tell_by_tree(block, p, &whole, &clear)) {
@@ -147,6 +156,7 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
     int32_t whole;
     int clear;
 
+    /* The first brick begins with the whole tree, the others with what was left above. */
     start_view(block, b, above, v);
     if (above == NULL) view_sheet_cell(tree, 0, pending, v);
     else
@@ -170,6 +180,7 @@ void bvxi_sheet_tree_block(bvxi_turns_block *block)
     stack[0].side = BVXI_TURNS_SIDE;
     while (count > 0) {
         turns_brick const b = stack[--count];
+        /* Each level has its own list, since eighths read the one above. */
         int level = 0;
         while (BVXI_TURNS_SIDE >> level > b.side) level++;
         if (!block->all_open && !brick_is_open(block, &b)) continue;

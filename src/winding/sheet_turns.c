@@ -34,6 +34,7 @@ static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
     int64_t p[TURNS_LANES][3];
 
     if (asked->count == 0) return;
+    /* Lanes that are not needed repeat the first centre: four cost what one does. */
     for (int32_t i = 0; i < TURNS_LANES; i++)
         for (int32_t a = 0; a < 3; a++)
             p[i][a] = (block->low[a] + asked->at[i < asked->count ? i : 0][a]) * step + step / 2;
@@ -44,6 +45,7 @@ static void ask_centres(bvxi_turns_block *block, turns_asked *asked)
         uint32_t const row = bvxi_turns_row(asked->at[i][1], asked->at[i][2]);
         int32_t const x = asked->at[i][0];
         set_turns(block, row, x, a->whole, block->want_clear && a->clear);
+        /* Exactly a half: the rule decides which way it falls. */
         if (block->ties && a->tie != 0) {
             block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a->whole + a->tie;
             block->dirty = 1;
@@ -65,16 +67,19 @@ static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, 
 static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
                        const double h[3], int32_t *whole, int *clear)
 {
+    /* The bend grows with the square of the way, so a centre near the middle has less of it. */
     double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
     const double *const g = look->gradient, *const e = look->edge_gradient;
     double turns = look->turns + g[0] * h[0] + g[1] * h[1] + g[2] * h[2], n;
     double const linear = turns + e[0] * h[0] + e[1] * h[1] + e[2] * h[2];
     int32_t entered = 0;
 
+    /* First all near edges as linear; where that leaves a doubt, what they sweep exactly. */
     if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
         if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
         if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
     }
+    /* Too many near triangles were met to be listed. */
     if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
     if (look->triangles > 0 && !bvxi_sheet_entered(look, h, &entered)) return 0;
     *whole = (int32_t)n + entered;
@@ -89,6 +94,7 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
     int32_t whole;
     int clear;
 
+    /* Places within the brick, from its middle, in units of the sheet. */
     for (int32_t a = 0; a < 3; a++) middle[a] = b->at[a] + 0.5 * (b->size[a] - 1);
     for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
         for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++) {
@@ -96,6 +102,7 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
             h[1] = (y - middle[1]) * step[1];
             h[2] = (z - middle[2]) * step[2];
             for (int32_t x = b->at[0]; x < b->at[0] + b->size[0]; x++) {
+                /* What is known already is passed over. */
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
                 if (tell_centre(block, look, reach2, h, &whole, &clear))
@@ -111,6 +118,7 @@ static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const
 {
     double spread = look->rest + look->bend + look->edge_bend, n;
 
+    /* The gradient's greatest change along each axis, from the middle to the last centre. */
     for (int32_t a = 0; a < 3; a++) {
         double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
                            (look->gradient[a] + look->edge_gradient[a]);
@@ -128,10 +136,12 @@ static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_s
     int32_t whole;
     int clear;
 
+    /* No doubt for any of them: the whole brick at once. */
     if (is_settled(block, b, look, &whole, &clear)) {
         settle_brick(block, b, whole, block->want_clear && clear);
         return 1;
     }
+    /* A large brick is cut; a small one says what its centres have, unless its own bound is too wide. */
     if (b->side > TURNS_PLAIN ||
         (b->side > 2 && (look->rest + look->bend > turns_doubt || look->triangles > BVXI_LOOK_TRIANGLES)))
         return 0;
@@ -146,6 +156,7 @@ static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *
     int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
     double reach = 0;
 
+    /* The middle of an even number of centres lies between two: halves of a step. */
     for (int32_t a = 0; a < 3; a++) {
         double const way = 0.5 * (b->size[a] - 1) * s->step[a];
         reach += way * way;
@@ -164,10 +175,12 @@ static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_
     int64_t p[TURNS_LANES][3];
     double reach = 0;
 
+    /* The largest reach serves all four, as they are of one side. */
     for (int32_t i = 0; i < TURNS_LANES; i++) {
         double const own = middle_of_brick(block, &b[i < bricks ? i : 0], p[i]);
         reach = own > reach ? own : reach;
     }
+    /* Four bricks cost little more than one. */
     if (bricks == 1) bvxi_sheet_around(block->sheet, p[0], reach, turns_near[small], edge, look);
     else bvxi_sheet_around_four(block->sheet, (const int64_t(*)[3])p, reach, turns_near[small], edge, look);
     for (int32_t i = 0; i < bricks; i++)
@@ -181,6 +194,8 @@ void bvxi_sheet_block(bvxi_turns_block *block)
     int32_t count = 1;
 
     asked.count = 0;
+
+    /* Very many small holes have a tree, and a way of their own. */
     if (block->pending != NULL) {
         bvxi_sheet_tree_block(block);
         return;
@@ -190,12 +205,14 @@ void bvxi_sheet_block(bvxi_turns_block *block)
     memcpy(stack[0].size, block->size, sizeof stack[0].size);
     stack[0].side = BVXI_TURNS_SIDE;
     while (count > 0) {
+        /* Bricks of one side are gathered from the stack, four at a time. */
         int32_t const side = stack[count - 1].side;
         turns_brick b[TURNS_LANES];
         int32_t bricks = 0;
         while (count > 0 && bricks < TURNS_LANES && stack[count - 1].side == side) {
             b[bricks] = stack[--count];
             if (!block->all_open && !brick_is_open(block, &b[bricks])) continue;
+            /* A single centre needs no gradient. */
             if (b[bricks].size[0] == 1 && b[bricks].size[1] == 1 && b[bricks].size[2] == 1)
                 ask_later(block, b[bricks].at[0], b[bricks].at[1], b[bricks].at[2], &asked);
             else bricks++;

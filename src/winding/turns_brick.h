@@ -35,6 +35,7 @@ static inline void settle_brick(bvxi_turns_block *block, const turns_brick *b, i
 {
     uint32_t const bits = brick_bits(b);
 
+    /* Blocks begin with turns of 0. */
     if (whole == 0 && !clear) return;
     for (int32_t z = b->at[2]; z < b->at[2] + b->size[2]; z++)
         for (int32_t y = b->at[1]; y < b->at[1] + b->size[1]; y++) {
@@ -54,6 +55,7 @@ static inline void ask_centre(bvxi_turns_block *block, int32_t x, int32_t y, int
     bvxi_sheet_answer const a = bvxi_sheet_turns(block->sheet, p, block->want_clear);
     uint32_t const row = bvxi_turns_row(y, z);
 
+    /* A tie is kept as one more or less than the doubled number, for the rule to settle. */
     set_turns(block, row, x, a.whole, block->want_clear && a.clear);
     if (block->ties && a.tie != 0) {
         block->turns[row * BVXI_TURNS_SIDE + (uint32_t)x] = 2 * a.whole + a.tie;
@@ -66,6 +68,7 @@ static inline int is_certain(const bvxi_turns_block *block, double turns, double
                              int *clear)
 {
     double const n = floor(turns + 0.5), off = turns < n ? n - turns : turns - n;
+    /* Certain means: the same whole number, and the same side of a quarter where that matters. */
     *whole = n;
     *clear = off < 0.25;
     return off + rest < 0.5 && (!block->want_clear || off + rest < 0.25 || off - rest > 0.25);
@@ -81,6 +84,7 @@ static inline void cut_brick(const turns_brick *b, turns_brick *stack, int32_t *
         int full = 1;
         c->side = half;
         for (int32_t a = 0; a < 3; a++) {
+            /* At the block's end an eighth may be smaller, or have no centre at all. */
             int32_t const from = (i >> a & 1) * half, left = b->size[a] - from;
             c->at[a] = b->at[a] + from;
             c->size[a] = left < half ? left : half;

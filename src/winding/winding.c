@@ -28,6 +28,8 @@ static void wind_row(const bvxi_turns_job *job, const bvxi_row_codes *mesh, cons
                      const int32_t *turns, int32_t x0, int32_t x1, uint64_t *words)
 {
     int32_t const low = job->grid->low[0];
+
+    /* From crossing to crossing the depth is constant; between two of them runs are set. */
     uint32_t i = 0, j = 0;
     int32_t depth = 0;
 
@@ -36,16 +38,19 @@ static void wind_row(const bvxi_turns_job *job, const bvxi_row_codes *mesh, cons
             depth += (mesh->code[i] & 1) != 0 ? -1 : 1;
         for (; j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low <= x; j++)
             depth -= (sheet->code[j] & 1) != 0 ? -1 : 1;
+        /* The stretch ends at whichever crossing comes next. */
         next = x1;
         if (i < mesh->count && bvxi_floor_shift(mesh->code[i], 1) - low < next)
             next = bvxi_floor_shift(mesh->code[i], 1) - low;
         if (j < sheet->count && bvxi_floor_shift(sheet->code[j], 1) - low < next)
             next = bvxi_floor_shift(sheet->code[j], 1) - low;
+        /* Without turns of the sheet the depth alone decides. */
         if (turns == NULL) {
             if (depth != 0) bvxi_set_run(words, x, next);
             continue;
         }
         for (int32_t v = x; v < next; v++) {
+            /* Twice the number, so that halves are whole: above a half, either way. */
             int32_t const twice = 2 * depth + turns[v - x0];
             if (twice > 1 || twice < -1) words[v >> 6] |= UINT64_C(1) << (v & 63);
         }
@@ -60,6 +65,7 @@ static void wind_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, cons
             uint32_t const row = bvxi_turns_row(y, z);
             uint64_t *const words = job->grid->words + bvxi_turns_word(job, b, y, z);
             if (x0 == 0) memset(words, 0, (size_t)job->grid->words_per_row * 8);
+            /* No turns, no crossings: the row stays empty. */
             if (!b->dirty && mesh[row].count == 0 && b->crossed[row].count == 0) continue;
             wind_row(job, &mesh[row], &b->crossed[row], b->dirty ? b->turns + row * BVXI_TURNS_SIDE : NULL,
                      x0, x1, words);
@@ -77,6 +83,7 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     bvxi_turns_job turns = {0};
     bvx_status status;
 
+    /* The same gathering, of the sheet's triangles: its crossings are taken off the mesh's. */
     job->view = w->sheet_view;
     status = bvxi_solid_gather(ctx, job, from, part, &crossed);
     job->view = mesh;
@@ -104,6 +111,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
 
     BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &solid->lattice, &sheet));
     status = bvxi_sheet_mesh_open(ctx, job->view, holes, &view);
+    /* The sheet's rows are gathered block by block, with those of the mesh. */
     if (status == BVX_OK) {
         w.sheet = &sheet;
         w.sheet_view = &view;
@@ -121,6 +129,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
 static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
                                   const bvx_grid *solid, double from, double to, bvx_solid_report *report)
 {
+    /* A mesh without open edges needs no angles: whole turns are the rule nonzero's. */
     if (holes->loops == 0) return bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
     return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
@@ -132,6 +141,7 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
     bvxi_holes holes;
     bvx_status status;
 
+    /* Axis x: rows of centres along it. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
@@ -189,6 +199,7 @@ static double ratio_between(double from, double to, int32_t rule)
 {
     double half, t;
 
+    /* Only the fractions count: whole turns are the mesh's, which does not change without a triangle. */
     from -= floor(from);
     to -= floor(to);
     /* not by way of the half: it is at an end, or the way is by the whole number to the next half */
@@ -200,6 +211,7 @@ static double ratio_between(double from, double to, int32_t rule)
         if (rule == BVX_FILL_VOTE) return 0.5; /* or rows have decided */
         to += to > from ? -1 : 1;
     }
+    /* The half that lies between both, and where the straight line meets it. */
     half = floor(from + 0.5) + (to > from ? 0.5 : -0.5);
     t = (half - from) / (to - from);
     return !(t > 0 && t < 1)       ? 0.5
@@ -217,7 +229,9 @@ void bvxi_winding_ratios(const bvxi_winding *winding, int32_t count, const bvxi_
         double turns[4];
         int64_t p[4][3];
         for (int32_t k = 0; k < 4; k++) {
+            /* The last lanes repeat an edge where the number is odd. */
             const bvxi_winding_edge *const e = &edge[i + k / 2 < count ? i + k / 2 : i];
+            /* Centres in whole numbers: a voxel's place and half a step. */
             for (int32_t a = 0; a < 3; a++)
                 p[k][a] = e->v[a] * step + step / 2 + (a == e->axis && k % 2 != 0 ? step : 0);
         }
