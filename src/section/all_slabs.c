@@ -52,6 +52,7 @@ static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices,
     uint64_t rings = 0, heights;
 
     slab->lines = 0;
+    /* A line of the grid bears a vertex where its point is inside on one plane only. */
     for (size_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
     heights = (uint64_t)slab->lines + slab->hanging_count;
     for (int k = 0; k < 2; k++) rings += count_ring(slab->plane[k]);
@@ -74,6 +75,7 @@ static bvx_status open_slab_meshes(slabs_job *job)
     bvxi_section_mesh *const all = &job->s->slab_mesh;
     uint64_t vertex = 0, triangle = 0;
 
+    /* All slabs' arrays are one block, cut by what each may need. */
     for (uint32_t i = 0; i < job->count; i++) {
         all->vertex_room += job->room[2 * (size_t)i];
         all->triangle_room += job->room[2 * (size_t)i + 1];
@@ -100,6 +102,7 @@ static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
 {
     bvx_status status;
 
+    /* Counts of the view are the slab's own; they are summed up afterwards. */
     w->view.mesh = slab->mesh;
     w->view.report.distances = w->view.report.ambiguous_faces = w->view.report.inner_vertices =
         w->view.report.crossed_cells = 0;
@@ -125,6 +128,7 @@ static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
 
+    /* Afterwards, in order, with arrays that grow. */
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -141,6 +145,7 @@ static bvx_status open_workers(slabs_job *job)
     bvxi_stack *const s = job->s;
     uint32_t lines = 0, loop = 0;
 
+    /* Scratch for the largest slab, once a worker. */
     for (uint32_t i = 0; i < job->count; i++) {
         const bvxi_slab *const slab = &job->slab[i];
         uint32_t const rings = slab->plane[0]->ring_count + slab->plane[1]->ring_count;
@@ -151,6 +156,7 @@ static bvx_status open_workers(slabs_job *job)
         slabs_worker *const w = &job->worker[i];
         w->view = *s;
         memset(&w->view.mesh, 0, sizeof w->view.mesh);
+        /* Vertices of rings are read from the stack; new ones are numbered after them. */
         w->view.ring_position = s->mesh.position;
         w->view.ring_vertices = (uint32_t)s->mesh.vertex_count;
         BVXI_TRY(bvxi_slab_work_open(&w->work, &w->view, lines, loop));
@@ -167,6 +173,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
     job->pieces = bvxi_section_pieces(
         job->count, (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words, SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.0, 0.1, job->pieces, count_slab_piece, job));
+    /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
@@ -177,6 +184,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
         status = bvxi_parallel(s->ctx, "surface", 0.1, 0.9, job->pieces, fill_slab_piece, job);
     if (status == BVX_OK) status = fill_again(job);
     for (int32_t i = job->workers; i-- > 0;) bvxi_slab_work_close(&job->worker[i].work);
+    /* Sums of whole numbers: the order of workers does not show. */
     for (uint32_t i = 0; i < job->count && status == BVX_OK; i++) {
         s->report.distances += job->slab[i].distances;
         s->report.ambiguous_faces += job->slab[i].ambiguous_faces;
@@ -220,6 +228,8 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job;
+
+    /* Other ways share vertices of planes as they come, so their slabs are made in order. */
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
     memset(&job, 0, sizeof job);
     job.s = s;
@@ -258,6 +268,7 @@ static void join_piece(void *user, int32_t index, int32_t worker)
         uint32_t const shift = (uint32_t)(job->vertex[i] - rings->vertex_count);
         if (m->vertex_count != 0)
             give_positions(job->s, m->position, m->vertex_count, job->mesh, job->vertex[i]);
+        /* Vertices of rings keep their numbers; a slab's own are moved up by those of the slabs before it. */
         for (uint64_t n = 0; n < 3 * m->triangle_count; n++)
             to[n] = m->triangle[n] + (m->triangle[n] >= first ? shift : 0);
     }
@@ -270,6 +281,7 @@ static bvx_status join_in_job(slabs_job *job)
     uint64_t vertices = own->vertex_count, triangles = 0;
     bvx_status status;
 
+    /* Places of vertices and triangles follow from the counts, in the order of the slabs. */
     for (uint32_t i = 0; i < job->count; i++) {
         job->vertex[i] = vertices;
         job->triangle[i] = triangles;
@@ -289,6 +301,7 @@ static bvx_status join_in_job(slabs_job *job)
                          s->function, (int64_t)s->size[0], (int64_t)s->size[1]);
     BVXI_TRY(
         bvxi_mesh_open(s->ctx, s->function, s->options.position_type, 0, vertices, triangles, job->mesh));
+    /* Triangles that are no slab's come last. */
     if (own->triangle_count != 0)
         memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
                (size_t)own->triangle_count * 12);

@@ -14,10 +14,12 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
 {
     double const unit = (double)(1 << (s->fine - 1));
 
+    /* Each vertex has one line that leaves it, so its next vertex is all there is to keep. */
     for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
     for (uint32_t i = 0; i < count; i++) {
         bvxi_contour *const c = &p->contour[p->contour_count];
         uint32_t v = edge[i][0];
+        /* Followed already, as part of an earlier loop. */
         if (behind[v] == BVXI_NONE) continue;
         c->first = p->point_count;
         while (behind[v] != BVXI_NONE) {
@@ -25,6 +27,7 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
             uint32_t const n = p->point_count++, next = behind[v];
             for (int k = 0; k < 2; k++) {
                 double const u = (s->axis[k][0] * at[0] + s->axis[k][1] * at[1]) + s->axis[k][2] * at[2];
+                /* The vertex in fixed point, odd as the points of sections are. */
                 p->q[n][k] = 2 * (int32_t)floor((u - s->origin[k]) / s->step[k] * unit) + 1;
             }
             p->ring[n] = v;
@@ -32,6 +35,7 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
             behind[v] = BVXI_NONE;
             v = next;
         }
+        /* Lines that end elsewhere than they began bound no region. */
         if (v != edge[i][0])
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
         c->count = p->point_count - c->first;
@@ -63,6 +67,7 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
         status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
                             &p.contour);
     if (status == BVX_OK) {
+        /* No vertex has a line at first. */
         memset(behind, 0xff, (size_t)vertices * 4);
         status = follow_lines(s, &p, edge, count, behind);
     }

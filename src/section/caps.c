@@ -67,6 +67,7 @@ static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint
               ((int64_t)m[1] - o[1]) * ((int64_t)n[1] - o[1]);
         return cap_turn(o, m, n) == 0 && dot > 0;
     }
+    /* Proper crossings first; then ends that lie on the other segment. */
     if (((pr > 0 && pt < 0) || (pr < 0 && pt > 0)) && ((rp > 0 && rq < 0) || (rp < 0 && rq > 0))) return 1;
     return (pr == 0 && cap_on(p, q, r)) || (pt == 0 && cap_on(p, q, t)) || (rp == 0 && cap_on(r, t, p)) ||
            (rq == 0 && cap_on(r, t, q));
@@ -75,6 +76,7 @@ static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint
 static int is_free(const cap_work *w, uint32_t a, uint32_t b)
 {
     const bvxi_plane *const p = w->plane;
+    /* Contours first, then bridges that were made before: a bridge may meet neither. */
     for (uint32_t i = 0; i < p->point_count; i++)
         if (cap_meets(w, a, b, i, p->next[i])) return 0;
     for (uint32_t i = 0; i < w->bridge_count; i++)
@@ -95,6 +97,7 @@ static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
     const int32_t *const o = w->plane->q[w->corner[i]];
     const int32_t *const a = w->plane->q[w->corner[(i + w->count - 1) % w->count]];
     const int32_t *const b = w->plane->q[w->corner[(i + 1) % w->count]], *const m = w->plane->q[point];
+    /* At a left turn the angle is what both edges have on their left; at a reflex corner, what either has. */
     int const left_of_a = cap_turn(a, o, m) > 0, left_of_b = cap_turn(o, b, m) > 0;
     return cap_turn(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
 }
@@ -108,6 +111,7 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
     for (;;) {
         uint64_t best = UINT64_MAX;
         uint32_t at = BVXI_NONE;
+        /* The nearest corner after the last one tried; equal ones go by their place. */
         for (uint32_t i = 0; i < w->count; i++) {
             uint64_t const d = cap_square(w, from, w->corner[i]);
             if (d < last || (d == last && last_at != BVXI_NONE && i <= last_at)) continue;
@@ -120,6 +124,7 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
             return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT,
                              "%s: a hole of section %i cannot be joined to its loop", w->s->function,
                              (uint64_t)w->plane->section);
+        /* It must see the corner from within the polygon, and nothing may lie between. */
         if (is_in_corner(w, at, from) && is_free(w, from, w->corner[at])) {
             *corner = at;
             return BVX_OK;
@@ -134,6 +139,7 @@ static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, ui
 {
     uint32_t i = from, k = at + 1, n = 2;
 
+    /* Room after the corner for the hole's points, its first once more, and the corner once more. */
     for (uint32_t j = hole->first; j < hole->first + hole->count; j++) n += w->after[j] != BVXI_NONE;
     memmove(w->corner + at + 1 + n, w->corner + at + 1, (size_t)(w->count - at - 1) * 4);
     do {
@@ -154,6 +160,7 @@ static int cap_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_
     int odd = 0;
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        /* Of the segments that pass the place's height, the parity of those to its right decides. */
         if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
         odd ^= (cap_turn(a, b, at) < 0) == (b[1] < a[1]);
     }
@@ -165,6 +172,7 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
     for (uint32_t h = 0; h < p->contour_count; h++) {
         double best = 0.0;
         owner[h] = BVXI_NONE;
+        /* The smallest outer loop around a hole is its own. */
         if (!p->contour[h].hole) continue;
         for (uint32_t o = 0; o < p->contour_count; o++) {
             double area;
@@ -241,6 +249,7 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
 
     for (;;) {
         uint32_t next = BVXI_NONE, from = 0, corner = 0;
+        /* The hole that reaches farthest to the right comes next. */
         for (uint32_t h = 0; h < p->contour_count; h++) {
             uint32_t r;
             if (owner[h] != outer) continue;
@@ -283,6 +292,7 @@ static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
     uint32_t low = 0, high = p->contour_count;
 
     memset(side, 0, sizeof *side);
+    /* Only corners that follow each other have a stretch of the ring between them; bridges have none. */
     if (p->lines || w->after[a] != b) return;
     while (high - low > 1) {
         uint32_t const middle = low + (high - low) / 2;
@@ -292,6 +302,7 @@ static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
     side->low = p->ring[p->contour[low].first];
     side->end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
     side->start = p->ring[a] + 1;
+    /* The stretch may go over the end of its loop. */
     side->count = (p->ring[b] > p->ring[a] ? p->ring[b] : p->ring[b] + (side->end - side->low)) - p->ring[a] -
                   1;
 }
@@ -317,6 +328,7 @@ static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
     cap_side side[3];
     int turn = 0;
 
+    /* Turned so that the first side is one that has vertices, where there is one. */
     for (int i = 0; i < 3; i++) find_side(w, point[i], point[(i + 1) % 3], &side[i]);
     while (turn < 2 && side[turn].count == 0) turn++;
     for (int i = 0; i < 3; i++) {
@@ -326,6 +338,7 @@ static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
     if (side[0].count == 0) return add_turned(w, v[0], v[1], v[2]);
     first = side_vertex(p, &side[0], 0);
     last = side_vertex(p, &side[0], side[0].count - 1);
+    /* Three fans: over the third side, over the first from the corner opposite, over the second. */
     BVXI_TRY(fan_side(w, first, v[2], &side[2], 0, side[2].count, v[0]));
     if (first != last) BVXI_TRY(fan_side(w, v[2], first, &side[0], 1, side[0].count - 1, last));
     return fan_side(w, last, v[1], &side[1], 0, side[1].count, v[2]);
@@ -355,6 +368,7 @@ static bvx_status fill_regions(cap_work *w, uint32_t *owner)
 
     bvxi_plane_owners(p, owner);
     find_corners(w);
+    /* Holes in no loop are filled by themselves. */
     for (uint32_t h = 0; h < p->contour_count; h++)
         if (p->contour[h].hole && owner[h] == BVXI_NONE) owner[h] = CAP_ALONE;
     for (uint32_t o = 0; o < p->contour_count; o++) {
@@ -405,6 +419,7 @@ double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
 {
     double sum = 0.0;
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        /* About the first point, so that large coordinates do not take the digits. */
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
         sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
     }

@@ -22,6 +22,7 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
 {
     uint32_t const first = leaf * BVXI_SEGMENT_GROUP;
 
+    /* A leaf without segments keeps a box that no place is near. */
     box[0] = box[1] = 1e300;
     box[2] = box[3] = -1e300;
     if (first >= p->segment_count) return;
@@ -60,12 +61,15 @@ void bvxi_plane_tree(bvxi_plane *p)
     bvxi_plane_tree_size(p->segment_count, &groups, &boxes);
     p->leaf_count = (uint32_t)(boxes / 2);
     for (uint32_t i = 0; i < p->leaf_count; i++) fill_group(p, i, p->box[p->leaf_count + i]);
+    /* Boxes from the leaves up: node i has 2 i and 2 i + 1 below it. */
     for (uint32_t i = p->leaf_count; i-- > 1;)
         for (int k = 0; k < 2; k++) {
             const double *const a = p->box[2 * i], *const b = p->box[2 * i + 1];
             p->box[i][k] = a[k] < b[k] ? a[k] : b[k];
             p->box[i][k + 2] = a[k + 2] > b[k + 2] ? a[k + 2] : b[k + 2];
         }
+
+    /* What rounding may take off a distance, by the extent of all contours. */
     p->slack = 0.0;
     for (int k = 0; k < 2 && p->segment_count != 0; k++)
         p->slack += (p->box[1][k + 2] - p->box[1][k]) * (p->box[1][k + 2] - p->box[1][k]);
@@ -93,6 +97,7 @@ static inline void squares_of_group(const bvxi_segment_group *g, double u, doubl
 {
     for (int i = 0; i < BVXI_SEGMENT_GROUP; i++) {
         double const x = u - g->u[i], y = v - g->v[i];
+        /* The nearest point of the segment: its foot, kept between the ends. */
         double const along = x * g->du[i] + y * g->dv[i];
         double const share = along / (g->square[i] > 0.0 ? g->square[i] : 1.0);
         double const most = along < g->square[i] ? share : 1.0, t = along > 0.0 ? most : 0.0;
@@ -128,6 +133,7 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
             best = nearest_in_group(p, node - p->leaf_count, u, v, best, hint);
             limit = farthest_box(p, best);
         } else {
+            /* The nearer box first; the other waits with its distance. */
             double const a = box_square(p->box[2 * node], u, v), b = box_square(p->box[2 * node + 1], u, v);
             uint32_t const near = a <= b ? 2 * node : 2 * node + 1;
             double const nearer = a <= b ? a : b, farther = a <= b ? b : a;
@@ -140,6 +146,7 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
                 continue;
             }
         }
+        /* What waits and is too far by now goes without a look. */
         while (top > 0 && far[top - 1] >= limit) top--;
         if (top == 0) return best;
         node = stack[--top];
@@ -153,6 +160,7 @@ double bvxi_plane_distance(const bvxi_plane *p, double u, double v, uint32_t *hi
     uint32_t node;
     double best;
 
+    /* A hint of another plane may lie beyond this one's segments. */
     if (*hint >= p->segment_count) *hint = 0;
     node = p->leaf_count + *hint / BVXI_SEGMENT_GROUP;
     best = nearest_in_group(p, node - p->leaf_count, u, v, 1e300, hint);
@@ -174,6 +182,7 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
     while (top > 0) {
         uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
         double d[BVXI_SEGMENT_GROUP];
+        /* What lies farther than the best so far is left out, rounding included. */
         if (box_square(p->box[node], u, v) >= farthest_box(p, best)) continue;
         if (node < p->leaf_count) {
             int const low = box_square(p->box[2 * node], u, v) <= box_square(p->box[2 * node + 1], u, v);
@@ -182,6 +191,7 @@ double bvxi_plane_nearest(const bvxi_plane *p, double u, double v, uint32_t *seg
             continue;
         }
         squares_of_group(&p->group[node - p->leaf_count], u, v, d);
+        /* Of equally near segments the lowest, whatever the order of the boxes. */
         for (uint32_t i = 0; i < BVXI_SEGMENT_GROUP && first + i < p->segment_count; i++)
             if (d[i] < best || (d[i] == best && segment_at(p, first + i) < *segment)) {
                 best = d[i];
@@ -205,6 +215,7 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
         uint32_t const i = segment_at(p, n);
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t s;
+        /* A segment that does not pass the place's height cannot lie to its right. */
         if ((a[1] < qy) == (b[1] < qy)) continue;
         s = (b[0] - (int64_t)a[0]) * (qy - a[1]) - (qx - a[0]) * (b[1] - (int64_t)a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);
@@ -223,6 +234,7 @@ int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
         uint32_t const node = stack[--top], first = (node - p->leaf_count) * BVXI_SEGMENT_GROUP;
         const double *const box = p->box[node];
 
+        /* Only boxes at this height that reach to the right of the place. */
         if (!(box[1] <= v && v <= box[3] && u <= box[2])) continue;
         if (node < p->leaf_count) {
             stack[top++] = 2 * node;

@@ -53,11 +53,15 @@ static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_
 {
     uint32_t const n = l->count;
 
+    /* Sides of the loop cost nothing: they are there already. */
     for (uint32_t i = 0; i + 1 < n; i++) t->cost[i][i + 1] = 0.0;
+    /* From short chords to long ones: each needs only shorter ones. */
     for (uint32_t gap = 2; gap < n; gap++)
         for (uint32_t i = 0; i + gap < n; i++) {
             uint32_t const j = i + gap;
             double best = FILL_NEVER;
+            /* A chord within one face might be an edge of the
+             * neighbour's; the loop's own last side is no chord. */
             if ((l->faces[i] & l->faces[j]) == 0 || gap == n - 1) {
                 for (uint32_t k = i + 1; k < j; k++) {
                     double const c = t->cost[i][k] + t->cost[k][j];
@@ -90,6 +94,7 @@ static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
 
+    /* Where the loop goes over from above to below, the lower stretch begins. */
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
                           (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
         start++;
@@ -112,6 +117,7 @@ static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const do
 
     if (m == 0) return BVX_ERR_EMPTY;
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
+        /* The next triangle goes on along one of both stretches, over the shorter inner edge. */
         uint32_t const a = below[i], b = above[j];
         uint32_t const on = below[i + 1 < m ? i + 1 : i], beside = above[j + 1 < end ? j + 1 : j];
         uint32_t const shorter = (uint32_t)(fill_length(at[on], at[b]) <= fill_length(at[a], at[beside]));
@@ -121,6 +127,7 @@ static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const do
                                            l->vertex[b]));
         i += up;
         j += 1 - up;
+        /* An inner edge within one face: the strip is taken off again, and another way is tried. */
         if ((i + 1 < m || j + 1 < end) && (l->faces[below[i]] & l->faces[above[j]]) != 0) {
             s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
@@ -139,11 +146,13 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
     uint32_t left = n, from = 0;
     uint64_t const start = s->mesh.triangle_count;
 
+    /* A ring of numbers, so that an ear is cut off in constant time. */
     for (uint32_t i = 0; i < n; i++) {
         next[i] = i + 1 == n ? 0 : i + 1;
         before[i] = i == 0 ? n - 1 : i - 1;
     }
     for (; left > 3; left--) {
+        /* The shortest inner edge of all ears that may be cut. */
         double best = FILL_NEVER;
         uint32_t ear = BVXI_NONE, i = from;
         do {
@@ -156,6 +165,7 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
             }
             i = next[i];
         } while (i != from);
+        /* No ear is left that may be cut: what was made is taken off again. */
         if (ear == BVXI_NONE) {
             s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
@@ -175,11 +185,13 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     double middle[3] = {0.0, 0.0, 0.0}, centre[3], uv[2];
     uint32_t faces = 0xff, number;
 
+    /* The mean of the corners, and the faces that all of them lie on. */
     for (uint32_t i = 0; i < l->count; i++) {
         faces &= l->faces[i];
         for (int k = 0; k < 3; k++) middle[k] += at[i][k];
     }
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
+    /* The cell's middle, towards which the vertex moves where the mean lies on a face. */
     for (int k = 0; k < 2; k++)
         uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
     bvxi_section_place(s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
@@ -211,12 +223,15 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
     uint32_t common = 0xff;
 
     l->strip = 0;
+
+    /* A face that all corners share decides whether the loop lies flat on it. */
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
     if (l->count == 3 && common == 0 && !l->cone)
         return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
     for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(s, l->vertex[i]);
     /* common: flat on one face, where the neighbour has the same loop */
     if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at);
+    /* Loops of four are frequent, and have two ways only. */
     if (l->count == 4) {
         uint32_t i;
         if (fill_four(l, l->at, &i)) {
@@ -225,6 +240,7 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
         }
         return fill_by_vertex(s, l, l->at);
     }
+    /* Long loops between two planes are strips as a rule. */
     if (l->count > FILL_FEW) {
         status = fill_as_strip(s, l, l->at, l->next, l->before);
         l->strip = status == BVX_OK;

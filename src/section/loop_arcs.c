@@ -29,6 +29,7 @@ static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
 {
     bvxi_line_cut *c;
 
+    /* Half as much again, in an array of the plane's own: the shared one is cut to what was counted. */
     if (p->cut_count == p->cut_room) {
         uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
         if (room > INT32_MAX)
@@ -54,6 +55,7 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
 
     if (whole == NULL) return add_own_cut(s, p, segment, axis, line, number);
 
+    /* The section's ring must hold it too, so it is added there, and the level sees the same array. */
     BVXI_TRY(add_own_cut(s, whole, segment, axis, line, number));
     p->cut = whole->cut;
     p->cut_count = whole->cut_count;
@@ -75,10 +77,12 @@ void bvxi_plane_count_cuts(const bvxi_stack *s, const bvxi_plane *p, uint64_t *c
         const bvxi_contour *const c = &p->contour[k];
         uint64_t n = 0;
         for (uint32_t i = c->first; i < c->first + c->count; i++) {
+            /* A segment crosses as many lines as lie between the cells of its ends. */
             const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
             n += (uint64_t)cells_between(s, a[0], b[0]) + (uint64_t)cells_between(s, a[1], b[1]);
         }
         *cuts += n;
+        /* A loop that crosses nothing is one arc. */
         *arcs += n == 0 ? 1 : n;
     }
 }
@@ -121,7 +125,9 @@ static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
     c->axis = axis;
     c->line = (int32_t)((uint32_t)index << w->s->fine);
     c->ring = BVXI_NONE;
+    /* A crossing of a row's line turns all grid points beyond it in that row. */
     if (axis == 1) turn_beyond(w, index);
+    /* The first arc of a loop is closed at the end, when its beginning is known. */
     if (w->last == BVXI_NONE) {
         w->head.to = cut;
         w->head.point = w->point;
@@ -140,6 +146,7 @@ static void walk_segment(arc_walk *w, uint32_t i)
     int const up[2] = {b[0] > a[0], b[1] > a[1]};
     int32_t left[2]; /* lines still to cross */
 
+    /* How many lines of each axis lie between both ends; only which comes next is left to find. */
     for (int k = 0; k < 2; k++) {
         int32_t const d = (b[k] >> w->s->fine) - w->cell[k];
         left[k] = d < 0 ? -d : d;
@@ -166,6 +173,9 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
         if (w->count++ == 0) w->point = i;
         walk_segment(w, i);
     }
+
+    /* A loop within one cell is an arc without ends; else
+     * the last arc goes on into the first one's beginning. */
     if (w->last == BVXI_NONE) add_arc(w, BVXI_NONE, BVXI_NONE, c->first, c->count);
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }
@@ -178,6 +188,7 @@ static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, 
 {
     uint32_t sum = 0;
 
+    /* Counted by cell, counts become places, and arcs go there in their order. */
     memset(x->start, 0, (size_t)size * 4);
     for (uint32_t i = 0; i < p->arc_count; i++) x->start[x->cell[i] >> shift & 0xffff]++;
     for (int32_t i = 0; i < size; i++) {
@@ -219,7 +230,9 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
         bvxi_ring_arc *const r = &p->ring_arc[i];
         r->from = a->from;
         r->to = a->to;
+        /* The next cell begins anew. */
         if (i == 0 || p->arc_cell[i] != p->arc_cell[i - 1]) sides = 0, asks = 0;
+        /* A loop inside the cell, or a side crossed twice, requires that it is cut further. */
         if (a->from == BVXI_NONE) {
             asks = 1;
         } else {
@@ -254,6 +267,7 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
         uint64_t *const row = inside + (size_t)j * (size_t)s->words;
         uint64_t carry = 0;
         for (int32_t i = 0; i < s->words; i++) {
+            /* The parity within a word, bit by bit, and of all words before it. */
             uint64_t x = row[i];
             for (int k = 1; k < 64; k *= 2) x ^= x << k;
             row[i] = x ^ carry;

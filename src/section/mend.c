@@ -26,6 +26,7 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
 static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
                                   bvx_sections *kept, uint64_t *dropped)
 {
+    /* Only the list of loops is new; points stay where they are. */
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
@@ -60,6 +61,7 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
     int done;
 
     BVXI_TRY(bvxi_mend_split_plane(w, &done));
+    /* Loops that neither touch nor cross keep their points and their order. */
     for (uint32_t i = 0; i < w->plane->contour_count; i++) {
         if (w->changed[i] && done) changed++;
         else BVXI_TRY(mend_copy_loop(w, i, m));
@@ -90,6 +92,7 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     memset(&w, 0, sizeof w);
     w.s = s;
     w.map = &map;
+    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
@@ -117,6 +120,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     memset(&s, 0, sizeof s);
     memset(&kept, 0, sizeof kept);
     status = mend_drop_lines(ctx, function, given, &kept, &m->loops);
+    /* The result has the planes of the given stack, and loops of its own. */
     m->sections = *given;
     m->sections.points = NULL;
     m->sections.loops = NULL;
@@ -124,6 +128,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
         m->sections.loop_capacity = 0;
     if (status == BVX_OK) status = bvxi_stack_begin(ctx, function, &kept, options, &s);
     if (status == BVX_OK) {
+        /* The mended stack is built on this grid, whose fixed point the steps count in. */
         bvxi_stack_give_grid(&s, &m->grid);
         status = mend_stack(&s, m);
     }

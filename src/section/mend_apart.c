@@ -61,11 +61,13 @@ double bvxi_mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, do
 
     bvxi_mend_direction(p->w, p->edge, from, d);
     bvxi_mend_direction(p->w, p->edge, to, e);
+    /* Unit directions of both ends. */
     length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
     for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
     length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
     for (int k = 0; k < 2; k++) v[k] = (double)e[k] / length;
 
+    /* The middle of the angle lies across the difference of both directions. */
     middle[0] = v[1] - u[1];
     middle[1] = u[0] - v[0];
     length = sqrt(middle[0] * middle[0] + middle[1] * middle[1]);
@@ -120,6 +122,7 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
         here[j] = x;
     }
 
+    /* From the inside out: a stop's level is one above the deepest that lies in its angle. */
     for (uint32_t i = 0; i < count; i++) {
         apart_stop *const s = &w->stop[here[i]];
         uint32_t a[2];
@@ -136,6 +139,8 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
         if (s->level > deepest) deepest = s->level;
     }
 
+    /* Each level moves a quarter as far as the one in it:
+     * where there are many, the innermost begins farther off. */
     w->steps[node] = APART_STEPS;
     for (; deepest > APART_KEPT_LEVELS && w->steps[node] < APART_FARTHEST; deepest--) w->steps[node] *= 4.0;
 }
@@ -145,6 +150,7 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     const bvxi_mend_paths *const p = w->paths;
     uint32_t const nodes = p->w->node_count;
 
+    /* Stops by node, by counting. */
     memset(w->first, 0, ((size_t)nodes + 1) * 4);
     for (uint32_t i = 0; i < p->stop_count; i++) w->first[p->stop[i].node + 1]++;
     for (uint32_t n = 0; n < nodes; n++) w->first[n + 1] += w->first[n];
@@ -154,6 +160,7 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     w->first[nodes] = p->stop_count;
 
     for (uint32_t n = 0; n < nodes; n++) {
+        /* A single stop has nothing to be moved apart from. */
         w->steps[n] = 0.0;
         if (w->first[n + 1] - w->first[n] > 1) aim_stops(w, n, stays[n]);
         else if (w->first[n + 1] != w->first[n])
@@ -191,6 +198,7 @@ static void put_segments(apart_work *w)
     const bvxi_mend_work *const m = p->w;
 
     w->segments = 0;
+    /* Segments of loops that change lie where their stops are put; those of others stay. */
     for (uint32_t i = 0; i < p->stop_count; i++) {
         apart_segment *const s = &w->segment[w->segments++];
         s->stop[0] = i;
@@ -215,6 +223,7 @@ static int segments_collide(const apart_segment *s, const apart_segment *t)
     int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
 
     if (s->stop[0] == BVXI_NONE && t->stop[0] == BVXI_NONE) return 0; /* they do not touch as they are */
+    /* Neighbours on a loop share a point: only a fold back onto each other counts. */
     if (after && before) return 0;
     if (after) return bvxi_folds_back(s->q[1], s->q[0], t->q[1]);
     if (before) return bvxi_folds_back(s->q[0], s->q[1], t->q[0]);
@@ -237,6 +246,7 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
         w->mark[node] |= APART_MORE;
         common = 1;
     }
+    /* No common node: one of them has moved onto the other. */
     for (int end = 0; end < 2 && !common; end++) {
         if (s->stop[end] != BVXI_NONE) w->mark[node_of_end(w, s, end)] |= APART_LESS;
         if (t->stop[end] != BVXI_NONE) w->mark[node_of_end(w, t, end)] |= APART_LESS;
@@ -258,6 +268,7 @@ static bvx_status find_collisions(apart_work *w)
 {
     uint32_t reach = 0;
 
+    /* A sweep along u: only segments that still reach the place are compared. */
     for (uint32_t i = 0; i < w->segments; i++) {
         w->key[i] = (uint64_t)((int64_t)lesser_of(w->segment[i].q[0][0], w->segment[i].q[1][0]) + INT32_MAX);
         w->order[i] = i;
@@ -271,8 +282,10 @@ static bvx_status find_collisions(apart_work *w)
 
         for (uint32_t a = 0; a < reach; a++) {
             const apart_segment *const t = &w->segment[w->active[a]];
+            /* It ended before this one begins, and leaves the list. */
             if (larger_of(t->q[0][0], t->q[1][0]) < left) continue;
             w->active[kept++] = w->active[a];
+            /* Apart along v. */
             if (larger_of(t->q[0][1], t->q[1][1]) < low || lesser_of(t->q[0][1], t->q[1][1]) > high) continue;
             if (segments_collide(s, t)) mark_collision(w, s, t);
         }
@@ -299,6 +312,7 @@ static bvx_status choose_steps(apart_work *w)
     int again = 1;
 
     for (int round = 0; again && round < APART_ROUNDS; round++) {
+        /* All collisions of a round are found before a node changes, so their order does not matter. */
         again = 0;
         memset(w->mark, 0, nodes);
         put_segments(w);
@@ -333,6 +347,7 @@ static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 
     memset(w, 0, sizeof *w);
     w->paths = paths;
+    /* At most one segment for each stop and each edge. */
     w->room = paths->stop_count + paths->w->edge_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * sizeof *w->stop, "stops at a node", &w->stop));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (nodes + 1) * 4, "the nodes' stops", &w->first));
@@ -354,6 +369,7 @@ bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, 
         aim_nodes(&w, stays);
         status = choose_steps(&w);
     }
+    /* The farthest step still fits 16 bits. */
     for (uint32_t i = 0; i < paths->stop_count && status == BVX_OK; i++) {
         int32_t steps[2];
         stop_nudge(paths, &w, i, steps);

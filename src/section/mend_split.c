@@ -46,6 +46,7 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
 
+    /* A place that is new becomes a node; no loop has visited it yet. */
     *number = *found = w->node_count;
     BVXI_TRY(bvxi_slab_grow(w->s, &w->node, w->node_count, &w->node_room, sizeof *w->node,
                             "the points of loops to mend"));
@@ -85,6 +86,7 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     const bvxi_contour *const c = &p->contour[loop];
     uint32_t first, before, node;
 
+    /* A node for each point; points that snap to the one before them make no edge. */
     BVXI_TRY(mend_node_at(w, p->q[c->first], w->s->given->points + 3 * (uint64_t)p->given[c->first], &first));
     before = first;
     for (uint32_t i = c->first + 1; i < c->first + c->count; i++, before = node) {
@@ -128,6 +130,8 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
     double at[3];
     int32_t q[2];
 
+    /* The nearest point of the coarser grid, odd as all points
+     * are; in space, the crossing on the first segment. */
     for (int k = 0; k < 2; k++) {
         double const to = (double)b->q[k] - a->q[k];
         q[k] = MEND_PIXEL * (int32_t)floor((a->q[k] + t * to) / MEND_PIXEL + 0.5) + 1;
@@ -144,10 +148,12 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
     uint32_t const before = w->split_count;
     uint32_t node;
 
+    /* Ends on the other segment first: they split it where they are. */
     for (int k = 0; k < 2; k++) {
         if (mend_on(a, b, w->node[f.node[k]].q)) BVXI_TRY(mend_split_at(w, i, f.node[k]));
         if (mend_on(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
     }
+    /* Otherwise each must have its ends on both sides of the other to cross it. */
     if (w->split_count == before) {
         if (mend_turn(a, b, c) * mend_turn(a, b, d) >= 0 || mend_turn(c, d, a) * mend_turn(c, d, b) >= 0)
             return BVX_OK;
@@ -187,6 +193,7 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
         BVXI_TRY(
             bvxi_slab_grow(w->s, &w->active, w->active_room, &w->active_room, 4, "the order of segments"));
 
+    /* Sorted by their lowest u, so that a sweep meets each pair once. */
     for (uint32_t i = 0; i < n; i++) {
         mend_range(w, i, 0, &left, &right);
         w->key[i] = (uint64_t)(uint32_t)left;
@@ -205,9 +212,11 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
         for (uint32_t a = 0; a < reach; a++) {
             uint32_t const j = w->active[a];
             mend_range(w, j, 0, &low, &high);
+            /* It ends before the segment begins, and so before all that follow. */
             if (high < least) continue;
             w->active[kept++] = j;
             mend_range(w, j, 1, &other[0], &other[1]);
+            /* Apart along v. */
             if (other[1] < own[0] || other[0] > own[1]) continue;
             BVXI_TRY(mend_pair(w, j, i));
             if (w->split_count == BVXI_NONE) return BVX_OK;
@@ -243,6 +252,7 @@ static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
 
     *count = 0;
     for (uint32_t i = 0; i < n; i++) {
+        /* Nodes of loops that stay as they are split nothing. */
         if (w->node[i].loop != BVXI_NONE && !w->changed[w->node[i].loop]) continue;
         w->key[*count] = (uint64_t)(uint32_t)w->node[i].q[0];
         w->order[(*count)++] = i;
@@ -261,8 +271,10 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
         int32_t left, right;
         uint32_t begin = 0, end = count;
 
+        /* Only loops that change are split. */
         if (!w->changed[w->edge[i].loop]) continue;
         mend_range(w, i, 0, &left, &right);
+        /* A pixel farther on both sides, as the squares about points reach that far. */
         left -= MEND_PIXEL;
         right += MEND_PIXEL;
         if (left < 0) left = 0;
@@ -314,6 +326,7 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
         BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
     while (w->order_room < n)
         BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+    /* Splits by edge: those of one edge come together. */
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = w->split[i].edge;
         w->order[i] = i;
@@ -321,6 +334,7 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
 
     w->split_edge_count = 0;
+    /* Each edge becomes as many as it has splits, and one; pieces without length go. */
     for (uint32_t e = 0; e < w->edge_count; e++) {
         uint32_t from = w->edge[e].node[0], end = at;
         while (end < n && w->split[w->order[end]].edge == e) end++;
@@ -335,6 +349,7 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
         at = end;
     }
 
+    /* The new edges take the place of the old ones, whose array serves the next round. */
     w->edge = w->split_edge;
     w->edge_room = w->split_edge_room;
     w->edge_count = w->split_edge_count;
@@ -347,6 +362,7 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
 {
     uint64_t most;
 
+    /* All loops as nodes and edges, before any pair is looked at. */
     w->node_count = w->edge_count = 0;
     bvxi_map_clear(w->map);
     memset(w->changed, 0, w->plane->contour_count);
@@ -354,11 +370,13 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
 
     most = UINT32_MAX;
     *done = 0;
+    /* Until nothing meets; bounded, since moved segments may meet new ones. */
     for (int round = 0; round < MEND_ROUNDS && !*done && w->edge_count <= most; round++) {
         /* Points that are there first: what crosses beside one of them comes to it. */
         w->cross = 0;
         BVXI_TRY(mend_find_pairs(w));
         if (w->split_count + w->crossings != 0) BVXI_TRY(mend_find_passed(w));
+        /* Only when ends lie on nothing any more are crossings split. */
         if (w->split_count == 0 && w->crossings != 0) {
             w->cross = 1;
             BVXI_TRY(mend_find_pairs(w));

@@ -40,12 +40,14 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 
     for (uint32_t i = 0; i < w->edge_count; i++) {
         uint32_t const a = w->edge[i].node[0], b = w->edge[i].node[1];
+        /* Loops that stay take no part. */
         if (!w->changed[w->edge[i].loop]) continue;
         key[count] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
         order[count++] = i;
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, key, order, count));
 
+    /* Sorted by both nodes: an edge that is there an even number of times divides nothing. */
     for (uint32_t i = 0, n; i < count; i += n) {
         for (n = 1; i + n < count && key[i + n] == key[i];) n++;
         if ((n & 1) != 0) t->edge[t->edge_count++] = order[i];
@@ -63,6 +65,8 @@ static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 
     bvxi_mend_direction(t->w, t->edge, a, d);
     bvxi_mend_direction(t->w, t->edge, b, e);
+    /* Directions of the lower half-plane come after those of
+     * the upper one; within one, the cross product decides. */
     low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
     other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
     if (low != other) return low < other;
@@ -73,6 +77,7 @@ static void mend_turn_ends(mend_trace *t)
 {
     uint32_t const nodes = t->w->node_count, ends = 2 * t->edge_count;
 
+    /* Ends by node, by counting; then in turn by insertion, as few meet at a node. */
     memset(t->start, 0, ((size_t)nodes + 1) * 4);
     for (uint32_t i = 0; i < ends; i++) t->start[mend_end_node(t, i) + 1]++;
     for (uint32_t i = 0; i < nodes; i++) t->start[i + 1] += t->start[i];
@@ -84,6 +89,7 @@ static void mend_turn_ends(mend_trace *t)
         for (; j > t->start[node] && mend_turns_before(t, i, t->end[j - 1]); j--) t->end[j] = t->end[j - 1];
         t->end[j] = i;
     }
+    /* The rank of an end is its place in the turn of its node. */
     for (uint32_t n = 0; n < nodes; n++) {
         for (uint32_t j = t->start[n]; j < t->start[n + 1]; j++) t->rank[t->end[j]] = j - t->start[n];
         t->place[n] = BVXI_NONE;
@@ -115,6 +121,7 @@ static void mend_follow(mend_trace *t, uint32_t edge)
 {
     uint32_t count = 0, out = 2 * edge;
 
+    /* A path may begin anywhere: it comes back to where it began. */
     t->path[count].node = mend_end_node(t, out);
     t->path[count].in = BVXI_NONE;
     t->place[t->path[count].node] = count;
@@ -123,6 +130,7 @@ static void mend_follow(mend_trace *t, uint32_t edge)
         uint32_t const in = out ^ 1, node = mend_end_node(t, in);
         t->used[out >> 1] = 1;
         t->path[count - 1].out = out;
+        /* Back at a node of the path: what lies between is a loop. */
         if (t->place[node] != BVXI_NONE) {
             mend_cut_loop(t, t->place[node], &count, in);
         } else {
@@ -133,6 +141,7 @@ static void mend_follow(mend_trace *t, uint32_t edge)
         }
         out = mend_partner(t, in);
     }
+    /* Marks of what is left of the path are taken off for the next one. */
     for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
 }
 
@@ -158,6 +167,7 @@ static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, doub
         narrowest[i] = -2.0;
         stays[i] = BVXI_NONE;
     }
+    /* The narrowest angle has the least room to move into. */
     for (uint32_t i = 0; i < t->stop_count; i++) {
         const bvxi_mend_stop *const s = &t->stop[i];
         double const narrow = mend_narrowness(t, p, s);
@@ -188,6 +198,7 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
             uint32_t const node = t->stop[i].node;
             int32_t steps[2];
 
+            /* Steps from where the point itself will be snapped to. */
             mend_give_stop(t, node, nudge[i], steps);
             BVXI_TRY(bvxi_mended_add_point(w->s->ctx, t->mended, w->node[node].at, steps[0], steps[1]));
         }
@@ -202,6 +213,7 @@ static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *st
     int16_t(*nudge)[2];
     bvx_status status;
 
+    /* Who stays is chosen first, as all others move away from it. */
     mend_choose_stay(t, &p, narrowest, stays);
     BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, bytes, "the steps of points", &nudge));
     status = bvxi_mend_apart(&p, stays, nudge);
@@ -247,6 +259,7 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.w = w;
     t.mended = mended;
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
+    /* Wide items first, so that each part is aligned. */
     at = block;
     key = (uint64_t *)(void *)mend_part(&at, edges * 8);
     narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);

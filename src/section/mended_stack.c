@@ -34,6 +34,7 @@ bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double 
 
     BVXI_TRY(mended_room(ctx, &s->points, s->point_count, &s->point_capacity, 24));
     BVXI_TRY(mended_room(ctx, &m->nudge, s->point_count, &m->nudge_room, sizeof *m->nudge));
+    /* Point and steps go side by side; both belong to the loop that was begun last. */
     memcpy(s->points + 3 * s->point_count, at, 24);
     m->nudge[s->point_count][0] = (int16_t)u;
     m->nudge[s->point_count++][1] = (int16_t)v;

@@ -67,10 +67,12 @@ static void nest_find_parents(const bvxi_plane *p, nest_loop *loop)
         loop[i].parent = BVXI_NONE;
     }
 
+    /* The number of loops that a loop lies in is its depth. */
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++)
             if (j != i && nest_contains(p, j, loop, p->q[p->contour[i].first])) loop[i].depth++;
 
+    /* Of these the one of the depth just below is around it. */
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n && loop[i].depth != 0; j++)
             if (j != i && loop[j].depth + 1 == loop[i].depth &&
@@ -92,7 +94,9 @@ static void nest_meet_by_points(nest_work *w)
         for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
             nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
 
+            /* Pairs that have met already need no further test. */
             if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
+            /* A loop within another holds its first point; those that cross are found by their segments. */
             if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
                 nest_contains(w->plane[1], j, w->on[1], w->plane[0]->q[w->plane[0]->contour[i].first]))
                 nest_meet(a, b);
@@ -147,8 +151,10 @@ static void nest_hold_segment(nest_work *w, uint32_t k, uint32_t i, uint32_t *re
         const int32_t *const c = o->q[j], *const d = o->q[o->next[j]];
         nest_loop *other;
 
+        /* It ended before this segment begins, and leaves the list. */
         if (nest_greater(c[0], d[0]) < left) continue;
         active[kept++] = j;
+        /* Apart along v. */
         if (nest_greater(c[1], d[1]) < low || nest_lesser(c[1], d[1]) > high) continue;
         other = &w->on[1 - k][bvxi_contour_of(o, j)];
         if (!(own->met && other->met) && bvxi_segments_meet(a, b, c, d)) nest_meet(own, other);
@@ -182,6 +188,7 @@ static uint32_t nest_choose_candidates(nest_work *w, uint8_t *const level[2], ui
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             nest_loop *const l = &w->on[k][c];
             l->met = 0;
+            /* Only where the loop around it went on as well. */
             l->candidate = l->depth == depth && level[k][l->parent] == depth - 1;
             count[k] += (uint32_t)l->candidate;
         }
@@ -201,6 +208,7 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
 {
     *found = 0;
     if (depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
+        /* Points first: they settle most pairs without a segment. */
         nest_meet_by_points(w);
         if (!nest_are_all_met(w)) BVXI_TRY(nest_meet_by_segments(w));
     }
@@ -209,6 +217,7 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             const nest_loop *const l = &w->on[k][c];
             if (l->depth != depth) continue;
+            /* What does not go on stays on the level of the loop around it. */
             level[k][c] = l->candidate && l->met ? (uint8_t)depth : level[k][l->parent];
             *found |= l->candidate && l->met;
         }
@@ -232,6 +241,7 @@ static bvx_status nest_find_between(nest_work *w, uint32_t number)
     int found = 1;
 
     n->count[number] = 1;
+    /* Both planes' loops, as the pairing sees them: no levels yet. */
     for (uint32_t k = 0; k < 2; k++) {
         uint64_t const first = (uint64_t)(s->plane[number + k].contour - s->all.contour);
         w->plane[k] = &s->plane[number + k];
@@ -288,6 +298,7 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     nest_work w;
     bvx_status status;
 
+    /* Stacks without levels have no list of them. */
     if (s->nesting.count == NULL) return BVX_OK;
     memset(&w, 0, sizeof w);
     w.s = s;

@@ -51,6 +51,7 @@ static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, ui
             if (at < low) low = at;
             if (at > high) high = at;
         }
+        /* A little wider, as vertices on a border belong to both cells. */
         low = floor(low - NEST_SPARE);
         high = floor(high + NEST_SPARE);
         first[k] = low > 0.0 ? (int32_t)low : 0;
@@ -64,6 +65,7 @@ static void nest_mark_cells(nest_mesh *m, const bvxi_slab *slab, uint64_t *own)
     uint64_t const words = (uint64_t)m->s->size[1] * (uint64_t)m->s->words;
 
     memset(own, 0, (size_t)words * 8);
+    /* The cells of this level first, then which of them had one before. */
     for (uint64_t t = 0; t < slab->mesh.triangle_count; t++) {
         int32_t first[2], last[2];
         nest_cells_of_triangle(m, slab, t, first, last);
@@ -95,6 +97,7 @@ static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint6
 {
     uint64_t const larger = *room < 256 ? 256 : 2 * *room;
 
+    /* Room is doubled, so that adding one at a time stays cheap. */
     if (m->triangles < *room) return BVX_OK;
     if (larger > INT32_MAX)
         return bvxi_fail_for(m->s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -111,6 +114,7 @@ static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t tri
 
     BVXI_TRY(nest_more_room(m, &m->position, 72, &m->position_room));
     BVXI_TRY(nest_more_room(m, &m->owner, 4, &m->owner_room));
+    /* Corners are copied, since slabs number their vertices apart. */
     for (int c = 0; c < 3; c++)
         memcpy(m->position + 9 * m->triangles + 3 * c,
                nest_slab_vertex(m, slab, slab->mesh.triangle[3 * triangle + (uint64_t)c]), 24);
@@ -126,11 +130,13 @@ static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
     for (uint32_t i = 0, end; i < m->count; i = end) {
         end = i + 1;
         if (!nest_is_level(&m->slab[i])) continue;
+        /* All levels between the same two planes. */
         while (end < m->count && m->slab[end].below == m->slab[i].below) end++;
 
         BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
         memset(m->seen, 0, (size_t)bytes);
         memset(m->shared, 0, (size_t)bytes);
+        /* Cells first, for all levels; then the triangles in cells of several. */
         for (uint32_t k = i; k < end; k++) nest_mark_cells(m, &m->slab[k], own);
         for (uint32_t k = i; k < end; k++)
             for (uint64_t t = 0; t < m->slab[k].mesh.triangle_count; t++)
@@ -149,11 +155,13 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
         const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]];
         const bvxi_slab *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
 
+        /* Other slabs, the same level, or a slab that is known already. */
         if (a->below != b->below || a->level == b->level || joined[a->below] >= BVXI_LEVELS_CROSSED) continue;
         joined[a->below] |= BVXI_LEVELS_CROSSED;
         ++*found;
     }
 
+    /* A cubic blend gives way to the linear one first; levels that cross even then are joined. */
     for (uint32_t i = 0; i < m->s->plane_count; i++) {
         int const was_cubic = m->s->options.blend == BVX_BLEND_CUBIC && joined[i] == BVXI_LEVELS_CROSSED;
         if (joined[i] >= BVXI_LEVELS_CROSSED) joined[i] = was_cubic ? BVXI_LEVELS_LINEAR : BVXI_LEVELS_JOINED;
@@ -174,6 +182,7 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     view.triangle_count = m->triangles;
     view.position_type = BVX_F64;
 
+    /* Counted first: nearly always there is none, and no list is needed. */
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.8, bvx_mesh_crossings(ctx, &view, &count, NULL, 0)));
     if (count == 0) return BVX_OK;
     room = count;
@@ -192,6 +201,7 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     bvx_status status;
 
     *found = 0;
+    /* No levels, nothing to cross. */
     if (s->nesting.plane_count == 0) return BVX_OK;
     memset(&m, 0, sizeof m);
     m.s = s;
@@ -201,6 +211,7 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared);
     if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own);
     if (status == BVX_OK) status = nest_gather_shared(&m, own);
+    /* The cells' marks are freed before crossings are looked for, which need the room. */
     bvxi_drop(s->ctx, own);
     bvxi_drop(s->ctx, m.shared);
     bvxi_drop(s->ctx, m.seen);

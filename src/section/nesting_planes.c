@@ -28,6 +28,7 @@ static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, con
                                uint32_t number, nest_sizes *size)
 {
     memset(size, 0, sizeof *size);
+    /* Sizes of what depends on which loops there are; points and crossings are the section's. */
     for (uint32_t c = 0; c < whole->contour_count; c++)
         if (level[c] == number) size->segments += whole->contour[c].count;
     for (uint32_t i = 0; i < whole->arc_count; i++)
@@ -75,11 +76,13 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
     if (!whole->ends[0] && !whole->ends[1]) return;
 
     bvxi_plane_parts(whole, part);
+    /* A loop on another level than its part goes on: then the part does not end here. */
     for (uint32_t c = 0; c < p->contour_count; c++) {
         if (level[c] == level[part[c]]) continue;
         for (uint32_t i = 0; i < p->contour_count; i++)
             if (part[i] == part[c]) p->contour[i].end[0] = p->contour[i].end[1] = 0.0;
     }
+    /* Which sides have parts that end, among the loops of this level. */
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (int k = 0; k < 2; k++) p->ends[k] |= level[c] == number && p->contour[c].end[k] > 0.0;
 }
@@ -92,10 +95,12 @@ static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
         const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
         uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
 
+        /* Loops inside a cell and crossings of the other axis turn no row. */
         if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
         p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
     }
     bvxi_plane_fill_rows(s, p->inside);
+    /* A level of holes is inside where its loops are not. */
     for (uint64_t i = 0; i < level_inside_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
 }
 
@@ -105,6 +110,8 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     const bvxi_plane *const whole = p->whole;
 
     p->segment_count = p->arc_count = p->asking_count = 0;
+
+    /* Segments and arcs of this level's loops, in the order of the section. */
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++)
             segment[p->segment_count++] = p->contour[c].first + i;
@@ -134,6 +141,7 @@ static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, ui
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, size.bytes, "the levels of loops", &block));
     s->nesting.plane_count++;
 
+    /* All that is shared comes with the copy; what is its own is placed and filled. */
     *p = *whole;
     p->whole = whole;
     p->level_bytes = size.bytes;
@@ -163,6 +171,7 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
 
     if (n->count == NULL) return BVX_OK;
     for (uint32_t i = 0; i < s->plane_count; i++) {
+        /* Two planes for each level between two sections, where there are several levels. */
         if (i + 1 < s->plane_count && n->count[i] > 1) n->plane_room += 2 * (uint32_t)n->count[i];
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     }

@@ -69,6 +69,7 @@ static void meet_by_grid(ends_work *w)
             int const is = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
                            bvxi_grid_bit(s, w->other, i, j);
             double d;
+            /* Only the ends of runs are looked at: a run inside both lies in one part. */
             if (is != last)
                 meet_part(w, part_of_place(w, s->origin[0] + (is ? i : i - 1) * s->step[0],
                                            s->origin[1] + j * s->step[1], &d));
@@ -84,11 +85,13 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
 
+    /* The part's box, to leave out most of the other plane's points. */
     for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
         for (int k = 0; k < 2; k++) {
             if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
             if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
         }
+    /* Points of the other plane in this part, then those of the part in the other plane. */
     for (uint32_t i = 0; i < o->point_count; i++) {
         const double *const at = o->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
@@ -109,6 +112,7 @@ static void measure_depths(ends_work *w, double *depth)
     const bvxi_plane *const p = w->plane;
     int32_t low[2] = {INT32_MAX, INT32_MAX}, high[2] = {0, 0};
 
+    /* The rows and columns that parts reach which are not met yet. */
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (uint32_t i = p->contour[c].first;
              !w->met[w->owner[c]] && i < p->contour[c].first + p->contour[c].count; i++)
@@ -117,6 +121,7 @@ static void measure_depths(ends_work *w, double *depth)
                 if (line < low[k]) low[k] = line;
                 if (line > high[k]) high[k] = line;
             }
+    /* Only grid points inside count; each deepens the part it lies in. */
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
@@ -125,6 +130,7 @@ static void measure_depths(ends_work *w, double *depth)
             part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
         }
+    /* Parts that hold no grid point: a depth estimated from area and border. */
     for (uint32_t c = 0; c < p->contour_count; c++) {
         const bvxi_contour *const l = &p->contour[c];
         double area = 0.0, border = 0.0;
@@ -158,12 +164,14 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
         depth[c] = 0.0;
         w->left += w->owner[c] == c;
     }
+    /* The grid meets most parts; only the others are looked at point by point. */
     if (other != NULL) {
         meet_by_grid(w);
         for (uint32_t c = 0; c < p->contour_count && w->left != 0; c++)
             if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }
     if (w->left == 0) return;
+    /* What is left ends towards this side. */
     measure_depths(w, depth);
     for (uint32_t c = 0; c < p->contour_count; c++)
         if (!w->met[w->owner[c]]) p->contour[c].end[side] = depth[w->owner[c]];
@@ -178,6 +186,7 @@ static void mark_parts_on(ends_work *w, uint32_t number, int side, double *depth
     const bvxi_plane *const other = last ? NULL : &s->plane[side ? number + 1 : number - 1];
     w->plane = &s->plane[number];
     if (w->plane->contour_count == 0) return;
+    /* All parts end towards a section without loops; towards others only where ends taper. */
     if (!last && other->contour_count == 0) mark_part_ends(w, side, NULL, depth);
     else if (taper) mark_part_ends(w, side, other, depth);
 }
@@ -191,6 +200,7 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
 
     memset(&w, 0, sizeof w);
     w.s = s;
+    /* Arrays for the section with the most loops. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner);

@@ -13,6 +13,7 @@ bvx_status bvxi_plane_place(bvxi_stack *s, bvxi_plane *p, double low[2], double 
         p->uv[i][1] = bvxi_along_axis(s->axis[1], at);
         for (int k = 0; k < 2; k++) {
             double const c = p->uv[i][k];
+            /* Infinite or undefined: such a place is on no grid. */
             if (c - c != 0.0)
                 return s->fixed
                            ? BVX_ERR_RANGE
@@ -34,6 +35,7 @@ void bvxi_plane_snap(const bvxi_stack *s, bvxi_plane *p)
 {
     for (uint32_t i = 0; i < p->point_count; i++)
         for (int k = 0; k < 2; k++) {
+            /* Points are odd: between the grid's lines, which are even, so that none lies on a line. */
             int32_t const top = (s->size[k] << s->fine) - 1;
             int32_t const steps = s->nudge == NULL ? 0 : s->nudge[p->given[i]][k];
             int32_t const q = 2 * (bvxi_snap_steps(s, k, p->uv[i][k]) + steps) + 1;
@@ -62,6 +64,7 @@ int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t s;
+        /* Half open, so that a place level with a point counts it once. */
         if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
         s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
             ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
@@ -90,6 +93,7 @@ static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
 /* The boxes of loops keep most pairs from being looked at. */
 bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
 {
+    /* A loop whose box does not hold a point does not hold it either. */
     for (uint32_t i = 0; i < p->contour_count; i++) {
         const bvxi_contour *const c = &p->contour[i];
         for (int k = 0; k < 2; k++) box[i][k] = box[i][k + 2] = p->q[c->first][k];
@@ -103,6 +107,8 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
         bvxi_contour *const c = &p->contour[i];
         const int32_t *const at = p->q[c->first];
         int const turn = turn_of(p, c);
+
+        /* A hole lies in an odd number of others; since no two meet, one point of it decides. */
         c->hole = 0;
         for (uint32_t j = 0; j < p->contour_count; j++)
             if (j != i && at[0] >= box[j][0] && at[0] <= box[j][2] && at[1] >= box[j][1] &&
@@ -113,6 +119,7 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
                             : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
                                             "%s: loop %i of section %u encloses no area", s->function,
                                             (uint64_t)c->given, (uint64_t)p->section);
+        /* The inside is on the left: counter-clockwise round the body, clockwise round a hole. */
         if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
     }
     return BVX_OK;

@@ -13,9 +13,11 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     if (c->axis == d->axis) {
+        /* Lines of one axis come in the order in which the segment runs. */
         if (c->line == d->line) return 0;
         return (c->line < d->line) == (b[c->axis] > a[c->axis]) ? -1 : 1;
     }
+    /* Lines of both axes: which comes first is decided exactly. */
     if (c->axis == 0) return bvxi_x_first(a, b, c->line, d->line) ? -1 : 1;
     return bvxi_x_first(a, b, d->line, c->line) ? 1 : -1;
 }
@@ -25,6 +27,7 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 {
     uint32_t sum = 0;
 
+    /* Counted by segment; counts become places, and cuts go there in their order. */
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
     for (uint32_t i = 0; i < p->point_count; i++) {
         uint32_t const n = start[i];
@@ -32,6 +35,7 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
         sum += n;
     }
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
+    /* Filling moved each start to its segment's end; they are moved back by one segment. */
     for (uint32_t i = p->point_count; i-- > 0;) start[i] = i == 0 ? 0 : start[i - 1];
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
@@ -52,9 +56,12 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
 
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
+        /* The segment's own first point, then what lies on it. */
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
             bvxi_line_cut *const c = &p->cut[sorted[i]];
+            /* Only a cut of a subdivided cell may repeat one:
+             * the slabs above and below may both have made it. */
             int const may_repeat = i > start[k] &&
                                    (sorted[i] >= p->grid_cut_count || sorted[i - 1] >= p->grid_cut_count);
             if (may_repeat && order_on_segment(p, c, &p->cut[sorted[i - 1]]) == 0) n--;
@@ -90,6 +97,7 @@ static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_
         int64_t const d = (int64_t)b[o] - a[o];
         int64_t const num = ((int64_t)c->line - a[0]) * d;
         int64_t const den = (int64_t)b[0] - a[0];
+        /* The other coordinate is a whole number there, and one that a line may have. */
         if (num % den == 0 && ((a[o] + num / den) & ((1 << (s->fine - BVXI_SECTION_DEEPEST)) - 1)) == 0)
             t += 0.25 / length;
     }
@@ -122,6 +130,7 @@ static void ring_count_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
+        /* Pieces take whole planes, and arrays are shared: no worker writes where another does. */
         bvxi_plane *const p = &job->s->plane[i];
         uint32_t *const start = job->start + (p->ring - job->s->all.ring);
         uint32_t *const sorted = job->sorted + job->first[i];
@@ -146,6 +155,8 @@ static bvx_status make_in_job(ring_job *job)
     uint64_t vertices = 0;
 
     BVXI_TRY(bvxi_parallel(s->ctx, "rings", 0.0, 0.5, job->pieces, ring_count_piece, job));
+
+    /* Rings lie one after the other, so a vertex is a plane's first and its place in the ring. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         s->plane[i].vertex = (uint32_t)vertices;
         vertices += s->plane[i].ring_count;
@@ -155,6 +166,7 @@ static bvx_status make_in_job(ring_job *job)
     }
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;
+    /* Copies of planes for levels hold rings of their own, which follow the crossings just numbered. */
     for (uint32_t i = 0; i < s->nesting.plane_count; i++) {
         bvxi_nesting_refresh(&s->nesting.plane[i]);
         bvxi_plane_ring_arcs(&s->nesting.plane[i]);
@@ -171,6 +183,8 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
 
     memset(&job, 0, sizeof job);
     job.s = s;
+
+    /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
     job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
     status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start);

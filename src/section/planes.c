@@ -46,6 +46,7 @@ static void plane_place_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
+        /* An empty box, which any point opens. */
         double *const b = job->bounds[i];
         b[0] = b[1] = 1e300;
         b[2] = b[3] = -1e300;
@@ -60,6 +61,7 @@ static bvx_status place_in_job(planes_job *job)
     BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.0, 0.25, job->pieces, plane_place_piece, job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         const double *const b = job->bounds[i];
+        /* Gone over again with a stack that has messages: it fails here, and says where. */
         if (job->unsure[i]) BVXI_TRY(bvxi_plane_place(s, &s->plane[i], s->low, s->high));
         for (int k = 0; k < 2; k++) {
             if (b[k] < s->low[k]) s->low[k] = b[k];
@@ -98,6 +100,8 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_plane *const p = &job->s->plane[i];
+
+        /* The quick test may say that it is not sure; such planes are left to the calling thread. */
         bvxi_plane_snap(&job->view, p);
         job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
                          bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
@@ -115,6 +119,7 @@ static bvx_status settle_planes(planes_job *job)
 
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
+        /* In order, so that what is refused is the first plane that is wrong, whatever the threads did. */
         if (job->unsure[i]) {
             BVXI_TRY(bvxi_plane_check_simple(s, p));
             BVXI_TRY(bvxi_plane_direct(s, p, job->scratch[0].box));
@@ -142,6 +147,7 @@ static bvx_status open_cuts(planes_job *job)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: section %i crosses the grid more than 2^31 times", s->function,
                                  (uint64_t)s->plane[i].section);
+        /* Spare ones for subdivided cells: their number is not known before slabs are made. */
         s->cut_room += cuts + PLANES_SPARE_CUTS;
         s->arc_room += arcs;
         s->report.crossings += cuts;
@@ -157,6 +163,7 @@ static bvx_status open_cuts(planes_job *job)
                         &all->arc_cell));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
                         &all->asking));
+    /* Each plane has its stretch; the last ones' ends are the arrays' ends. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->cut = all->cut + cut;
@@ -191,6 +198,8 @@ static bvx_status open_snap_scratch(planes_job *job, planes_block *b)
 
     b->size = (uint64_t)job->workers * (2 * boxes + loops);
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of segments", &b->block));
+
+    /* Boxes come first, since they hold the widest items. */
     at = b->block;
     for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
         job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
@@ -208,6 +217,8 @@ static bvx_status open_cut_scratch(planes_job *job, planes_block *b)
     b->size = (uint64_t)job->workers * each;
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of arcs", &b->block));
     at = b->block;
+
+    /* One allocation a worker, cut from the widest items to the narrowest. */
     for (int32_t i = 0; i < job->workers; i++, at += each) {
         bvxi_arc_scratch *const x = &job->scratch[i].arcs;
         x->arc = (bvxi_arc *)(void *)at;
@@ -223,6 +234,7 @@ static bvx_status open_trees(bvxi_stack *s)
 {
     uint64_t group = 0, box = 0;
 
+    /* Counted first, so that all trees lie in two arrays. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
@@ -279,6 +291,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     job.pieces = plane_pieces(s);
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
+
+    /* Workers' scratch is made for the largest plane. */
     for (uint32_t i = 0; i < n; i++) {
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;

@@ -23,11 +23,13 @@ static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
 
+    /* Without an array of distances each is measured when it is needed. */
     if (p->distance == NULL) {
         f->s->report.distances++;
         return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
                                    f->s->origin[1] + j * f->s->step[1], &p->hint);
     }
+    /* A bit for each grid point: an array of distances need not be cleared for a new plane. */
     if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
         p->known[n >> 6] |= UINT64_C(1) << (n & 63);
         p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
@@ -42,6 +44,7 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
 {
     bvxi_plane_field *const p = &f->plane[k];
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
+    /* Grid points share what is known; corners of subdivided cells lie between them. */
     if ((at[0] & part) == 0 && (at[1] & part) == 0) return grid_distance(f, p, at[0] >> fine, at[1] >> fine);
     f->s->report.distances++;
     return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]),
@@ -59,6 +62,7 @@ static double ending_part(bvxi_field *f, int k, double u, double v, double *dist
 {
     const bvxi_plane *const p = f->slab->plane[k];
     uint32_t contour;
+    /* Most planes have no part that ends on this side, and need no search. */
     if (!p->ends[1 - k]) return 0.0;
     f->s->report.distances++;
     *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
@@ -76,6 +80,7 @@ static double ending_depth(const bvxi_field *f, int k, double off, double depth)
 static double outside_value(bvxi_field *f, int k, double u, double v, double d)
 {
     double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
+    /* No part ends here: plain distance. */
     if (!(depth > 0.0)) return -d;
     if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
     /* a part that ends the other way is nearer */
@@ -128,6 +133,7 @@ double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t insi
     double value[BVXI_BLEND_SECTIONS];
 
     for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
+    /* The linear blend needs no plane beyond, and stays as it always was. */
     if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
     for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
     return bvxi_blend_value(&f->blend, value, t);
@@ -141,6 +147,7 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
         for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_at(f, k, u, v);
         return bvxi_blend_value(&f->blend, value, t);
     }
+    /* At an end only that end's plane is measured. */
     double const below = t < 1.0 ? plane_at(f, 0, u, v) : 0.0, above = t > 0.0 ? plane_at(f, 1, u, v) : 0.0;
     return (1.0 - t) * below + t * above;
 }
@@ -166,6 +173,8 @@ static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND
 
     if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     memcpy(value, d, sizeof value);
+
+    /* The place is inside on one plane and outside on the other, so one distance is negative. */
     value[1 - from] = -value[1 - from];
     return bvxi_blend_zero(&f->blend, value);
 }
@@ -175,6 +184,7 @@ static double line_share(const bvxi_field *f, double t, uint8_t *layer)
 {
     int32_t l = 0;
 
+    /* Of several layers each has its own margins, so that no crossing lies on a level between two. */
     if (f->layers > 1) {
         t *= f->layers;
         l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
@@ -211,6 +221,7 @@ static void measure_ends(bvxi_field *f)
     bvxi_stack *const s = f->s;
     uint32_t n = 0;
 
+    /* Only set bits are gone over; n counts them, since arrays hold crossed lines alone. */
     for (int32_t j = 0; j <= s->size[1]; j++)
         for (int32_t word = 0; word < s->words; word++)
             for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
@@ -235,6 +246,7 @@ static void measure_lines(bvxi_field *f, int k, int ends)
     double *const d = f->line[k];
     uint32_t n = 0;
 
+    /* No place of this plane was measured yet. */
     for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
     for (int32_t j = 0; j <= s->size[1]; j++) {
         int32_t last = INT32_MIN / 2;
@@ -242,7 +254,10 @@ static void measure_lines(bvxi_field *f, int k, int ends)
             for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
+                /* Known by the part that ends. */
                 if (ends && d[n] >= 0.0) continue;
+                /* Beside the last place its hint is still near; after
+                 * a gap a neighbour in the row below is better. */
                 if (i - last > 1) start_near(p, i);
                 d[n] = grid_distance(f, p, i, j);
                 if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
@@ -258,6 +273,7 @@ static bvx_status cross_grid_lines(bvxi_field *f)
     bvxi_stack *const s = f->s;
     uint32_t n = 0;
 
+    /* Numbers follow from the order of the lines, so a vertex is found by counting. */
     f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
     for (int32_t j = 0; j <= s->size[1]; j++)
         for (int32_t word = 0; word < s->words; word++)
@@ -285,6 +301,7 @@ static bvx_status cross_hanging_lines(bvxi_field *f)
         bvxi_hanging *const h = &slab->hanging[i];
         double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
         double d[BVXI_BLEND_SECTIONS] = {0.0, 0.0, 0.0, 0.0};
+        /* Inside on both or outside on both: not crossed. */
         if (h->inside[0] == h->inside[1]) continue;
         if (!ending_line(f, !h->inside[0], u, v, d))
             for (int k = 0; k < 2; k++)
@@ -302,6 +319,7 @@ static bvx_status cross_lines(bvxi_field *f)
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
     int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
 
+    /* Crossed where both planes differ; before[] is what lines are numbered by. */
     f->lines = 0;
     for (size_t i = 0; i < words; i++) {
         f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
@@ -343,6 +361,8 @@ static void index_hanging(bvxi_field *f)
     for (int k = 0; k < 2; k++) {
         uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
         uint32_t n = 0;
+
+        /* Where the corners of each column and row of cells begin in their order. */
         for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
             while (n < slab->hanging_count &&
                    slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
@@ -362,6 +382,7 @@ static void set_blend(bvxi_field *f)
         f->cubic = 0;
     if (!f->cubic) return;
 
+    /* Heights of the planes beyond, from those of the slab; 0 stands for none. */
     f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
     f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
     f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
@@ -371,8 +392,10 @@ static void set_blend(bvxi_field *f)
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
+    /* A plane without loops has nothing that levels could blend. */
     f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
-    /* what was above is below now */
+    /* What was above is below now: its distances and hints
+     * stay valid, so both are swapped, not measured again. */
     if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
@@ -399,6 +422,7 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
                             &f->plane[k].column));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
                                  &f->line[k]));
+        /* Each line is measured once then; keeping distances would only cost memory. */
         if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
                             &f->plane[k].distance));

@@ -49,6 +49,7 @@ static const bvxi_option sections_rows[] = {
 static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, sections_name, o, BVXI_OPTIONS(sections_rows)));
+    /* Only the more general conditions stand in the table; what depends on two options stands here. */
     if (o->cells != 0 && (o->cells < 8 || o->cells > 1024))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: cells is %d; 0 or 8 to 1024 are possible", sections_name,
@@ -78,9 +79,11 @@ static void measure_prismoids(bvxi_stack *s)
 
     for (uint32_t i = 0; i + 1 < n; i++) {
         double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
+        /* A body that ends between two sections ends half way. */
         double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
         sum += height / 3.0 * ((a + b) + sqrt(a * b));
     }
+    /* Tapered ends reach half a slab beyond the first and the last section. */
     if (s->options.caps == BVX_CAPS_TAPER) {
         sum += p[0].area * (0.5 * (p[1].w - p[0].w)) / 3.0;
         sum += p[n - 1].area * (0.5 * (p[n - 1].w - p[n - 2].w)) / 3.0;
@@ -94,6 +97,7 @@ static bvx_status make_rings(bvxi_stack *s)
     if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
+        /* All bits set: no vertex yet. */
         memset(p->ring, 0xff, (size_t)p->point_count * 4);
         s->report.unkept_points += p->point_count;
     }
@@ -105,6 +109,7 @@ static bvx_status make_caps(bvxi_stack *s)
     if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
     for (int k = 0; k < 2; k++) {
         int32_t const side = k == 0 ? -1 : 1;
+        /* Without rings the cap's border is made of the lines that cells left there. */
         if (s->options.crossings != BVX_CROSSINGS_EXACT)
             BVXI_TRY(
                 bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
@@ -116,6 +121,7 @@ static bvx_status make_caps(bvxi_stack *s)
 /* The surface between the sections; *crossed slabs have levels that cross. */
 static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count, uint32_t *crossed)
 {
+    /* Shares of progress follow what each step takes on usual bodies. */
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.03, bvxi_nesting_find(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.03, 0.05, bvxi_nesting_make(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.05, 0.1, bvxi_slabs_make(s, slabs, count)));
@@ -138,6 +144,7 @@ static void drop_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t count)
     memset(all, 0, sizeof *all);
     memset(m, 0, sizeof *m);
     bvxi_nesting_drop(s);
+    /* Cuts of subdivided cells go with the cells; those of the grid stay. */
     for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].cut_count = s->plane[i].grid_cut_count;
 }
 
@@ -163,12 +170,15 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     if (status == BVX_OK) status = bvxi_nesting_open(s);
     before = s->report;
     for (int times = 0; status == BVX_OK; times++, from = to) {
+        /* Given up: all slabs that still have levels are joined. */
         for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
             if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
+        /* Half of what is left goes to each round, so that progress never goes back. */
         to = s->nesting.count == NULL ? 0.9 : from + 0.5 * (0.9 - from);
         status = BVXI_SHARE(s->ctx, from, to, make_surface(s, &slabs, &count, &crossed));
         if (status != BVX_OK || crossed == 0) break;
         drop_surface(s, &slabs, count);
+        /* Counts begin anew with the surface. */
         s->report = before;
     }
     if (status == BVX_OK) count_nested(s);
@@ -191,6 +201,8 @@ static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));
     bvxi_stack_take_grid(stack, &mended->grid);
+    /* The given stack's grid: the mended points were snapped
+     * to it, and would land elsewhere on another one. */
     stack->nudge = (const int16_t(*)[2])mended->nudge;
     stack->report.mended_loops = mended->loops;
     return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
@@ -206,6 +218,7 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     if (options->mend) {
         bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7,
                                              open_mended(ctx, sections, options, mended, stack));
+        /* Only what the loops themselves cause is looked at again with the given ones. */
         if (status != BVX_ERR_FORMAT) return status;
         bvxi_stack_close(stack);
         return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
@@ -221,6 +234,7 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     bvx_mesh_view view;
     bvx_status status;
 
+    /* The mesh is already a result; it is freed where it is refused, unless the caller's arrays hold it. */
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
@@ -249,6 +263,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
                        "fewer points, or mend the contours before",
                        mesh, own));
     if (status == BVX_OK) {
+        /* Samples that a full grid would have taken, less those that were measured. */
         stack.report.skipped = stack.report.samples > stack.report.distances
                                    ? stack.report.samples - stack.report.distances
                                    : 0;
@@ -266,6 +281,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
 /* 1: within so little of the first one; *against: it points the other way. */
 static int is_parallel(const double a[3], const double b[3], int *against)
 {
+    /* Both made unit first, so that the sine does not depend on their lengths. */
     double const one = sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]);
     double const two = sqrt((b[0] * b[0] + b[1] * b[1]) + b[2] * b[2]);
     double square = 0.0, dot = 0.0;
@@ -307,6 +323,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the sections' positions", &positions));
     for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
         int against;
+        /* Where the normal points the other way, so does the position along it. */
         parallel = is_parallel(sections->normals, sections->normals + 3 * i, &against);
         positions[i] = against ? -sections->positions[i] : sections->positions[i];
     }
@@ -333,6 +350,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
+    /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);
     BVXI_TRY(sections->normals == NULL ? build_stack(context, sections, &o, &report, mesh)
                                        : build_normals(context, sections, &o, &report, mesh));

@@ -4,6 +4,7 @@
 void bvx_sections_free(bvx_context *context, bvx_sections *sections)
 {
     if (context == NULL || sections == NULL) return;
+    /* What the caller brought is the caller's to free. */
     if (sections->owned) {
         bvxi_free(context, sections->normals,
                   sections->normals == NULL ? 0 : sections->section_capacity * 24);

@@ -23,6 +23,8 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
     for (uint32_t k = 0; k < p->contour_count; k++) {
         const bvxi_contour *const c = &p->contour[k];
         uint32_t const last = c->first + c->count - 1;
+
+        /* Points before the run's start belong to the run at the end. */
         uint32_t start = c->first;
         /* the run that goes over the end */
         while (start < last && at_one_place(p->q[start], p->q[last])) start++;
@@ -56,6 +58,7 @@ int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, con
     int const da = turn_sign(a, b, d);
     int const ac = turn_sign(c, d, a);
     int const bc = turn_sign(c, d, b);
+    /* Each has its ends on both sides of the other; otherwise they meet only where an end lies on one. */
     if (ca * da < 0 && ac * bc < 0) return 1;
     return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) ||
            (bc == 0 && is_on(c, d, b));
@@ -113,6 +116,7 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
 {
     uint32_t count = 0, reach = 0;
 
+    /* Segments by their least u; those without length are no segments. */
     find_places(p, w->place);
     for (uint32_t i = 0; i < p->point_count; i++) {
         if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
@@ -124,11 +128,14 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
         uint32_t const i = w->order[n], in = p->next[i];
         int32_t const left = least(p->q[i][0], p->q[in][0]);
         int32_t const low = least(p->q[i][1], p->q[in][1]), high = most(p->q[i][1], p->q[in][1]);
+
+        /* What ended before this one begins leaves the list; the rest is kept in place. */
         uint32_t kept = 0;
         for (uint32_t a = 0; a < reach; a++) {
             uint32_t const j = w->active[a], jn = p->next[j];
             if (most(p->q[j][0], p->q[jn][0]) < left) continue;
             w->active[kept++] = j;
+            /* Apart along v. */
             if (most(p->q[j][1], p->q[jn][1]) < low || least(p->q[j][1], p->q[jn][1]) > high) continue;
             if (pair_meets(p, w->place, i, j)) return refuse_pair(s, p, i, j);
         }

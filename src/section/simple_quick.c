@@ -13,6 +13,7 @@ static int box_segments(const bvxi_plane *p, bvxi_segment_box *box)
     for (uint32_t i = 0; i < p->point_count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         bvxi_segment_box *const x = &box[i];
+        /* Points that snapped together are left to the full check. */
         if (a[0] == b[0] && a[1] == b[1]) return 0;
         x->left = a[0] < b[0] ? a[0] : b[0];
         x->right = a[0] < b[0] ? b[0] : a[0];
@@ -34,6 +35,7 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
         if (box[i].left < low) low = box[i].left;
         if (box[i].left > high) high = box[i].left;
     }
+    /* The fewest bits to take off, so that all buckets are used. */
     while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
     memset(start, 0, sizeof start);
     for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;
@@ -43,6 +45,8 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
         sum += count;
     }
     for (uint32_t i = 0; i < n; i++) sorted[start[(uint32_t)(box[i].left - low) >> shift]++] = box[i];
+
+    /* Buckets are in order already; insertion orders each one, and counts what it costs. */
     for (uint32_t i = 1; i < n; i++) {
         bvxi_segment_box const x = sorted[i];
         uint32_t j = i;
@@ -73,6 +77,7 @@ int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_seg
         bvxi_segment_box const x = sorted[k];
         for (uint32_t a = 0; a < reach;) {
             const bvxi_segment_box *const y = &active[a];
+            /* It ended before this segment begins; the last one takes its place. */
             if (y->right < x.left) {
                 active[a] = active[--reach];
                 continue;

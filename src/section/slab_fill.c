@@ -52,6 +52,7 @@ static int is_split(const bvxi_slab_work *w, int32_t i, int32_t j)
 static void mark_split(bvxi_slab_work *w, int set)
 {
     const bvxi_slab *const slab = w->field.slab;
+    /* Cleared by whole words: nothing else is set in them. */
     for (uint32_t n = 0; n < slab->split_count; n++) {
         uint32_t const x = slab->split[n].cell & 0xffff, y = slab->split[n].cell >> 16;
         uint64_t *const word = &w->split_bit[(size_t)y * (size_t)w->s->words + (x >> 6)];

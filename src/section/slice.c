@@ -80,6 +80,8 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)
             return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                                  "%s: a spacing above 0 or positions are needed", slice_name);
+
+        /* As many as fit at that distance, the first half of it above the lowest vertex. */
         count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
             return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -96,6 +98,7 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
 /* The first plane that does not lie below a height; all vertices at or above a plane count as above it. */
 static uint64_t planes_up_to(const slice_work *w, double height)
 {
+    /* By bisection: the planes lie in order. */
     uint64_t low = 0, high = w->plane_count;
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
@@ -114,6 +117,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     *low = 1e308;
     *high = -1e308;
     BVXI_TRY(bvxi_weld(w->ctx, w->view, w->weld, &different));
+    /* Once for each vertex, as several triangles share it. */
     for (uint64_t i = 0; i < w->view->vertex_count; i++) {
         double p[3];
         bvxi_view_position(w->view, i, p);
@@ -126,7 +130,9 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     }
     for (int k = 0; k < 2; k++)
         if (across[k][1] - across[k][0] > reach) reach = across[k][1] - across[k][0];
+    /* How narrow a loop may be is a share of the mesh's size. */
     w->narrow = SLICE_NARROW * reach;
+    /* Only vertices of triangles count: others may lie anywhere. */
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint32_t c[3];
         bvxi_view_triangle(w->view, t, c);
@@ -159,6 +165,8 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
         if (h < low) low = h;
         if (h > high) high = h;
     }
+
+    /* Planes above its lowest corner and up to its highest; none where both counts are equal. */
     *begin = planes_up_to(w, low);
     *end = planes_up_to(w, high);
 }
@@ -167,6 +175,8 @@ static bvx_status list_by_plane(slice_work *w)
 {
     BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes",
                              &w->first));
+
+    /* Counted first, so that one array holds all planes' triangles. */
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -183,6 +193,7 @@ static bvx_status list_by_plane(slice_work *w)
         return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: planes part more than 2^31 triangles", slice_name);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->list_count * 4, "the triangles of planes", &w->list));
+    /* Filled from the back, so that triangles stay in order and each start ends where it should. */
     for (uint64_t t = w->view->triangle_count; t-- > 0;) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -203,6 +214,8 @@ static uint64_t edge_key(uint32_t a, uint32_t b)
 static void edge_place(const slice_work *w, uint64_t key, double position, double p[3])
 {
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
+
+    /* From the lower number to the higher one, so both triangles at an edge compute the same place. */
     double const share = (position - w->height[a]) / (w->height[b] - w->height[a]);
     double from[3], to[3];
 
@@ -230,6 +243,8 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
     double const z = w->position[plane];
     uint64_t n = 0;
 
+    /* In the order of the triangles; a vertex on the plane
+     * counts as above it, so just two sides are passed. */
     for (uint64_t i = w->first[plane]; i < w->first[plane + 1]; i++) {
         uint32_t c[3];
         slice_corners(w, w->list[i], c);
@@ -263,6 +278,7 @@ static int encloses_none(const slice_work *w, const double *p, uint64_t count)
     double area = 0.0, way = 0.0;
 
     for (uint64_t i = 0; i < count; i++) {
+        /* About the first point, so that large coordinates do not take the digits. */
         const double *const a = p + 3 * i, *const b = p + 3 * (i + 1 == count ? 0 : i + 1);
         double const x = b[0] - a[0];
         double const y = b[1] - a[1];
@@ -286,6 +302,7 @@ static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t
         if (sorted[middle] < key) low = middle + 1;
         else high = middle;
     }
+    /* Of equal keys the first that is not taken yet. */
     while (low < count && sorted[low] == key && w->used[low]) low++; /* several sheets may share an edge */
     return low < count && sorted[low] == key ? low : count;
 }
@@ -297,6 +314,7 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
     bvx_sections *const s = &w->made;
 
     memset(w->used, 0, (size_t)n);
+    /* Each piece belongs to one loop; those taken already are passed over. */
     for (uint64_t start = 0; start < n; start++) {
         bvx_section_loop l;
         uint64_t const first = w->from[start];
@@ -306,6 +324,8 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
         l.first_point = s->point_count;
         l.section = (uint32_t)plane;
         l.label = w->label;
+
+        /* From piece to piece by the edge in common, until the first one comes again. */
         for (uint64_t i = start;;) {
             uint64_t const key = w->to[w->order[i]];
             double p[3];
@@ -318,10 +338,12 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
         }
         begin = s->points + 3 * l.first_point;
         last = s->points + 3 * (s->point_count - 1);
+        /* The first point may be the last one's place, as neighbours' are. */
         if (l.point_count > 1 && begin[0] == last[0] && begin[1] == last[1] && begin[2] == last[2]) {
             l.point_count--;
             s->point_count--;
         }
+        /* What encloses no area is taken back; no section could use it. */
         if (l.point_count < 3 || encloses_none(w, s->points + 3 * l.first_point, l.point_count))
             s->point_count = l.first_point;
         else s->loops[s->loop_count++] = l;
@@ -335,6 +357,7 @@ static bvx_status slice_planes(slice_work *w)
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->to));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 4, "the pieces of a contour", &w->order));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most, "the pieces of a contour", &w->used));
+    /* From plane to plane, with the same arrays. */
     for (uint64_t i = 0; i < w->plane_count; i++) {
         uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
@@ -354,6 +377,7 @@ static bvx_status open_result(slice_work *w)
 
     s->owned = 1;
     s->section_capacity = w->plane_count;
+    /* A loop has three pieces at least, and a point for each. */
     s->loop_capacity = w->list_count / 3 + 1;
     s->point_capacity = w->list_count;
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, s->section_capacity * 8, "the sections", &s->positions));
@@ -372,6 +396,8 @@ static bvx_status close_result(slice_work *w, bvx_sections *sections)
     if (s->loop_count == 0)
         return bvxi_fail(w->ctx, BVX_ERR_EMPTY, "%s: no plane meets more of the mesh than points and lines",
                          slice_name);
+
+    /* Cut to what was used, then given away; what is left of the work is zeroed, so that it is not freed. */
     BVXI_TRY(bvxi_resize(w->ctx, BVXI_RESULT, &s->loops, s->loop_capacity * sizeof *s->loops,
                          s->loop_count * sizeof *s->loops, "the loops"));
     s->loop_capacity = s->loop_count;
@@ -390,6 +416,7 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
 
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.0));
     BVXI_TRY(bvxi_view_bounds(w->ctx, slice_name, w->view, bounds[0], bounds[1]));
+    /* The frame before all else: it refuses a normal that is none. */
     BVXI_TRY(bvxi_section_frame(w->ctx, slice_name, o->normal, w->axis));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 4, "the vertices' numbers", &w->weld));
     BVXI_TRY(
@@ -428,6 +455,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     w.view = mesh;
     w.label = o.label;
     status = slice_all(&w, &o, sections);
+    /* In the reverse order of their making. */
     bvx_sections_free(context, &w.made);
     bvxi_drop(context, w.used);
     bvxi_drop(context, w.order);

@@ -19,6 +19,7 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
 
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
+        /* A loop that lies inside whole touches no side. */
         if (arc[i].from == BVXI_NONE) {
             inner++;
             continue;
@@ -33,6 +34,7 @@ static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
 {
     for (int k = 0; k < 2; k++) {
         uint32_t ends[4];
+        /* A loop in the cell, or a side crossed twice. */
         if (count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k], c->low, ends) != 0) return 1;
         if (ends[0] > 1 || ends[1] > 1 || ends[2] > 1 || ends[3] > 1) return 1;
     }
@@ -57,6 +59,7 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
     bvxi_stack *const s = w->s;
 
     for (int k = 0; k < 2; k++) {
+        /* The upper plane's cells belong to the next slab, except at the end. */
         if (!counts_here(w, k)) continue;
         const bvxi_plane *const p = w->slab->plane[k];
         double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2),
@@ -65,6 +68,7 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
         uint32_t const inner = count_ends(p, w->pool + c->arc[k], c->arc_count[k], c->low, ends);
         s->report.unkept_loops += inner;
         if (inner != 0) bvxi_section_locate(s, middle[0], middle[1], p->w);
+        /* Its other two sides are the lower ones of the cells beyond, and counted there. */
         if (ends[0] > 1) {
             s->report.unkept_edges++;
             bvxi_section_locate(s, middle[0], fixed_place(s, 1, c->low[1]), p->w);
@@ -104,6 +108,7 @@ static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from
 
 static uint32_t quadrant_of_point(const bvxi_split_work *w, const int32_t q[2])
 {
+    /* Points are odd and middles even, so no point lies on a middle line. */
     return (uint32_t)(q[0] > w->middle[0]) | (uint32_t)(q[1] > w->middle[1]) << 1;
 }
 
@@ -123,9 +128,11 @@ static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a,
 {
     uint32_t cut = BVXI_NONE;
 
+    /* Where it passes a middle line decides which of the new corners change sides. */
     BVXI_TRY(bvxi_plane_add_cut(w->s, p, segment, axis, w->middle[axis], &cut));
     if (axis == 0) w->odd_u[a->quadrant >> 1] ^= 1;
     else w->odd_v[a->quadrant & 1] ^= 1;
+    /* A loop has no beginning yet: what was walked so far belongs to its last piece. */
     if (a->last == BVXI_NONE) {
         a->head_to = cut;
         a->head_point = a->point;
@@ -135,6 +142,7 @@ static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a,
     }
     a->last = cut;
     a->count = 0;
+    /* The line is passed: one bit of the quarter changes. */
     a->quadrant ^= 1u << axis;
     return BVX_OK;
 }
@@ -145,6 +153,7 @@ static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, ui
     uint32_t const change = a->quadrant ^ end;
     int first = (change & 1) != 0 ? 0 : 1;
     if (change == 0) return BVX_OK;
+    /* Both lines are passed: which one first is decided exactly. */
     if (change == 3) first = !bvxi_x_first(p->q[segment], p->q[p->next[segment]], w->middle[0], w->middle[1]);
     BVXI_TRY(cross_middle(w, p, a, segment, first));
     return change == 3 ? cross_middle(w, p, a, segment, 1 - first) : BVX_OK;
@@ -156,6 +165,7 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
     piece_walk a;
 
     memset(&a, 0, sizeof a);
+    /* From one crossing of the cell's border to the other, point by point. */
     a.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]);
     a.last = arc->from;
     for (uint32_t i = 0; i < arc->count; i++) {
@@ -181,7 +191,9 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
         point = p->next[point];
     }
+    /* No line was passed: the loop lies in one quarter. */
     if (a.last == BVXI_NONE) return add_piece(w, a.quadrant, BVXI_NONE, BVXI_NONE, arc->point, arc->count);
+    /* The last piece goes on into what was walked before the first cut. */
     return add_piece(w, a.quadrant, a.last, a.head_to, a.count != 0 ? a.point : a.head_point,
                      a.count + a.head_count);
 }
@@ -194,6 +206,7 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
     uint32_t odd[4] = {0, 0, 0, 0}; /* of the lower half of each side */
     uint32_t bottom, top, left, right, centre;
 
+    /* A new corner in a side's middle is as the side's low end is, but for the crossings between. */
     for (uint32_t i = 0; i < c->arc_count[k]; i++) {
         const bvxi_arc *const a = &w->pool[c->arc[k] + i];
         if (a->from == BVXI_NONE) continue;
@@ -202,6 +215,7 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
             if (!bvxi_cut_beyond(p, cut, w->middle[1 - cut->axis])) odd[bvxi_side_of(cut, c->low)] ^= 1;
         }
     }
+    /* Corners are known; the middle of the cell follows from the bottom's along the line to it. */
     bottom = (in & 1) ^ odd[0];
     right = (in >> 1 & 1) ^ odd[1];
     top = (in >> 2 & 1) ^ odd[2];
@@ -223,11 +237,14 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
         bvxi_arc const arc = w->pool[c->arc[k] + i];
         BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
     }
+
+    /* Two neighbouring bits of two rows are a quarter's corners. */
     corners = corners_of_quarters(w, p, c, k);
     for (uint32_t j = 0; j < 4; j++) {
         uint32_t const at = (j & 1) + 3 * (j >> 1);
         quarter[j].inside[k] = (uint8_t)((corners >> at & 3) | (corners >> (at + 3) & 3) << 2);
         quarter[j].arc[k] = w->pool_count;
+        /* Pieces come in the order of the walk, and are put together by quarter. */
         for (uint32_t i = 0; i < w->piece_count; i++)
             if (w->piece[i].quadrant == j) BVXI_TRY(add_to_pool(w, &w->piece[i].arc));
         quarter[j].arc_count[k] = w->pool_count - quarter[j].arc[k];
@@ -239,6 +256,7 @@ static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bv
 {
     int32_t const half = c->size / 2;
 
+    /* Sizes are powers of two, and lines stay even until the deepest: middles are whole numbers. */
     w->middle[0] = c->low[0] + half;
     w->middle[1] = c->low[1] + half;
     for (int j = 0; j < 4; j++) {
@@ -259,6 +277,7 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
     int32_t const part = (1 << w->s->fine) - 1;
     bvxi_hanging *h;
 
+    /* Grid points are known by their number. */
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
     BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room,
                             sizeof *slab->hanging, "the corners of cells"));
@@ -284,6 +303,7 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     leaf->low[0] = c->low[0];
     leaf->low[1] = c->low[1];
     leaf->size = c->size;
+    /* The arcs of both planes are copied, as the pool serves the next cell. */
     for (int k = 0; k < 2; k++) {
         leaf->inside[k] = c->inside[k];
         leaf->arc[k] = slab->arc_count;
@@ -294,6 +314,8 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
             slab->arc[slab->arc_count++] = w->pool[c->arc[k] + i];
         }
     }
+
+    /* All four corners, again and again where leaves meet; they are sorted and made one afterwards. */
     for (int j = 0; j < 4; j++)
         BVXI_TRY(add_hanging(w, c->low[0] + (j & 1) * c->size, c->low[1] + (j >> 1) * c->size,
                              c->inside[0] >> j & 1u, c->inside[1] >> j & 1u));
@@ -313,9 +335,11 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
             if (c.depth < w->s->options.depth) {
                 bvxi_split_cell quarter[4];
                 BVXI_TRY(split_in_four(w, &c, quarter));
+                /* The last one first, so that the first is taken next. */
                 for (int j = 4; j-- > 0;) stack[top++] = quarter[j];
                 continue;
             }
+            /* No deeper: what is crossed more than once stays so, and is counted. */
             count_unkept(w, &c);
         }
         BVXI_TRY(add_leaf(w, &c));
@@ -355,6 +379,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
     count_supposition(w, &c);
+    /* Without subdivision there is only what has to be reported. */
     if (s->options.depth == 0) {
         count_unkept(w, &c);
         return BVX_OK;
@@ -365,6 +390,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;
     BVXI_TRY(split_down(w, &c));
+    /* By its number: the array may have moved when cells were added. */
     slab->split[slab->split_count - 1].leaf_count = slab->leaf_count - split->leaf;
     s->report.split_cells++;
     s->report.leaf_cells += slab->leaf_count - split->leaf;

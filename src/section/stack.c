@@ -36,6 +36,8 @@ static bvx_status choose_label(bvxi_stack *s)
 /* Doubles as numbers that sort like them. */
 static uint64_t sortable(double v)
 {
+    /* All bits of negative ones are turned, of others the
+     * sign alone: then whole numbers sort as doubles do. */
     uint64_t k;
     v += 0.0;
     memcpy(&k, &v, 8);
@@ -54,8 +56,11 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
         key[i] = sortable(g->positions[i]);
     }
     BVXI_TRY(bvxi_radix_sort(s->ctx, key, order, n));
+    /* Sections before the first loop and after the last one do not belong to the body. */
     for (first = 0; loops[order[first]] == 0; first++) {}
     for (end = n; loops[order[end - 1]] == 0; end--) {}
+
+    /* In order, so equal positions are neighbours. */
     for (uint32_t i = first + 1; i < end; i++)
         if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g",
@@ -87,6 +92,7 @@ static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
     const bvx_section_loop *const l = &s->given->loops[number];
     bvxi_contour *const c = &p->contour[p->contour_count++];
 
+    /* Of points at one place that follow each other one is enough: segments have a length. */
     c->first = p->point_count;
     c->given = number;
     c->end[0] = c->end[1] = 0.0;
@@ -116,6 +122,7 @@ static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint3
     bvxi_plane *const all = &s->all;
     uint64_t point = 0, loop = 0;
 
+    /* One array for all planes: a plane is a stretch of it, and no plane takes memory of its own. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         all->point_room += points[s->plane[i].section];
         all->contour_room += loops[s->plane[i].section];
@@ -149,6 +156,7 @@ static bvx_status check_flatness(bvxi_stack *s)
 
     for (uint32_t k = 0; k < s->plane_count; k++) {
         const bvxi_plane *const p = &s->plane[k];
+        /* A quarter of the way to a neighbour: so planes never change places. */
         double limit = most;
         if (k > 0 && 0.25 * (p->w - p[-1].w) < limit) limit = 0.25 * (p->w - p[-1].w);
         if (k + 1 < s->plane_count && 0.25 * (p[1].w - p->w) < limit) limit = 0.25 * (p[1].w - p->w);
@@ -171,6 +179,8 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
 
     memset(loops, 0, (size_t)g->section_count * 4);
     memset(points, 0, (size_t)g->section_count * 8);
+
+    /* Counted by section first. */
     for (uint64_t i = 0; i < g->loop_count; i++) {
         if (g->loops[i].label != s->options.label) continue;
         loops[g->loops[i].section]++;
@@ -183,6 +193,7 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
         else s->report.sections++;
     }
     BVXI_TRY(open_planes(s, points, loops));
+    /* From here the array of the order serves as a look-up. */
     for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == s->options.label)
@@ -233,6 +244,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     s->function = function;
     s->given = given;
     s->options = *options;
+    /* An empty box, which any point opens. */
     s->low[0] = s->low[1] = 1e300;
     s->high[0] = s->high[1] = -1e300;
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
@@ -246,6 +258,7 @@ bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside",
                              &s->all.inside));
+    /* A bit for each grid point of each plane. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     return bvxi_planes_ready(s);
@@ -265,6 +278,7 @@ void bvxi_stack_close(bvxi_stack *s)
     bvxi_drop(s->ctx, s->slab_mesh.position);
     bvxi_drop(s->ctx, s->mesh.triangle);
     bvxi_drop(s->ctx, s->mesh.position);
+    /* Planes whose cuts outgrew the shared array have one of their own. */
     for (uint32_t i = s->plane_count; i-- > 0;)
         if (s->plane[i].owns_cuts) bvxi_drop(s->ctx, s->plane[i].cut);
     bvxi_drop(s->ctx, s->all.box);

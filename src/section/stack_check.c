@@ -16,6 +16,7 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
     if (l->section >= given->section_count)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: loop %i is in section %u of %u",
                              function, i, (uint64_t)l->section, given->section_count);
+    /* By subtraction: the sum might pass 2^64. */
     if (l->first_point > given->point_count || l->point_count > given->point_count - l->first_point)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: loop %i has points %u to %u of %u",
                              function, i, l->first_point, l->first_point + l->point_count,
@@ -41,6 +42,7 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 {
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
     if (given->reserved != 0) return bvxi_fail_reserved(ctx, function, "sections.");
+    /* Places that later versions may give a meaning to. */
     for (uint64_t i = 0; i < 3; i++)
         if (given->reserved2[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
@@ -56,6 +58,7 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
                              "%s: an array of the sections is NULL although its count is not 0", function);
     if (given->loop_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the sections hold no loop", function);
+    /* Values that are not finite would pass all comparisons later on. */
     for (uint64_t i = 0; i < given->section_count; i++)
         if (!is_number(given->positions[i]))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
@@ -89,6 +92,8 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
         }
     }
     if (largest == 0.0) return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the normal has no length", function);
+
+    /* By its largest part first, so that squares of tiny or huge normals stay finite. */
     for (int i = 0; i < 3; i++) n[i] = normal[i] / largest;
     length = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]);
     for (int i = 0; i < 3; i++) axis[2][i] = n[i] / length;
@@ -99,6 +104,7 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
     for (int i = 0; i < 3; i++) axis[0][i] = (i == first ? 1.0 : 0.0) - along * axis[2][i];
     length = sqrt((axis[0][0] * axis[0][0] + axis[0][1] * axis[0][1]) + axis[0][2] * axis[0][2]);
     for (int i = 0; i < 3; i++) axis[0][i] /= length;
+    /* Both are unit and square to each other, so their product is too. */
     for (int i = 0; i < 3; i++) {
         int const j = (i + 1) % 3, k = (i + 2) % 3;
         axis[1][i] = axis[2][j] * axis[0][k] - axis[2][k] * axis[0][j];

@@ -22,6 +22,7 @@ static double automatic_spacing(const bvxi_stack *s)
         count += p->point_count;
     }
     h = 2.0 * sum / count;
+    /* Bounds: neither coarser than an outline needs, nor finer than memory allows. */
     if (h > longer / STACK_LEAST_AUTO) h = longer / STACK_LEAST_AUTO;
     if (h < longer / STACK_MOST_AUTO) h = longer / STACK_MOST_AUTO;
     return h;
@@ -53,6 +54,7 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
                              s->function);
         if (s->options.grid[0] != 0) {
             s->size[k] = s->options.grid[k];
+            /* The margins are three quarters of a cell together. */
             s->step[k] = extent / (s->size[k] - both);
         } else {
             double const cells = floor(extent / spacing + both) + 1.0;
@@ -65,6 +67,7 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
             s->step[k] = spacing;
         }
         s->origin[k] = s->low[k] - before[k] * s->step[k];
+        /* Where coordinates are so large that a cell is lost in their rounding, no grid can be laid. */
         if (!(s->step[k] > 0.0) || s->origin[k] + s->step[k] * s->size[k] <= s->high[k] ||
             s->origin[k] >= s->low[k])
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
@@ -72,6 +75,8 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
                                  s->function, extent);
         if (s->size[k] > most) most = s->size[k];
     }
+
+    /* As fine as the extent allows, so that products of two differences fit 64 bits. */
     s->fine = BVXI_SECTION_EXTENT_BITS;
     while (((int64_t)most << s->fine) > (INT64_C(1) << BVXI_SECTION_EXTENT_BITS)) s->fine--;
     report_grid(s);

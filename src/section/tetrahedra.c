@@ -9,6 +9,7 @@
 bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
                              const char *what)
 {
+    /* Half as much again, so that adding one at a time stays cheap. */
     uint64_t const larger = *room < 256 ? 256 : *room + *room / 2;
 
     if (count < *room) return BVX_OK;
@@ -46,6 +47,7 @@ static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m)
         bvxi_drop(o->ctx, larger.key);
         return status;
     }
+    /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)(larger.room * 8));
     for (uint64_t i = 0; i < m->room; i++)
         if (m->key[i] != UINT64_MAX) {
@@ -63,6 +65,7 @@ bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *m, uint32_t a, uint32_t
     uint64_t const key = oblique_edge_key(a, b);
     uint64_t at;
 
+    /* At most half full, so that searches are short and always end. */
     if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m));
     at = edge_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
@@ -147,6 +150,7 @@ static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t 
     uint32_t at = start;
 
     for (;;) {
+        /* On over the face opposite the corner that is left; the one that stayed is left next. */
         uint32_t const next = o->tetra[at].n[leave];
         uint32_t stay = BVXI_NONE;
         *closed = next == start;
@@ -170,6 +174,7 @@ bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t
         if (o->tetra[tetra].v[k] != a && o->tetra[tetra].v[k] != b) leave[n++ & 1] = k;
     BVXI_TRY(add_to_ring(o, tetra));
     BVXI_TRY(ring_on(o, tetra, a, b, leave[0], closed));
+    /* A border: what lies on the other side of the first one is looked for too. */
     if (!*closed) {
         int back;
         BVXI_TRY(ring_on(o, tetra, a, b, leave[1], &back));
@@ -198,6 +203,7 @@ bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex)
     o->star_count = 0;
     next_stamp(o);
     BVXI_TRY(add_to_star(o, o->vertex[vertex].tetra));
+    /* Neighbours over all faces that hold the vertex, each once by its stamp. */
     for (uint64_t i = 0; i < o->star_count; i++) {
         const bvxi_tetra t = o->tetra[o->star[i]];
         for (int k = 0; k < 4; k++)
@@ -265,6 +271,7 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
     on = bvxi_tetra_on(o, *m);
     on_a = bvxi_tetra_on(o, a);
     on_b = bvxi_tetra_on(o, b);
+    /* A vertex put into an edge lies on the planes that both ends lie on. */
     for (uint32_t w = 0; w < o->plane_words; w++) on[w] = on_a[w] & on_b[w];
     BVXI_TRY(keep_contour_edge(o, a, b, *m));
     BVXI_TRY(bvxi_tetra_ring(o, tetra, a, b, &closed));
@@ -306,6 +313,7 @@ static bvx_status split_side(bvxi_oblique *o, uint32_t t, const uint32_t face[3]
     for (int k = 0; k < 3; k++) corner[k] = bvxi_corner_of(&old, face[k]);
     part[0] = t;
     for (int k = 1; k < 3; k++) BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &part[k]));
+    /* Each part has the new vertex in place of one corner of the face. */
     for (int k = 0; k < 3; k++) {
         bvxi_tetra *const p = &o->tetra[part[k]];
         p->v[corner[k]] = m;
@@ -330,6 +338,8 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
         if (k != corner) face[n++] = o->tetra[tetra].v[k];
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
     on = bvxi_tetra_on(o, *m);
+
+    /* On the planes that all three corners lie on. */
     for (int k = 0; k < 3; k++)
         for (uint32_t w = 0; w < o->plane_words; w++) {
             uint64_t const set = bvxi_tetra_on(o, face[k])[w];
@@ -342,6 +352,7 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
     BVXI_TRY(split_side(o, tetra, face, *m, part[0]));
     if (beside == BVXI_NONE) return BVX_OK;
     BVXI_TRY(split_side(o, beside, face, *m, part[1]));
+    /* Both sides' parts go in the order of the face's corners, so they meet pairwise. */
     for (int k = 0; k < 3; k++) {
         o->tetra[part[0][k]].n[top[0]] = part[1][k];
         o->tetra[part[1][k]].n[top[1]] = part[0][k];

@@ -15,10 +15,12 @@ static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
     for (int k = 0; k < 2; k++) {
+        /* Levels on which the field decides have no contours here. */
         const bvxi_plane *const p = t->level[k].plane;
         if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
         for (uint32_t i = 0; i < t->arc_count[k]; i++) {
             const bvxi_arc *const a = &t->arc[k][i];
+            /* A loop inside touches no side. */
             if (a->from == BVXI_NONE) continue;
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
@@ -44,6 +46,7 @@ static bvx_status gather_ends(bvxi_trace *t)
 /* Each end's point goes on along its arc: contours below run forwards, above backwards. */
 static void link_arcs(bvxi_trace *t)
 {
+    /* Ends were gathered in pairs. */
     for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
         const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
         const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;
@@ -66,6 +69,7 @@ static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_li
                  ((int64_t)d->line - da[k]) * ((int64_t)db[o] - da[o]);
     int64_t dd = (int64_t)db[k] - da[k];
 
+    /* Denominators above 0, so that the products compare as the quotients do. */
     if (cd < 0) {
         cd = -cd;
         cn = -cn;
@@ -74,6 +78,7 @@ static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_li
         dd = -dd;
         dn = -dn;
     }
+    /* Products of three differences, which 64 bits do not hold. */
     return bvxi_wide_sign(bvxi_wide_add(bvxi_wide_mul(cn, dd), bvxi_wide_mul(-dn, cd))) < 0;
 }
 
@@ -84,11 +89,13 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
     uint32_t *const row = t->row[k];
     uint32_t n = 0;
 
+    /* By insertion: a side has few ends. */
     for (uint32_t i = 0; i < t->end_count; i++) {
         uint32_t j;
         if (t->end[i].side != side || t->end[i].k != k) continue;
         for (j = n++; j > 0; j--) {
             int const before = cut_before(p, &p->cut[t->end[i].cut], &p->cut[t->end[row[j - 1]].cut]);
+            /* Sides 2 and 3 run towards lower coordinates. */
             if (before == (side >= 2)) break;
             row[j] = row[j - 1];
         }
@@ -119,6 +126,7 @@ static bvx_status link_strip(bvxi_trace *t, uint32_t a, uint32_t b, const uint32
 
     for (int k = 0; k < 2; k++) {
         row[k] = t->row[k] + done[k];
+        /* Contours of this plane: those of its crossings that come before the next corner. */
         if (t->level[k].kind == BVXI_PLANE_EXACT) {
             n[k] = last ? count[k] - done[k]
                         : count_before(t, t->level[k].plane, t->row[k], done[k], count[k], side, right->at);
@@ -126,6 +134,7 @@ static bvx_status link_strip(bvxi_trace *t, uint32_t a, uint32_t b, const uint32
             for (uint32_t i = 0; i < n[k]; i++) row[k][i] = t->end[row[k][i]].point;
             done[k] += n[k];
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
+            /* The field has one crossing where both ends differ. */
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
             BVXI_TRY(bvxi_trace_add_point(
@@ -148,6 +157,8 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
         if (n->vertex != BVXI_NONE) BVXI_TRY(bvxi_trace_add_point(t, n->vertex, n->faces, &points[i]));
     }
     t->cross_count[0] = t->cross_count[1] = 0;
+
+    /* Side by side, counter-clockwise, as loops run. */
     for (int side = 0; side < 4; side++) {
         uint32_t count[2] = {0, 0}, done[2] = {0, 0};
         for (int k = 0; k < 2; k++)
@@ -165,6 +176,7 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
 
+    /* Corners and ends first: rows are as long as they require. */
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));

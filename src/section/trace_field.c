@@ -27,12 +27,14 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
     uint32_t *found, number;
     double from, to, share, place[3], uv[2];
 
+    /* A neighbouring cell may have made this vertex already; from its low end both compute the same. */
     BVXI_TRY(bvxi_map_find(s, t->level[k].edges, key, &found));
     *vertex = *found;
     if (*found != BVXI_NONE) return BVX_OK;
     from = node_value(t, k, low);
     to = node_value(t, k, high);
     share = from - to != 0.0 ? from / (from - to) : 0.5;
+    /* Off the corners, so that no triangle is without area. */
     if (!(share > FIELD_EDGE_MARGIN)) share = FIELD_EDGE_MARGIN;
     if (share > 1.0 - FIELD_EDGE_MARGIN) share = 1.0 - FIELD_EDGE_MARGIN;
     for (int i = 0; i < 2; i++) {
@@ -62,6 +64,7 @@ static int face_joins(bvxi_trace *t, int k)
     for (int i = 0; i < 4; i++) uv_of_vertex(t, t->point[t->cross[k][i]].vertex, p[i]);
     d = (p[2][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[2][1] - p[0][1]) * (p[3][0] - p[1][0]);
     share = ((p[1][0] - p[0][0]) * (p[3][1] - p[1][1]) - (p[1][1] - p[0][1]) * (p[3][0] - p[1][0])) / d;
+    /* Lines that do not meet between their ends: the middle will do. */
     if (!(share > 0.0 && share < 1.0)) share = 0.5;
     x = p[0][0] + share * (p[2][0] - p[0][0]);
     y = p[0][1] + share * (p[2][1] - p[0][1]);
@@ -78,6 +81,7 @@ bvx_status bvxi_trace_face(bvxi_trace *t, int k)
     uint32_t const enters = t->node[0].inside[k];
     int const joins = n == 4 && face_joins(t, k);
 
+    /* Every other crossing enters; each is joined with one that leaves. */
     for (uint32_t i = enters; i < n; i += 2) {
         uint32_t const in = cross[i], out = cross[joins ? (i + n - 1) % n : (i + 1) % n];
         bvxi_trace_point *const p = &t->point[k == 0 ? out : in];
@@ -107,12 +111,14 @@ static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, con
     for (uint32_t i = 0; i < t->cross_count[k]; i++) {
         uint32_t const c = t->cross[k][i], d = t->point[c].next;
         double e[2], f[2], other;
+        /* Only lines that the field drew take points. */
         if (c == from || (t->point[c].link != BVXI_LINK_FIELD && t->point[c].link != BVXI_LINK_FIELD_BACK))
             continue;
         if (t->point[c].link != (k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK)) continue;
         uv_of_vertex(t, t->point[c].vertex, e);
         uv_of_vertex(t, t->point[d].vertex, f);
         other = segment_distance2(e, f, p);
+        /* Equally near: by the numbers of the ends, so that just one line takes it. */
         if (other < own || (other == own && t->point[c].vertex + t->point[d].vertex <
                                                 t->point[from].vertex + t->point[to].vertex))
             return 0;
@@ -129,6 +135,7 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
     double a[2], b[2];
 
     if (!level->inserts) return BVX_OK;
+    /* In the direction of the contour, whichever way the loop runs. */
     uv_of_vertex(t, t->point[back ? to : from].vertex, a);
     uv_of_vertex(t, t->point[back ? from : to].vertex, b);
     first = bvxi_plane_arcs_in(p, t->key, &arcs);
@@ -142,6 +149,8 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
         for (uint32_t j = 0; j < p->arc[arc].count; j++, i = p->next[i]) {
             double const along = (p->uv[i][0] - a[0]) * (b[0] - a[0]) + (p->uv[i][1] - a[1]) * (b[1] - a[1]);
             uint32_t at = n;
+
+            /* In order along the line, by insertion. */
             if (!is_nearest_line(t, k, from, to, a, b, p->uv[i])) continue;
             for (; at > 0 && t->insert[at - 1].along > along; at--) t->insert[at] = t->insert[at - 1];
             t->insert[at].along = along;
@@ -150,6 +159,7 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
         }
     }
     for (uint32_t j = 0; j < n; j++) {
+        /* A point becomes a vertex when it is first taken; both slabs at the plane share it. */
         uint32_t const i = t->insert[back ? n - 1 - j : j].point;
         if (p->ring[i] == BVXI_NONE) {
             BVXI_TRY(

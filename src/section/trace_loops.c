@@ -12,6 +12,7 @@ void bvxi_ring_stretch(const bvxi_plane *p, uint32_t place, uint32_t *first, uin
 {
     uint32_t low = 0, high = p->contour_count;
 
+    /* By bisection: loops' rings lie in the order of the loops. */
     while (high - low > 1) {
         uint32_t const middle = low + (high - low) / 2;
         if (p->ring[p->contour[middle].first] <= place) low = middle;
@@ -29,6 +30,8 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
 
     bvxi_ring_stretch(p, i, &first, &end);
+
+    /* All between the two cuts, over the end of the loop where it is so. */
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -97,6 +100,7 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
 
     do {
         bvxi_trace_point *const p = &t->point[i];
+        /* Each point has one successor and is passed once; otherwise the cell does not close. */
         if (p->seen || p->next == BVXI_NONE) return refuse_open(t);
         p->seen = 1;
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex, p->faces));
@@ -120,6 +124,7 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t first, end, count = 0;
     bvxi_ring_stretch(p, p->ring[a->point], &first, &end);
+    /* From above the loop runs the other way round. */
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
                                         k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE));
@@ -132,6 +137,8 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
 {
     const bvxi_stack *const s = t->s;
     t->choice = choice;
+
+    /* What is there before the filling, so that it can be taken back. */
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
@@ -151,6 +158,7 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made)
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made)
 {
     const bvxi_stack *const s = t->s;
+    /* A single loop that is a strip, or of few triangles, is not looked at. */
     if (t->choice == 0 && t->loop_count == 1 &&
         (t->strips == 1 || s->mesh.triangle_count - made->triangles <= TRACE_SURE))
         return 0;
@@ -161,6 +169,8 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
 {
     bvxi_trace_begin_fill(t, choice, made);
     for (uint32_t i = 0; i < t->point_count; i++) t->point[i].seen = 0;
+
+    /* Loops by their lowest point, so that the order does not depend on what came before. */
     for (uint32_t i = 0; i < t->point_count; i++)
         if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));
     for (int k = 0; k < 2; k++) {
@@ -177,6 +187,7 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
     bvxi_trace_made made;
     uint32_t choices = 1;
 
+    /* The usual filling first; nearly all cells are done with it. */
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     if (s->options.crossings != BVX_CROSSINGS_PAPER)
@@ -186,6 +197,7 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
         BVXI_TRY(fill_cell_loops(t, i, &made));
         if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     }
+    /* None is free of crossings: the usual one stays, and is counted. */
     s->report.crossed_cells++;
     if (choices == 1) return BVX_OK;
     bvxi_trace_undo_fill(t, &made);

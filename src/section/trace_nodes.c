@@ -24,10 +24,12 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         else high = middle;
     }
     for (n = 0; low + n < slab->hanging_count; n++) {
+        /* Those on the side alone, up to its other end. */
         const int32_t *const at = slab->hanging[along == 0 ? low + n : slab->by_u[low + n]].at;
         if (at[across] != line || at[along] >= to) break;
     }
     for (uint32_t i = 0; i < n; i++) {
+        /* Sides 2 and 3 run towards lower coordinates. */
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
         bvxi_trace_node *node;
@@ -51,13 +53,16 @@ static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
 
+    /* Not crossed: it is on all levels what it is on both planes. */
     if (n->on[0] == n->on[1]) {
         n->inside[0] = n->inside[1] = n->on[0];
         n->vertex = BVXI_NONE;
         return;
     }
+    /* Below its crossing it is as on the plane below, above it as on the one above. */
     n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
     n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
+    /* The crossing belongs to one layer's cells. */
     if (layer != crossed) n->vertex = BVXI_NONE;
 }
 
@@ -77,6 +82,7 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
     n->faces = faces[i];
     n->inside[1] = 1;
+    /* A corner on the grid is known by its place; others are among those of subdivided cells. */
     if ((n->at[0] & part) == 0 && (n->at[1] & part) == 0) {
         int32_t const x = n->at[0] >> fine, y = n->at[1] >> fine;
         uint32_t const number = bvxi_line_number(t->field, x, y);
@@ -104,6 +110,7 @@ bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5])
 {
     t->node_count = 0;
     for (int i = 0; i < 4; i++) {
+        /* A corner, then what lies on the side that begins at it: counter-clockwise all the way. */
         corner[i] = t->node_count;
         BVXI_TRY(add_corner(t, i));
         if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));

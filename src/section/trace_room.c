@@ -27,6 +27,8 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
     uint64_t const room = count + count / 2 + 64, old = t->loop_room;
 
     if (count <= old) return BVX_OK;
+
+    /* In views of the stack nothing may grow; the calling thread makes such a slab again afterwards. */
     if (s->fixed) return BVX_ERR_BUDGET;
     if (room > INT32_MAX)
         return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -88,6 +90,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
         uint64_t const wanted = which == 0 ? need : crossings, larger = wanted + wanted / 2 + 16;
         if (wanted <= *room) continue;
         if (s->fixed) return BVX_ERR_BUDGET;
+        /* Both rows are made anew together, as one length stands for both. */
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
             uint32_t *made = NULL;
@@ -119,6 +122,8 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
     BVXI_TRY(bvxi_slab_grow(s, &t->node, 0, &t->node_room, sizeof *t->node, "the corners of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
+
+    /* As many as a usual cell has; more are made when they are needed. */
     t->end_count = t->node_count = TRACE_FEW;
     BVXI_TRY(bvxi_trace_open_rows(t));
     t->end_count = t->node_count = 0;

@@ -26,6 +26,7 @@ static int uncross_pierces(const double *p, const double *q, const double *const
 {
     double const sp = uncross_volume(t[0], t[1], t[2], p), sq = uncross_volume(t[0], t[1], t[2], q);
     double a, b, c;
+    /* Both ends on one side. */
     if ((sp > 0.0) == (sq > 0.0)) return 0;
     a = uncross_volume(p, q, t[0], t[1]);
     b = uncross_volume(p, q, t[1], t[2]);
@@ -74,6 +75,7 @@ int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from)
         uncross_box(s, t + 3 * i, box[i]);
         for (uint64_t k = 0; k < i; k++) {
             const double *const a = box[i], *const b = box[k];
+            /* Boxes that only touch do not count: neighbours share corners. */
             if (a[0] >= b[3] || b[0] >= a[3] || a[1] >= b[4] || b[1] >= a[4] || a[2] >= b[5] || b[2] >= a[5])
                 continue;
             if (uncross_pair(s, t + 3 * i, t + 3 * k)) return 1;

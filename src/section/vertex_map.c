@@ -26,6 +26,8 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
         bvxi_drop(s->ctx, larger.key);
         return status;
     }
+
+    /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)room * 8);
     for (uint32_t i = 0; i < m->room; i++)
         if (m->key[i] != UINT64_MAX) {
