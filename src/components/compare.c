@@ -125,13 +125,37 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
 /* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
 
-static void visit_row_difference(const uint64_t *one, const uint64_t *other, int32_t words, int32_t nx,
-                                 int32_t y, int32_t z, compare_run_fn *take, void *user)
+/* What one grid has and the other does not: within the box of the difference, with its share of the progress. */
+typedef struct compare_side {
+    const bvx_grid *one, *other;
+    const compare_sums *all;
+    double from, to;
+} compare_side;
+
+/* Row (y, z) begins at this word of both grids. */
+static size_t compare_row_at(const compare_side *s, int32_t y, int32_t z)
 {
+    size_t const row = (size_t)z * (size_t)s->one->size[1] + (size_t)y;
+    return row * (size_t)s->one->words_per_row;
+}
+
+static bvx_status compare_progress(bvx_context *ctx, const compare_side *s, int32_t z)
+{
+    int32_t const low = s->all->low[2], slices = s->all->high[2] - low + 1, step = (slices + 7) / 8;
+
+    if ((z - low) % step != 0) return BVX_OK;
+    return bvxi_progress(ctx, "compare", s->from + (s->to - s->from) * ((double)(z - low) / (double)slices));
+}
+
+static void visit_row_difference(const compare_side *s, int32_t y, int32_t z, compare_run_fn *take,
+                                 void *user)
+{
+    const uint64_t *const one = s->one->words + compare_row_at(s, y, z);
+    const uint64_t *const other = s->other->words + compare_row_at(s, y, z);
     uint64_t last = 0;
     int32_t begin = -1;
 
-    for (int32_t k = 0; k < words; k++) {
+    for (int32_t k = 0; k < s->one->words_per_row; k++) {
         uint64_t changes = bvxi_run_changes(one[k] & ~other[k], &last);
         /* Changes are begin and end in turn; a run may go on in the next word. */
         for (; changes != 0; changes &= changes - 1) {
@@ -140,49 +164,35 @@ static void visit_row_difference(const uint64_t *one, const uint64_t *other, int
             begin = begin >= 0 ? -1 : x;
         }
     }
-    if (begin >= 0) take(user, begin, nx, y, z);
+    if (begin >= 0) take(user, begin, s->one->size[0], y, z);
 }
 
-/* All runs of what one has and the other has not, within the box of the difference. */
-static bvx_status visit_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
-                                   const compare_sums *all, double from, double to, compare_run_fn *take,
-                                   void *user)
+/* All its runs. */
+static bvx_status visit_difference(bvx_context *ctx, const compare_side *s, compare_run_fn *take, void *user)
 {
-    int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
+    for (int32_t z = s->all->low[2]; z <= s->all->high[2]; z++) {
+        BVXI_TRY(compare_progress(ctx, s, z));
 
-    /* Only the box of the difference: what differs is small, as a rule. */
-    for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
-        if ((z - all->low[2]) % step == 0)
-            BVXI_TRY(bvxi_progress(ctx, "compare",
-                                   from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
-        for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
-            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y;
-            size_t const at = row * (size_t)one->words_per_row;
-            visit_row_difference(one->words + at, other->words + at, one->words_per_row, one->size[0], y, z,
-                                 take, user);
-        }
+        /* Only the box of the difference: what differs is small, as a rule. */
+        for (int32_t y = s->all->low[1]; y <= s->all->high[1]; y++) visit_row_difference(s, y, z, take, user);
     }
     return BVX_OK;
 }
 
-/* Rows of what one has and the other has not, within the box of the difference. */
-static bvx_status join_difference(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
-                                  const compare_sums *all, double from, double to, bvxi_components *c)
+/* Its rows, joined to components. */
+static bvx_status join_difference(bvx_context *ctx, const compare_side *s, bvxi_components *c)
 {
-    int32_t const slices = all->high[2] - all->low[2] + 1, step = (slices + 7) / 8;
+    const compare_sums *const all = s->all;
 
     for (int32_t z = all->low[2]; z <= all->high[2]; z++) {
-        if ((z - all->low[2]) % step == 0)
-            BVXI_TRY(bvxi_progress(ctx, "compare",
-                                   from + (to - from) * ((double)(z - all->low[2]) / (double)slices)));
+        BVXI_TRY(compare_progress(ctx, s, z));
         for (int32_t y = all->low[1]; y <= all->high[1]; y++) {
-            size_t const row = (size_t)z * (size_t)one->size[1] + (size_t)y;
-            size_t const at = row * (size_t)one->words_per_row;
+            size_t const at = compare_row_at(s, y, z);
             uint64_t *const words = bvxi_components_row(c, y - all->low[1], z - all->low[2]);
             /* The difference of a row exists in the components'
              * own row only, so a grid for it is never made. */
-            for (int32_t k = 0; k < one->words_per_row; k++)
-                words[k] = one->words[at + (size_t)k] & ~other->words[at + (size_t)k];
+            for (int32_t k = 0; k < s->one->words_per_row; k++)
+                words[k] = s->one->words[at + (size_t)k] & ~s->other->words[at + (size_t)k];
             bvxi_components_add(c, y - all->low[1], z - all->low[2]);
         }
     }
@@ -202,21 +212,18 @@ static void measure_compare_run(void *user, int32_t begin, int32_t end, int32_t 
     s->size[*s->label++] += (uint64_t)(end - begin);
 }
 
-static bvx_status measure_components(bvx_context *ctx, const bvx_grid *one, const bvx_grid *other,
-                                     const compare_sums *all, double from, double to,
-                                     const bvxi_components *c, uint64_t *largest)
+static bvx_status measure_components(bvx_context *ctx, const compare_side *side, const bvxi_components *c,
+                                     uint64_t *largest)
 {
     uint64_t const bytes = c->component_count * sizeof(uint64_t);
     compare_sizes s = {c->label, NULL};
-    bvx_status status;
 
     /* The runs come in the order in which they were numbered, so labels are read one after the other. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
-    status = visit_difference(ctx, one, other, all, from, to, measure_compare_run, &s);
-    for (uint64_t i = 0; status == BVX_OK && i < c->component_count; i++)
-        *largest = s.size[i] > *largest ? s.size[i] : *largest;
+    BVXI_TRY(visit_difference(ctx, side, measure_compare_run, &s));
+    for (uint64_t i = 0; i < c->component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
     bvxi_drop(ctx, s.size);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status count_components(bvx_context *ctx, const char *function, const compare_work *w,
@@ -225,19 +232,18 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     const bvx_grid *const one = w->grid[side], *const other = w->grid[1 - side];
     double const from = side == 0 ? 0.5 : 0.75, middle = from + 0.15, to = from + 0.25;
     int32_t const box[3] = {one->size[0], all->high[1] - all->low[1] + 1, all->high[2] - all->low[2] + 1};
+    compare_side const joined = {.one = one, .other = other, .all = all, .from = from, .to = middle};
+    compare_side const measured = {.one = one, .other = other, .all = all, .from = middle, .to = to};
     bvxi_components c;
-    bvx_status status;
 
     /* Nothing to join, and no memory for it. */
     if (all->runs[side] == 0) return BVX_OK;
     BVXI_TRY(bvxi_components_open(ctx, function, BVXI_CONNECT_6, box, all->runs[side], &c));
-    status = join_difference(ctx, one, other, all, from, middle, &c);
-    if (status == BVX_OK) {
-        status = measure_components(ctx, one, other, all, middle, to, &c, largest);
-        *count = c.component_count;
-    }
+    BVXI_TRY(join_difference(ctx, &joined, &c));
+    BVXI_TRY(measure_components(ctx, &measured, &c, largest));
+    *count = c.component_count;
     bvxi_components_free(&c);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- The whole ---- */

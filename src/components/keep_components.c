@@ -219,10 +219,9 @@ bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_k
 }
 
 bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                             int32_t connectivity, uint64_t at_most, uint64_t *words, uint64_t *voxels,
-                             uint64_t *pockets)
+                             int32_t connectivity, uint64_t at_most, uint64_t *words, bvxi_pockets *filled)
 {
-    uint64_t set = 0, count = 0;
+    bvxi_pockets set = {0, 0};
     keep_work w;
 
     BVXI_TRY(open_keep_work(ctx, function, grid, 1, connectivity, &w));
@@ -231,21 +230,21 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
      * the others only small ones, where that is requested. */
     for (uint64_t i = 0; i < w.spaces.count; i++) {
         w.marks[i] = !w.at_side[i] && (at_most == 0 || w.voxels[i] <= at_most);
-        set += w.marks[i] ? w.voxels[i] : 0;
-        count += w.marks[i];
+        set.voxels += w.marks[i] ? w.voxels[i] : 0;
+        set.count += w.marks[i];
     }
     if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
     /* Flipping empty voxels sets them. */
     bvxi_spaces_flip(&w.spaces, w.marks, words);
     close_keep_work(&w);
-    if (voxels != NULL) *voxels = set;
-    if (pockets != NULL) *pockets = count;
+    *filled = set;
     return BVX_OK;
 }
 
 static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                          uint64_t at_most, bvx_grid *result, uint64_t *filled)
 {
+    bvxi_pockets set = {0, 0};
     bvx_grid made;
     bvx_status status;
 
@@ -256,7 +255,8 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
 
     /* After all checks: an array of the caller's must not be touched by a call that is refused. */
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
-    status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, filled, NULL);
+    status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, &set);
+    if (status == BVX_OK && filled != NULL) *filled = set.voxels;
     if (status == BVX_OK) *result = made;
     else if (result->words == NULL) bvx_grid_free(context, &made);
     return status;

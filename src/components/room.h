@@ -34,11 +34,12 @@ void bvxi_spaces_measure(const bvxi_spaces *spaces, uint64_t *voxels, uint8_t *a
  * a run's words have all been read when it is handed out. Then the spaces must not be used any more. */
 void bvxi_spaces_flip(const bvxi_spaces *spaces, const uint8_t *marked, uint64_t *words);
 /* keep_components.c: set the spaces of empty voxels that touch no side of the window and have at_most voxels
- * (0: of any size), in words of the grid's shape, its own or a copy. voxels, pockets: what was set; may be
- * NULL. */
+ * (0: of any size), in words of the grid's shape, its own or a copy. *filled: what was set. */
+typedef struct bvxi_pockets {
+    uint64_t count, voxels;
+} bvxi_pockets;
 bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                             int32_t connectivity, uint64_t at_most, uint64_t *words, uint64_t *voxels,
-                             uint64_t *pockets);
+                             int32_t connectivity, uint64_t at_most, uint64_t *words, bvxi_pockets *filled);
 /* Refuse a connectivity other than 6, 18 and 26. */
 bvx_status bvxi_check_connectivity(bvx_context *ctx, const char *function, int32_t connectivity);
 

@@ -57,14 +57,15 @@ static void fill_below_piece(void *user, int32_t index, int32_t worker)
     job->fill[index] = fill;
 }
 
-static bvx_status find_highest(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *turned, int32_t axis,
-                               double from, double to, bvx_solid_report *report, int32_t **highest)
+static bvx_status find_highest(bvxi_call step, bvxi_solid_job *job, const bvx_grid *turned, int32_t axis,
+                               bvx_solid_report *report, int32_t **highest)
 {
     uint64_t const rows = bvxi_grid_rows(turned);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, rows * 4, "the columns' heights", highest));
+
+    BVXI_TRY(bvxi_alloc(step.ctx, BVXI_SCRATCH, rows * 4, "the columns' heights", highest));
     for (uint64_t r = 0; r < rows; r++) (*highest)[r] = INT32_MIN;
     job->highest = *highest;
-    return bvxi_solid_fill(ctx, job, turned, axis, BVX_FILL_BELOW, from, to, report);
+    return bvxi_solid_fill(step, job, turned, axis, BVX_FILL_BELOW, report);
 }
 
 /* Fill the rows of turned, which holds words. */
@@ -113,9 +114,10 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     bvx_status status;
 
     bvxi_turn_shape(solid, o->axis, &turned);
-    status = find_highest(ctx, job, &turned, o->axis, 0.1, 0.5, report, &first);
+    status = find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, o->axis, report, &first);
     if (status == BVX_OK && second_job != NULL)
-        status = find_highest(ctx, second_job, &turned, o->axis, 0.5, 0.8, report, &second);
+        status = find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, o->axis, report,
+                              &second);
     if (status == BVX_OK) {
         below.first = first;
         below.second = second;

@@ -125,11 +125,15 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, 
 /* Set D where the cube is locked in. */
 static bvx_status lock_gap_cubes(bvx_context *ctx, const char *function, gap_job *job, uint64_t *pockets)
 {
+    bvxi_pockets locked;
     bvx_grid places = {0};
+
     places.words = job->words;
     memcpy(places.size, job->size, sizeof places.size);
     places.words_per_row = job->row_words;
-    return bvxi_fill_pockets(ctx, function, &places, BVXI_CONNECT_6, 0, job->words, NULL, pockets);
+    BVXI_TRY(bvxi_fill_pockets(ctx, function, &places, BVXI_CONNECT_6, 0, job->words, &locked));
+    *pockets = locked.count;
+    return BVX_OK;
 }
 
 static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *back)

@@ -65,12 +65,15 @@ static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid 
 /* The grid of a rule in w->filled. */
 static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 {
+    bvxi_flood_walls const walls = {&w->closed, w->sure.words, w->close_gaps};
     bvx_solid_report unused = {0};
 
     if (rule == BVX_FILL_PARITY)
-        return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.0, 0.15, &unused);
+        return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.0, 0.15), &w->job, &w->filled, 0, rule,
+                               &unused);
     if (rule == BVX_FILL_NONZERO)
-        return bvxi_solid_fill(ctx, &w->job, &w->filled, 0, rule, 0.15, 0.3, &unused);
+        return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.15, 0.3), &w->job, &w->filled, 0, rule,
+                               &unused);
     copy_fill(w, &w->vote, &w->filled);
     if (rule == BVX_FILL_REGIONS)
         return BVXI_SHARE(ctx, 0.9, 1.0,
@@ -78,8 +81,7 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
     return BVXI_SHARE(ctx, 0.3, 0.9,
-                      bvxi_flood(ctx, fills_name, &w->closed, w->sure.words, w->close_gaps, &w->filled,
-                                 &unused, &w->result.flood_leaked));
+                      bvxi_flood(ctx, fills_name, &walls, &w->filled, &unused, &w->result.flood_leaked));
 }
 
 static bvx_status fill_all(bvx_context *ctx, fills_work *w)
@@ -151,7 +153,8 @@ static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_w
     bvx_solid_report unused = {0};
 
     bvx_surface_options_init(&o, sizeof o);
-    BVXI_TRY(bvxi_vote(ctx, &w->job, 1, &w->vote, w->sure.words, 0.1, 0.25, &unused));
+    BVXI_TRY(
+        bvxi_vote(bvxi_solid_step(ctx, &w->job, 0.1, 0.25), &w->job, 1, &w->vote, w->sure.words, &unused));
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.45, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
     BVXI_TRY(bvx_grid_count(ctx, &w->surface, &w->result.surface_voxels));
     BVXI_TRY(BVXI_SHARE(ctx, 0.45, 0.97, fill_all(ctx, w)));

@@ -52,7 +52,8 @@ static bvx_status try_parity(bvx_context *ctx, auto_work *w, const bvx_grid *sol
     bvx_solid_report const before = *report;
 
     w->job.summed = 1;
-    BVXI_TRY(bvxi_solid_fill(ctx, &w->job, solid, 0, BVX_FILL_PARITY, 0.1, 1.0, report));
+    BVXI_TRY(
+        bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.1, 1.0), &w->job, solid, 0, BVX_FILL_PARITY, report));
     w->job.summed = 0;
 
     /* Nothing inside is looked into: triangles that are there twice, once either way, hide what lies
@@ -160,10 +161,21 @@ static uint64_t sum_volumes(const auto_work *w, double *volume)
     return inverted;
 }
 
+/* The mesh as it stands, turned or not. */
+static bvxi_welded welded_choice(const auto_work *w)
+{
+    bvxi_welded welded = {.view = &w->choice.view, .representative = w->representative};
+
+    memcpy(welded.low, w->low, sizeof welded.low);
+    memcpy(welded.high, w->high, sizeof welded.high);
+    return welded;
+}
+
 /* Turn the parts that are inside out and cross others: two that overlap would cancel out. One that crosses
  * none is a cavity, or inside by any rule. */
 static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *volume, uint64_t pair_count)
 {
+    bvxi_welded const welded = welded_choice(w);
     uint32_t *pairs = NULL;
     uint8_t *crosses = NULL;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs);
@@ -171,8 +183,7 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     if (status == BVX_OK)
         status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
     if (status == BVX_OK)
-        status = bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high,
-                                     w->representative, &pair_count, pairs, pair_count);
+        status = bvxi_mesh_crossings(ctx, w->job.function, &welded, &pair_count, pairs, pair_count);
 
     /* A part that crosses itself only is one surface: turning it would not change what nonzero makes of
      * it. */
@@ -193,13 +204,13 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
 static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
+    bvxi_welded const welded = welded_choice(w);
     double *volume;
     uint64_t pairs = 0;
     bvx_status status;
 
     /* Counted first without a list: most meshes have none, and then no memory is needed for it. */
-    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &w->choice.view, w->low, w->high, w->representative,
-                                 &pairs, NULL, 0));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &welded, &pairs, NULL, 0));
     if (pairs == 0) {
         choose_auto(w, BVX_FILL_PARITY,
                     (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);

@@ -15,17 +15,23 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
  * rows along x, y and z balance and agree; with want_clear also those whose solid angle lies within a quarter
  * of a turn of a whole number. Local. Scratch: one turned grid, 3 bytes a row, and where there are holes
  * holes.h and sheet.h. */
-bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid,
-                     uint64_t *sure, double from, double to, bvx_solid_report *report);
+bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,
+                     bvx_solid_report *report);
 
 /* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one.
  * solid and surface cover the whole lattice. */
 bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
                         bvx_grid *solid, bvx_solid_report *report);
-/* Closing gaps adds to surface. *leaked: 1 when the flood reached every
- * centre off the surface, though the vote has some of them surely inside. */
-bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure,
-                      int32_t close_gaps, bvx_grid *solid, bvx_solid_report *report, int32_t *leaked);
+/* What a flood runs into: closing gaps adds to surface. */
+typedef struct bvxi_flood_walls {
+    bvx_grid *surface;
+    const uint64_t *sure;
+    int32_t close_gaps; /* [Units: voxels] 0: none */
+} bvxi_flood_walls;
+/* *leaked: 1 when the flood reached every centre off the surface, though the vote has some of them surely
+ * inside. */
+bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls, bvx_grid *solid,
+                      bvx_solid_report *report, int32_t *leaked);
 
 /* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what
  * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.

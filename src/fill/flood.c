@@ -71,16 +71,16 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     return status;
 }
 
-static bvx_status flood_twice(bvx_context *ctx, const char *function, bvx_grid *surface, int32_t close_gaps,
+static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
                               flood_work *work, uint64_t *closed)
 {
     uint64_t before = 0, after = 0;
 
     BVXI_TRY(flood_spaces(ctx, function, work));
-    if (close_gaps > 0) {
-        BVXI_TRY(bvx_grid_count(ctx, surface, &before));
-        BVXI_TRY(bvxi_close_gaps(ctx, surface, close_gaps));
-        BVXI_TRY(bvx_grid_count(ctx, surface, &after));
+    if (walls->close_gaps > 0) {
+        BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
+        BVXI_TRY(bvxi_close_gaps(ctx, walls->surface, walls->close_gaps));
+        BVXI_TRY(bvx_grid_count(ctx, walls->surface, &after));
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
@@ -90,17 +90,18 @@ static bvx_status flood_twice(bvx_context *ctx, const char *function, bvx_grid *
     return BVX_OK;
 }
 
-bvx_status bvxi_flood(bvx_context *ctx, const char *function, bvx_grid *surface, const uint64_t *sure,
-                      int32_t close_gaps, bvx_grid *solid, bvx_solid_report *report, int32_t *leaked)
+bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls, bvx_grid *solid,
+                      bvx_solid_report *report, int32_t *leaked)
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
-    flood_work work = {surface, sure, solid, NULL, close_gaps > 0, NULL, 0, 0, 0};
+    flood_work work = {
+        .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
     bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    status = flood_twice(ctx, function, surface, close_gaps, &work, &report->closed_voxels);
+    status = flood_twice(ctx, function, walls, &work, &report->closed_voxels);
     if (status == BVX_OK && work.filled_voxels != 0)
-        status = bvxi_flood_rim(ctx, surface, work.filled, solid);
+        status = bvxi_flood_rim(ctx, walls->surface, work.filled, solid);
     bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;

@@ -40,7 +40,8 @@ static bvx_status make_seed_vote(seed_judge *j)
     j->vote.words = NULL;
     status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words);
     if (status == BVX_OK) status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure);
-    if (status == BVX_OK) status = bvxi_vote(j->ctx, &job, 0, &j->vote, sure, 0.1, 1.0, &unused);
+    if (status == BVX_OK)
+        status = bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused);
     bvxi_drop(j->ctx, sure);
     bvxi_solid_close(j->ctx, &job);
     return status;

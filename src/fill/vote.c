@@ -59,8 +59,8 @@ static void close_vote(bvx_context *ctx, vote_work *w)
 }
 
 /* Parity along an axis, brought back by one of the ways of turned_rows.h. */
-static bvx_status vote_along(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, int32_t axis, double from,
-                             double to, bvx_solid_report *report)
+static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, int32_t axis,
+                             bvx_solid_report *report)
 {
     bvx_grid turned, sure = *w->solid;
 
@@ -69,11 +69,11 @@ static bvx_status vote_along(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     turned.words = axis == 0 ? w->solid->words : w->turned;
     job->odd_rows = w->odd_rows[axis];
     job->keep_odd = 1; /* rows that do not balance are not looked at */
-    BVXI_TRY(bvxi_solid_fill(ctx, job, &turned, axis, BVX_FILL_PARITY, from, to, report));
+    BVXI_TRY(bvxi_solid_fill(step, job, &turned, axis, BVX_FILL_PARITY, report));
 
     /* Along x the solid is already in place; y sets what is sure, and z brings both together. */
-    if (axis == 1) return bvxi_turn_back(ctx, &turned, 1, BVXI_TURN_SET, to, &sure, NULL);
-    if (axis == 2) return bvxi_turn_back(ctx, &turned, 2, BVXI_TURN_AGREE, to, w->solid, w->sure);
+    if (axis == 1) return bvxi_turn_back(step.ctx, &turned, 1, BVXI_TURN_SET, step.to, &sure, NULL);
+    if (axis == 2) return bvxi_turn_back(step.ctx, &turned, 2, BVXI_TURN_AGREE, step.to, w->solid, w->sure);
     return BVX_OK;
 }
 
@@ -171,7 +171,7 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     job->view = &view;
     job->take_lists = vote_block;
     job->user = w;
-    status = bvxi_solid_fill(ctx, job, w->solid, 0, BVX_FILL_PARITY, from, to, &unused);
+    status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, w->solid, 0, BVX_FILL_PARITY, &unused);
     job->take_lists = NULL;
     job->view = mesh;
     bvxi_sheet_mesh_close(ctx, &view);
@@ -230,23 +230,24 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     return status;
 }
 
-bvx_status bvxi_vote(bvx_context *ctx, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid,
-                     uint64_t *sure, double from, double to, bvx_solid_report *report)
+bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,
+                     bvx_solid_report *report)
 {
     /* Beside many holes the last step takes nearly all of the time, without any nearly none. */
-    double const step = 0.4 * (to - from) / 3;
+    double const from = step.from, third = 0.4 * (step.to - from) / 3;
     vote_work w = {0};
     bvx_status status;
 
     w.solid = solid;
     w.sure = sure;
     w.want_clear = want_clear;
-    status = open_vote(ctx, job->function, &w);
+    status = open_vote(step.ctx, job->function, &w);
     for (int32_t axis = 0; axis < 3 && status == BVX_OK; axis++)
-        status = vote_along(ctx, job, &w, axis, from + axis * step, from + (axis + 1) * step, report);
-    if (status == BVX_OK) status = ask_all_directions(ctx, job, &w, from + 3 * step, to);
+        status = vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,
+                            axis, report);
+    if (status == BVX_OK) status = ask_all_directions(step.ctx, job, &w, from + 3 * third, step.to);
     job->odd_rows = NULL;
     job->keep_odd = 0;
-    close_vote(ctx, &w);
+    close_vote(step.ctx, &w);
     return status;
 }

@@ -106,17 +106,18 @@ static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_vo
     return status;
 }
 
-static bvx_status flood_or_fail(bvx_context *ctx, bvx_grid *shell, const uint64_t *sure, int32_t close_gaps,
-                                bvx_grid *solid, bvx_solid_report *report)
+static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls, bvx_grid *solid,
+                                bvx_solid_report *report)
 {
     int32_t leaked = 0;
-    BVXI_TRY(bvxi_flood(ctx, solid_name, shell, sure, close_gaps, solid, report, &leaked));
+
+    BVXI_TRY(bvxi_flood(ctx, solid_name, walls, solid, report, &leaked));
     if (!leaked) return BVX_OK;
     return bvxi_fail(
         ctx, BVX_ERR_EMPTY,
         "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
         "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
-        solid_name, report->leaks, (int64_t)close_gaps);
+        solid_name, report->leaks, (int64_t)walls->close_gaps);
 }
 
 /* The fills that look at more than rows: a vote first. */
@@ -129,10 +130,12 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     double const shelled = o->fill == BVX_FILL_REGIONS ? 0.9 : 0.8;
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
+    bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
     bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
-    status = bvxi_vote(ctx, job, more, solid, sure, 0.1, voted, report);
+    walls.sure = sure;
+    status = bvxi_vote(bvxi_solid_step(ctx, job, 0.1, voted), job, more, solid, sure, report);
     if (status == BVX_OK && more) {
         status = BVXI_SHARE(ctx, voted, shelled,
                             bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
@@ -140,8 +143,7 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
             status = BVXI_SHARE(ctx, shelled, 1.0,
                                 bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
         if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
-            status = BVXI_SHARE(ctx, shelled, 1.0,
-                                flood_or_fail(ctx, &shell, sure, o->close_gaps, solid, report));
+            status = BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &walls, solid, report));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_drop(ctx, sure);
@@ -156,7 +158,8 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
-    if (o->fill <= BVX_FILL_NONZERO) status = bvxi_solid_fill(ctx, &job, solid, 0, o->fill, 0.1, 1.0, report);
+    if (o->fill <= BVX_FILL_NONZERO)
+        status = bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
     else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
     else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
     else status = fill_by_vote(ctx, &job, o, solid, report);

@@ -179,10 +179,13 @@ static inline double cast_leave_cell(const cast_axis *a, int32_t shift, int32_t 
 
 static void walk_cast_voxels(cast_ray *r, double from, double to);
 
-/* The row, or rows when the ray slides between some, in which it is during
- * [from, to]; x goes from place p to q. */
-static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, double from, double to,
-                             double p, double q)
+/* A stretch of the ray: [from, to], along which x goes from place p to q. */
+typedef struct cast_stretch {
+    double from, to, p, q;
+} cast_stretch;
+
+/* The row, or rows when the ray slides between some, in which it is during a stretch. */
+static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, cast_stretch s)
 {
     const cast_axis *const a = r->axis;
     int32_t const y_end = a[1].way == 0 ? a[1].last >> shift : y;
@@ -191,13 +194,13 @@ static inline void cast_rows(cast_ray *r, int32_t shift, int32_t y, int32_t z, d
 
     /* Where the ray lies exactly between two rows, y or z
      * has two voxels, and all rows beside it are looked at. */
-    if (!cast_reach(&a[0], r->grid->size[0], p, q, &low, &high)) return;
+    if (!cast_reach(&a[0], r->grid->size[0], s.p, s.q, &low, &high)) return;
     for (int32_t k = z; k <= z_end; k++)
         for (int32_t j = y; j <= y_end; j++) {
             if (shift == 0) {
-                cast_row(r, low, high, j, k, from, to);
+                cast_row(r, low, high, j, k, s.from, s.to);
             } else if (cast_bricks_hold(r->bricks, low, high, j, k)) {
-                walk_cast_voxels(r, from, to);
+                walk_cast_voxels(r, s.from, s.to);
                 return; /* it has looked beside all of these rows */
             }
         }
@@ -222,12 +225,13 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
         int const over_z = leave_z == next;
         int const more_y = y != last_y;
         int const more_z = z != last_z;
-        cast_rows(r, shift, y, z, t, to, p, q);
+        cast_rows(r, shift, y, z, (cast_stretch){t, to, p, q});
         /* What lies after the best hit, or after the end, cannot be better. */
         if (!(next <= r->t && next <= end)) return;
         if (over_y && over_z) { /* over an edge along x: the two rows beside it too */
-            if (more_y) cast_rows(r, shift, y + a[1].way, z, next, next, q, q);
-            if (more_z) cast_rows(r, shift, y, z + a[2].way, next, next, q, q);
+            cast_stretch const here = {next, next, q, q};
+            if (more_y) cast_rows(r, shift, y + a[1].way, z, here);
+            if (more_z) cast_rows(r, shift, y, z + a[2].way, here);
         }
 
         /* Past the last row on an axis the ray has left the grid. */

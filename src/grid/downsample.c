@@ -64,9 +64,9 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
 }
 
 bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
-                                const int32_t n[3], const int32_t r[3], double threshold,
-                                int32_t edge_samples, bvxi_downsample *d)
+                                const bvxi_downsample_by *by, bvxi_downsample *d)
 {
+    const int32_t *const n = by->n, *const r = by->r;
     int32_t *memory;
     uint64_t entries = 0;
     bvx_status status;
@@ -75,10 +75,10 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     d->fine = fine;
 
     /* In 16 bits: a threshold that is a whole number can be compared exactly. */
-    d->threshold = (int32_t)(threshold * 65536.0 + 0.5);
+    d->threshold = (int32_t)(by->threshold * 65536.0 + 0.5);
     if (d->threshold < 1) d->threshold = 1;
     if (d->threshold > 65535) d->threshold = 65535;
-    d->edge_samples = edge_samples;
+    d->edge_samples = by->edge_samples;
     d->cpu = bvxi_cpu(ctx);
     for (int32_t a = 0; a < 3; a++) {
         bvxi_sample_axis *const axis = &d->axis[a];
@@ -109,7 +109,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
 {
     bvxi_drop(ctx, d->value);
-    bvxi_free(ctx, d->coarse.words, d->coarse.word_capacity * 8);
+    bvxi_drop(ctx, d->coarse.words);
     bvxi_drop(ctx, d->tables);
     memset(d, 0, sizeof *d);
 }

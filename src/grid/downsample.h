@@ -35,10 +35,15 @@ typedef struct bvxi_downsample {
     int32_t pieces;
 } bvxi_downsample;
 
-/* Lay out the axes and a coarse grid of cleared bits. ratio: n and r of each axis. */
+/* How much smaller, and what counts as inside. */
+typedef struct bvxi_downsample_by {
+    int32_t n[3], r[3]; /* ratio of each axis */
+    double threshold;
+    int32_t edge_samples;
+} bvxi_downsample_by;
+/* Lay out the axes and a coarse grid of cleared bits. */
 bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
-                                const int32_t n[3], const int32_t r[3], double threshold,
-                                int32_t edge_samples, bvxi_downsample *d);
+                                const bvxi_downsample_by *by, bvxi_downsample *d);
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d);
 
 /* extended_function.c: bits of the extended voxel function, and the ratio of its

@@ -20,14 +20,16 @@ typedef struct sample_rows {
     int64_t weight[4];
 } sample_rows;
 
-static void gather_rows(const bvxi_downsample *d, int32_t at_y, int64_t high_y, int64_t whole_y, int32_t at_z,
-                        int64_t high_z, int64_t whole_z, sample_rows *s)
+static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_rows *s)
 {
+    const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
+    int64_t const high_y = y->high[j], low_y = 2 * (int64_t)y->r - high_y;
+    int64_t const high_z = z->high[k], low_z = 2 * (int64_t)z->r - high_z;
+
     /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
-        s->weight[i] = ((i & 1) != 0 ? high_y : whole_y - high_y) *
-                       ((i >> 1) != 0 ? high_z : whole_z - high_z);
-        s->row[i] = s->weight[i] != 0 ? bvxi_fine_row(d, at_y + (i & 1), at_z + (i >> 1)) : NULL;
+        s->weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);
+        s->row[i] = s->weight[i] != 0 ? bvxi_fine_row(d, y->at[j] + (i & 1), z->at[k] + (i >> 1)) : NULL;
     }
 }
 
@@ -63,15 +65,15 @@ static void see_pairs(const sample_rows *s, int32_t w, int32_t words, uint64_t *
 /* Most samples lie between voxels that are all empty or all set; only the others are weighed. */
 static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
 {
-    const bvxi_sample_axis *const x = &d->axis[0], *const y = &d->axis[1], *const z = &d->axis[2];
-    uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)y->count + (uint64_t)j) *
+    const bvxi_sample_axis *const x = &d->axis[0];
+    uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) *
                                                 (uint64_t)d->coarse.words_per_row;
     int64_t const whole = 2 * (int64_t)x->r;
     uint64_t any = 0, all = 0;
     int32_t word = -1; /* that any and all are of */
     sample_rows s;
 
-    gather_rows(d, y->at[j], y->high[j], 2 * (int64_t)y->r, z->at[k], z->high[k], 2 * (int64_t)z->r, &s);
+    gather_rows(d, j, k, &s);
 
     /* Four rows beyond the grid leave the samples as they are, 0. */
     if (s.row[0] == NULL && s.row[1] == NULL && s.row[2] == NULL && s.row[3] == NULL) return;

@@ -180,7 +180,8 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     }
 
     /* Leaves are counted first, so that the list is made in its exact size. */
-    BVXI_TRY(bvxi_octree_leaves(ctx, vtu_name, 0.0, 0.1, tree, states, NULL, 0, &v.count));
+    BVXI_TRY(
+        bvxi_octree_leaves(bvxi_call_of(ctx, vtu_name, "octree", 0.0, 0.1), tree, states, NULL, 0, &v.count));
     if (v.count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the tree has no leaf in states %d", vtu_name,
                          (int64_t)states);
@@ -189,7 +190,8 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u leaves; VTU is written up to 2^28 - 1", vtu_name, v.count);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * sizeof *v.leaf, "the octree's leaves", &v.leaf));
-    BVXI_TRY(bvxi_octree_leaves(ctx, vtu_name, 0.1, 0.3, tree, states, v.leaf, v.count, &v.count));
+    BVXI_TRY(bvxi_octree_leaves(bvxi_call_of(ctx, vtu_name, "octree", 0.1, 0.3), tree, states, v.leaf,
+                                v.count, &v.count));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 64, "the leaves' corners", &v.place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner));
     BVXI_TRY(write_vtu_file(&v, file));

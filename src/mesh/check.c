@@ -156,19 +156,18 @@ static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const dou
     return status;
 }
 
-bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
-                             const double low[3], const double high[3], const uint32_t *representative,
-                             uint64_t different, int edges_alone, bvx_certificate *certificate)
+bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_welded *mesh, int edges_alone,
+                             bvx_certificate *certificate)
 {
     checker c;
 
     memset(&c, 0, sizeof c);
-    c.view = view;
-    c.vertex_count = different;
-    c.representative = representative;
+    c.view = mesh->view;
+    c.vertex_count = mesh->different;
+    c.representative = mesh->representative;
     c.edges_alone = edges_alone;
-    BVXI_TRY(check_count(ctx, function, view));
-    return check_within(ctx, &c, 1, low, high, certificate);
+    BVXI_TRY(check_count(ctx, function, mesh->view));
+    return check_within(ctx, &c, 1, mesh->low, mesh->high, certificate);
 }
 
 static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,

@@ -2,7 +2,7 @@
 #ifndef BVXI_TOPOLOGY_H
 #define BVXI_TOPOLOGY_H
 
-#include "core/core.h"
+#include "mesh/weld.h"
 
 /* Fill the counts and flags of a certificate that do not require positions, zero before: all but triangles,
  * collapsed, degenerate, area, volume and bounds, which stay as they are.
@@ -13,10 +13,8 @@
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate);
 
-/* check.c: what bvx_mesh_check tells of a mesh within bounds (bvxi_view_bounds) that is welded by
- * representative (weld.h; different: how many there are); edges_alone as above. */
-bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvx_mesh_view *view,
-                             const double low[3], const double high[3], const uint32_t *representative,
-                             uint64_t different, int edges_alone, bvx_certificate *certificate);
+/* check.c: what bvx_mesh_check tells of a welded mesh; edges_alone as above. */
+bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_welded *mesh, int edges_alone,
+                             bvx_certificate *certificate);
 
 #endif

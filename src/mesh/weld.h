@@ -11,4 +11,12 @@
 bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
                      uint64_t *different);
 
+/* A checked mesh of which this is known. */
+typedef struct bvxi_welded {
+    const bvx_mesh_view *view;
+    double low[3], high[3]; /* bounds of its triangles */
+    const uint32_t *representative;
+    uint64_t different;
+} bvxi_welded;
+
 #endif

@@ -103,27 +103,31 @@ static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, s
     step_stretch(job, r, out, words);
 }
 
+/* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work in. */
+typedef struct step_slice {
+    const uint64_t *slice[3], *outside;
+    uint64_t *room, around, flip;
+} step_slice;
+
 /* Rows y .. y + count - 1 of a slice. A first or last row has its middle
  * copied, as words beside it are looked at. */
-static void step_rows_from(const sweep_job *job, const uint64_t *const slice[3], const uint64_t *outside,
-                           uint64_t *room, int32_t y, int32_t count, uint64_t around, uint64_t flip,
-                           uint64_t *out)
+static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y, int32_t count, uint64_t *out)
 {
     size_t const words = (size_t)job->from.row_words;
     int32_t const ny = job->from.size[1];
     step_rows r;
 
-    r.joined = room + 1;
-    r.around = around;
-    r.flip = flip;
+    r.joined = s->room + 1;
+    r.around = s->around;
+    r.flip = s->flip;
     for (int32_t i = 0; i < 3; i++)
         for (int32_t j = 0; j < 3; j++) {
             int32_t const at = y + j - 1;
-            r.row[i][j] = at >= 0 && at < ny ? slice[i] + (size_t)at * words : outside;
+            r.row[i][j] = at >= 0 && at < ny ? s->slice[i] + (size_t)at * words : s->outside;
         }
     if (job->neighbourhood == 6 && (y == 0 || y + count == ny)) {
-        memcpy(room + 1, r.row[1][1], words * 8);
-        r.row[1][1] = room + 1;
+        memcpy(s->room + 1, r.row[1][1], words * 8);
+        r.row[1][1] = s->room + 1;
     }
     take_step(job, &r, out + (size_t)y * words, (size_t)count * words);
 }
@@ -169,18 +173,19 @@ static void read_slice(const sweep_job *job, uint64_t *ring, int32_t z)
 /* Slice z of a step from three of the one before. */
 static void make_slice(const sweep_job *job, uint64_t *ring, int32_t step, int32_t z)
 {
-    uint64_t *const room = ring + (size_t)job->steps * 3 * job->slice;
-    uint64_t const around = job->around[step - 1], flip = job->flip[step];
-    const uint64_t *const outside = job->outside + (around != 0 ? job->slice : 0);
+    uint64_t const around = job->around[step - 1];
+    step_slice from = {.outside = job->outside + (around != 0 ? job->slice : 0),
+                       .room = ring + (size_t)job->steps * 3 * job->slice,
+                       .around = around,
+                       .flip = job->flip[step]};
     int32_t const ny = job->from.size[1];
     int const last = step == job->steps;
     uint64_t *const out = last ? job->to.words + (size_t)z * job->slice : kept_slice(job, ring, step, z);
-    const uint64_t *slice[3];
 
-    for (int32_t i = 0; i < 3; i++) slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
-    step_rows_from(job, slice, outside, room, 0, 1, around, flip, out);
-    if (ny > 2) step_rows_from(job, slice, outside, room, 1, ny - 2, around, flip, out);
-    if (ny > 1) step_rows_from(job, slice, outside, room, ny - 1, 1, around, flip, out);
+    for (int32_t i = 0; i < 3; i++) from.slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
+    step_rows_from(job, &from, 0, 1, out);
+    if (ny > 2) step_rows_from(job, &from, 1, ny - 2, out);
+    if (ny > 1) step_rows_from(job, &from, ny - 1, 1, out);
     set_row_tails(job, out, last ? 0 : job->around[step]);
 }
 

@@ -172,12 +172,12 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
 
     for (int32_t y = 0; y < box->size[1]; y++) {
         size_t const number = (size_t)z * (size_t)box->size[1] + (size_t)y;
-        const uint64_t *const row = box->words + number * (size_t)box->row_words;
+        bvxi_target_row const row = {box->words + number * (size_t)box->row_words, box->size[0], flip};
         bvxi_row_carry *const carry = &job->carry[number];
         int32_t steps[BVXI_LANES];
-        if (x == 0) bvxi_row_carry_start(carry, row, box->size[0], flip);
-        else bvxi_row_carry_next(carry, row, box->size[0], flip, x);
-        if (!bvxi_row_steps(&job->table, carry, row, box->size[0], flip, x, job->reach, steps,
+        if (x == 0) bvxi_row_carry_start(carry, &row);
+        else bvxi_row_carry_next(carry, &row, x);
+        if (!bvxi_row_steps(&job->table, carry, &row, x, job->reach, steps,
                             s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
             continue;
         square_steps(job, steps, (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell);

@@ -51,6 +51,13 @@ bvx_status bvxi_transform_run(const bvxi_transform *transform);
 
 /* ---- transform_rows.c: along x ---- */
 
+/* A row of bits; targets are the set ones, or with flip ~0 the others. */
+typedef struct bvxi_target_row {
+    const uint64_t *words;
+    int32_t size; /* [Units: voxels] */
+    uint64_t flip;
+} bvxi_target_row;
+
 /* For each row the targets nearest to the present 16 columns on both sides. */
 typedef struct bvxi_row_carry {
     int32_t left, right; /* -1: none */
@@ -62,13 +69,12 @@ typedef struct bvxi_row_distances {
 
 void bvxi_row_distances_start(bvxi_row_distances *table);
 /* The carry of a row before its first 16 columns, and for those from x on when the ones before are done. */
-void bvxi_row_carry_start(bvxi_row_carry *carry, const uint64_t *row, int32_t size, uint64_t flip);
-void bvxi_row_carry_next(bvxi_row_carry *carry, const uint64_t *row, int32_t size, uint64_t flip, int32_t x);
+void bvxi_row_carry_start(bvxi_row_carry *carry, const bvxi_target_row *row);
+void bvxi_row_carry_next(bvxi_row_carry *carry, const bvxi_target_row *row, int32_t x);
 /* Steps along x to the nearest target for 16 columns from x on, and (or
  * NULL) where that stands. 0: there is none within reach. */
-int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const uint64_t *row,
-                   int32_t size, uint64_t flip, int32_t x, int32_t reach, int32_t steps[BVXI_LANES],
-                   int32_t *places);
+int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const bvxi_target_row *row,
+                   int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places);
 
 /* ---- transform_columns.c, transform_real.c: along y or z ---- */
 

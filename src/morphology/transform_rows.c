@@ -18,44 +18,43 @@ void bvxi_row_distances_start(bvxi_row_distances *table)
         }
 }
 
-static inline uint64_t target_word(const uint64_t *row, int32_t size, uint64_t flip, int32_t k)
+static inline uint64_t target_word(const bvxi_target_row *row, int32_t k)
 {
-    uint64_t const w = row[k] ^ flip;
-    return k + 1 == bvxi_row_words(size) ? w & bvxi_tail_mask(size) : w;
+    uint64_t const w = row->words[k] ^ row->flip;
+    return k + 1 == bvxi_row_words(row->size) ? w & bvxi_tail_mask(row->size) : w;
 }
 
 /* The first target at x or behind it, x a multiple of 16; -1: none. */
-static int32_t first_target(const uint64_t *row, int32_t size, uint64_t flip, int32_t x)
+static int32_t first_target(const bvxi_target_row *row, int32_t x)
 {
-    int32_t const words = bvxi_row_words(size);
+    int32_t const words = bvxi_row_words(row->size);
     int32_t k = x >> 6;
 
     if (k >= words) return -1;
-    uint64_t w = target_word(row, size, flip, k) & ~UINT64_C(0) << (x & 63);
+    uint64_t w = target_word(row, k) & ~UINT64_C(0) << (x & 63);
     while (w == 0) {
         if (++k == words) return -1;
-        w = target_word(row, size, flip, k);
+        w = target_word(row, k);
     }
     return k * BVXI_WORD_BITS + bvxi_lowest(w);
 }
 
-static inline uint32_t sixteen_targets(const uint64_t *row, int32_t size, uint64_t flip, int32_t x)
+static inline uint32_t sixteen_targets(const bvxi_target_row *row, int32_t x)
 {
-    return (uint32_t)(target_word(row, size, flip, x >> 6) >> (x & 63)) & 0xffffu;
+    return (uint32_t)(target_word(row, x >> 6) >> (x & 63)) & 0xffffu;
 }
 
-void bvxi_row_carry_start(bvxi_row_carry *carry, const uint64_t *row, int32_t size, uint64_t flip)
+void bvxi_row_carry_start(bvxi_row_carry *carry, const bvxi_target_row *row)
 {
     carry->left = -1;
-    carry->right = first_target(row, size, flip, BVXI_LANES);
+    carry->right = first_target(row, BVXI_LANES);
 }
 
-void bvxi_row_carry_next(bvxi_row_carry *carry, const uint64_t *row, int32_t size, uint64_t flip, int32_t x)
+void bvxi_row_carry_next(bvxi_row_carry *carry, const bvxi_target_row *row, int32_t x)
 {
-    uint32_t const before = sixteen_targets(row, size, flip, x - BVXI_LANES);
+    uint32_t const before = sixteen_targets(row, x - BVXI_LANES);
     if (before != 0) carry->left = x - BVXI_LANES + bvxi_highest(before);
-    if (carry->right >= 0 && carry->right < x + BVXI_LANES)
-        carry->right = first_target(row, size, flip, x + BVXI_LANES);
+    if (carry->right >= 0 && carry->right < x + BVXI_LANES) carry->right = first_target(row, x + BVXI_LANES);
 }
 
 /* Eight voxels from x on: left and right are the nearest targets beyond them. */
@@ -84,11 +83,10 @@ static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32
     }
 }
 
-int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const uint64_t *row,
-                   int32_t size, uint64_t flip, int32_t x, int32_t reach, int32_t steps[BVXI_LANES],
-                   int32_t *places)
+int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const bvxi_target_row *row,
+                   int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places)
 {
-    uint32_t const bits = sixteen_targets(row, size, flip, x);
+    uint32_t const bits = sixteen_targets(row, x);
     uint32_t const low = bits & 255u, high = bits >> 8;
     int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left;
     int32_t const right = carry->right < 0 ? ROW_NONE : carry->right - x;

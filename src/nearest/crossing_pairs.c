@@ -341,19 +341,18 @@ static void free_crossings(bvx_context *ctx, crossings_job *job)
     bvxi_closest_free(ctx, &job->tree);
 }
 
-bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                               const double low[3], const double high[3], const uint32_t *representative,
+bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,
                                uint64_t *count, uint32_t *pairs, uint64_t capacity)
 {
     crossings_job job;
     bvx_status status;
 
     memset(&job, 0, sizeof job);
-    job.view = mesh;
-    job.representative = representative;
+    job.view = mesh->view;
+    job.representative = mesh->representative;
 
-    status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh, low, high,
-                                bvxi_unit_scale(low, high), &job.tree);
+    status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view, mesh->low,
+                                mesh->high, bvxi_unit_scale(mesh->low, mesh->high), &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
 
     free_crossings(ctx, &job);
@@ -364,9 +363,8 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
                                      uint32_t *pairs, uint64_t capacity)
 {
     static const char *const function = "bvx_mesh_crossings";
-    double low[3], high[3];
     uint32_t *representative = NULL;
-    uint64_t different;
+    bvxi_welded welded = {.view = mesh};
     bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -374,14 +372,13 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     *count = 0;
     BVXI_TRY(bvxi_view_check(context, function, mesh));
     if (mesh->triangle_count == 0) return BVX_OK;
-    BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
+    BVXI_TRY(bvxi_view_bounds(context, function, mesh, welded.low, welded.high));
 
     status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding",
                         &representative);
-    if (status == BVX_OK) status = bvxi_weld(context, mesh, representative, &different);
-    if (status == BVX_OK)
-        status = bvxi_mesh_crossings(context, function, mesh, low, high, representative, count, pairs,
-                                     capacity);
+    welded.representative = representative;
+    if (status == BVX_OK) status = bvxi_weld(context, mesh, representative, &welded.different);
+    if (status == BVX_OK) status = bvxi_mesh_crossings(context, function, &welded, count, pairs, capacity);
     bvxi_drop(context, representative);
     return status;
 }

@@ -168,6 +168,12 @@ typedef struct distance_side {
     double low[3], high[3];
 } distance_side;
 
+/* Both meshes to one scale. */
+typedef struct distance_pair {
+    distance_side a, b;
+    double scale;
+} distance_pair;
+
 static double distance_scale(const distance_side *a, const distance_side *b)
 {
     double low[3], high[3];
@@ -212,18 +218,19 @@ static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, doub
     return BVX_OK;
 }
 
-static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_side *a,
-                                             bvxi_distance_tree *kept, const distance_side *b, double scale,
-                                             uint64_t samples, uint64_t seed, bvx_distance_report *report)
+static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pair *pair,
+                                             bvxi_distance_tree *kept, uint64_t samples, uint64_t seed,
+                                             bvx_distance_report *report)
 {
+    const distance_side *const b = &pair->b;
     uint64_t const key_a = distance_mix(seed), key_b = distance_mix(key_a + 1);
     const bvxi_closest_tree *const tree_a = &kept->tree;
     bvxi_closest_tree tree_b;
     distance_way ab, ba;
 
-    BVXI_TRY(build_kept_tree(ctx, a, scale, kept));
+    BVXI_TRY(build_kept_tree(ctx, &pair->a, pair->scale, kept));
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.1, 0.2), b->view, b->low,
-                                           b->high, scale, &tree_b));
+                                           b->high, pair->scale, &tree_b));
     BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
     BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
     make_distance_report(&ab, &ba, samples, seed, report);
@@ -237,8 +244,7 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
 {
     static const char *const function_a = "bvx_mesh_distance, mesh a";
     static const char *const function_b = "bvx_mesh_distance, mesh b";
-    distance_side side_a, side_b;
-    double scale;
+    distance_pair pair = {.a = {.view = a}, .b = {.view = b}};
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
@@ -248,14 +254,12 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     if (samples < 1 || samples > INT32_MAX)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_mesh_distance: samples is %u, not 1 to 2147483647", samples);
-    side_a.view = a;
-    side_b.view = b;
-    BVXI_TRY(bvxi_view_bounds(context, function_a, a, side_a.low, side_a.high));
-    BVXI_TRY(bvxi_view_bounds(context, function_b, b, side_b.low, side_b.high));
-    scale = distance_scale(&side_a, &side_b);
-    BVXI_TRY(require_area(context, function_a, a, scale));
-    BVXI_TRY(require_area(context, function_b, b, scale));
-    return measure_distance_both_ways(context, &side_a, kept, &side_b, scale, samples, seed, report);
+    BVXI_TRY(bvxi_view_bounds(context, function_a, a, pair.a.low, pair.a.high));
+    BVXI_TRY(bvxi_view_bounds(context, function_b, b, pair.b.low, pair.b.high));
+    pair.scale = distance_scale(&pair.a, &pair.b);
+    BVXI_TRY(require_area(context, function_a, a, pair.scale));
+    BVXI_TRY(require_area(context, function_b, b, pair.scale));
+    return measure_distance_both_ways(context, &pair, kept, samples, seed, report);
 }
 
 static bvx_status run_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,

@@ -168,23 +168,30 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
     return pieces;
 }
 
-/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there.
- * order and keys [Size: pieces]. */
-static bvx_status mark_crumbs(levels_job *job, const uint32_t *piece, uint64_t vertices, uint64_t pieces,
-                              double most, double *volume, uint64_t *keys, uint32_t *order)
+/* The surface's pieces, each by its first vertex, and room to order them by volume. One block. */
+typedef struct surface_pieces {
+    uint64_t vertices, count;
+    double *volume, total; /* of a piece at its first vertex; of all */
+    uint64_t *keys;
+    uint32_t *same, *piece, *order;
+} surface_pieces;
+
+/* Mark small pieces, the smallest first, until as many are left as the input has; volume becomes -1 there. */
+static bvx_status mark_crumbs(levels_job *job, const surface_pieces *s)
 {
-    uint64_t const surplus = pieces - job->report.before.components;
+    uint64_t const surplus = s->count - job->report.before.components;
+    double const most = CRUMB_SHARE * s->total;
     uint64_t n = 0;
 
     /* Bits of positive doubles are in the order of their values. */
-    for (uint64_t v = 0; v < vertices; v++) {
-        if (piece[v] != v) continue;
-        memcpy(&keys[n], &volume[v], sizeof keys[n]);
-        order[n++] = (uint32_t)v;
+    for (uint64_t v = 0; v < s->vertices; v++) {
+        if (s->piece[v] != v) continue;
+        memcpy(&s->keys[n], &s->volume[v], sizeof s->keys[n]);
+        s->order[n++] = (uint32_t)v;
     }
-    BVXI_TRY(bvxi_radix_sort(job->ctx, keys, order, pieces));
+    BVXI_TRY(bvxi_radix_sort(job->ctx, s->keys, s->order, s->count));
 
-    for (n = 0; n < surplus && volume[order[n]] < most; n++) volume[order[n]] = -1;
+    for (n = 0; n < surplus && s->volume[s->order[n]] < most; n++) s->volume[s->order[n]] = -1;
     job->report.crumbs = n;
     return BVX_OK;
 }
@@ -205,29 +212,23 @@ static void drop_pieces(bvx_mesh *surface, const uint32_t *piece, const double *
 static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 {
     uint64_t const vertices = surface->vertex_count, bytes = vertices * 28;
-    bvx_status status = BVX_OK;
-    unsigned char *block;
-    uint32_t *same, *piece;
-    double *volume, total;
-    uint64_t *keys, pieces;
+    surface_pieces s = {.vertices = vertices};
     bvx_mesh_view view;
 
     bvx_mesh_view_of(surface, &view);
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &block));
-    volume = (double *)(void *)block;
-    keys = (uint64_t *)(void *)(volume + vertices);
-    same = (uint32_t *)(void *)(keys + vertices);
-    piece = same + vertices;
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &s.volume));
+    s.keys = (uint64_t *)(void *)(s.volume + vertices);
+    s.same = (uint32_t *)(void *)(s.keys + vertices);
+    s.piece = s.same + vertices;
+    s.order = s.piece + vertices;
 
-    for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
-    bvxi_pieces(&view, same, piece);
-    pieces = piece_volumes(&view, piece, volume, &total);
-    if (pieces > job->report.before.components)
-        status = mark_crumbs(job, piece, vertices, pieces, CRUMB_SHARE * total, volume, keys,
-                             piece + vertices);
-    if (status == BVX_OK && job->report.crumbs != 0) drop_pieces(surface, piece, volume);
-    bvxi_drop(job->ctx, block);
-    return status;
+    for (uint64_t v = 0; v < vertices; v++) s.same[v] = (uint32_t)v;
+    bvxi_pieces(&view, s.same, s.piece);
+    s.count = piece_volumes(&view, s.piece, s.volume, &s.total);
+    if (s.count > job->report.before.components) BVXI_TRY(mark_crumbs(job, &s));
+    if (job->report.crumbs != 0) drop_pieces(surface, s.piece, s.volume);
+    bvxi_drop(job->ctx, s.volume);
+    return BVX_OK;
 }
 
 /* ---- Levels ---- */

@@ -122,13 +122,12 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
 {
     const bvx_lod_options *const o = job->options;
     bvx_extract_options extract;
-    int32_t n[3], r[3];
+    bvxi_downsample_by by = {.threshold = o->threshold, .edge_samples = o->edge_samples};
 
     memset(w, 0, sizeof *w);
     w->march.function = lod_name;
-    level_ratio(job, resolution, n, r);
-    BVXI_TRY(
-        bvxi_downsample_open(ctx, lod_name, job->solid, n, r, o->threshold, o->edge_samples, &w->samples));
+    level_ratio(job, resolution, by.n, by.r);
+    BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, &by, &w->samples));
     if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
     bvx_extract_options_init(&extract, sizeof extract);

@@ -84,16 +84,17 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
 {
     bvx_certificate *const r = &job->report.before;
     int const edges_alone = job->options->report == NULL && !job->options->if_needed;
-    uint64_t different;
+    bvxi_welded welded = {.view = job->given, .representative = representative};
 
-    BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &different));
+    memcpy(welded.low, low, sizeof welded.low);
+    memcpy(welded.high, high, sizeof welded.high);
+    BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &welded.different));
     if (job->known != NULL) {
         *r = *job->known;
         r->collapsed = job->given->triangle_count - r->triangles;
-        r->unused_vertices = different - r->vertices;
+        r->unused_vertices = welded.different - r->vertices;
     } else {
-        BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, job->given, low, high, representative,
-                                   different, edges_alone, r));
+        BVXI_TRY(bvxi_check_welded(job->ctx, bvxi_repair_name, &welded, edges_alone, r));
     }
     if (r->triangles == r->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",

@@ -26,25 +26,18 @@ typedef struct repair_values {
 /* off: how far the surface between the centres lies off the mesh. Where it
  * is no lid, its edges' ends are nearer than an edge. */
 static bvx_status measure_mesh(bvxi_repair_job *job, const repair_values *v, const bvx_mesh_view *mesh,
-                               double off, double *vectors, double *distances, uint32_t *triangles,
-                               double from, double to)
+                               double off, bvxi_nearest_values *out, double from, double to)
 {
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = from + (to - from) * 0.3;
-    bvxi_nearest_values out;
     bvxi_nearest *nearest = NULL;
     bvx_status status;
 
-    memset(&out, 0, sizeof out);
-    out.value_type = BVX_F64;
-    out.vectors = vectors;
-    out.distances = distances;
-    out.triangles = triangles;
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", from, part), mesh,
                                &job->lattice, &nearest));
     bvxi_nearest_prefer_planes(nearest);
     status = bvxi_nearest_fill(bvxi_call_of(job->ctx, NULL, "measure", part, to), nearest, guess, &v->where,
-                               v->first, &out);
+                               v->first, out);
     bvxi_nearest_close(job->ctx, nearest);
     return status;
 }
@@ -73,14 +66,16 @@ static void join_values(const bvxi_repair_job *job, repair_values *v, double thi
 
 static bvx_status measure_with_shells(bvxi_repair_job *job, repair_values *v)
 {
+    bvxi_nearest_values out = {.value_type = BVX_F64};
     double *vectors = NULL, *distances = NULL;
     double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 24, "the vectors to sheets", &vectors);
 
     if (status == BVX_OK)
         status = bvxi_alloc(job->ctx, BVXI_SCRATCH, v->count * 8, "the distances to sheets", &distances);
-    if (status == BVX_OK)
-        status = measure_mesh(job, v, &job->sheets, thick, vectors, distances, NULL, 0.5, 1.0);
+    out.vectors = vectors;
+    out.distances = distances;
+    if (status == BVX_OK) status = measure_mesh(job, v, &job->sheets, thick, &out, 0.5, 1.0);
     if (status == BVX_OK) join_values(job, v, thick, vectors, distances);
     bvxi_drop(job->ctx, distances);
     bvxi_drop(job->ctx, vectors);
@@ -99,6 +94,7 @@ static void close_values(bvxi_repair_job *job, repair_values *v)
 static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
 {
     bvx_context *const ctx = job->ctx;
+    bvxi_nearest_values out = {.value_type = BVX_F64};
     int const shells = job->sheets.triangle_count != 0;
 
     memset(v, 0, sizeof *v);
@@ -118,9 +114,11 @@ static bvx_status open_values(bvxi_repair_job *job, repair_values *v)
     if (job->report.sharp && !shells)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v->count * 4, "the triangles of centres beside the surface",
                             &v->triangles));
+    out.vectors = v->vectors;
+    out.distances = v->distances;
+    out.triangles = v->triangles;
     if (job->body.triangle_count != 0)
-        BVXI_TRY(measure_mesh(job, v, &job->body, 0, v->vectors, v->distances, v->triangles, 0.03,
-                              shells ? 0.5 : 1.0));
+        BVXI_TRY(measure_mesh(job, v, &job->body, 0, &out, 0.03, shells ? 0.5 : 1.0));
     bvxi_thin_values(&job->thin, &v->where, v->first, v->vectors, v->distances);
     return shells ? measure_with_shells(job, v) : BVX_OK;
 }

@@ -41,13 +41,13 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
 
 /* Octants that the edge a -> b leaves outside; turn is +1 or -1, the sign of the area. Those on both growing
  * sides hold the cube's best corner, which is not outside since the triangle touches the cube. */
-static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int64_t bv, int64_t turn,
-                                         int64_t half, const uint8_t *hu, const uint8_t *hv)
+static inline uint32_t child_edge_misses(const int64_t a[2], const int64_t b[2], int64_t turn, int64_t half,
+                                         const uint8_t *hu, const uint8_t *hv)
 {
-    int64_t const at = (au * bv - av * bu) * turn;
+    int64_t const at = (a[0] * b[1] - a[1] * b[0]) * turn;
 
     if (at >= 0) return 0;
-    int64_t const du = (av - bv) * turn, dv = (bu - au) * turn;
+    int64_t const du = (a[1] - b[1]) * turn, dv = (b[0] - a[0]) * turn;
     int64_t const su = (du < 0 ? -du : du) * half, sv = (dv < 0 ? -dv : dv) * half;
     uint32_t const u = hu[du > 0], v = hv[dv > 0]; /* octants on the growing side */
     uint32_t missed = 255 & ~u & ~v;
@@ -58,19 +58,17 @@ static inline uint32_t child_edge_misses(int64_t au, int64_t av, int64_t bu, int
 
 static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int v, int64_t half)
 {
-    int64_t const au = p[0][u], av = p[0][v], bu = p[1][u], bv = p[1][v], cu = p[2][u], cv = p[2][v];
-    int64_t const area = (bu - au) * (cv - av) - (bv - av) * (cu - au);
+    int64_t const a[2] = {p[0][u], p[0][v]}, b[2] = {p[1][u], p[1][v]}, c[2] = {p[2][u], p[2][v]};
+    int64_t const area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     const uint8_t *const hu = child_half[u], *const hv = child_half[v];
     uint32_t missed = 0;
 
     if (area >= 0)
-        missed |= child_edge_misses(au, av, bu, bv, 1, half, hu, hv) |
-                  child_edge_misses(bu, bv, cu, cv, 1, half, hu, hv) |
-                  child_edge_misses(cu, cv, au, av, 1, half, hu, hv);
+        missed |= child_edge_misses(a, b, 1, half, hu, hv) | child_edge_misses(b, c, 1, half, hu, hv) |
+                  child_edge_misses(c, a, 1, half, hu, hv);
     if (area <= 0)
-        missed |= child_edge_misses(au, av, bu, bv, -1, half, hu, hv) |
-                  child_edge_misses(bu, bv, cu, cv, -1, half, hu, hv) |
-                  child_edge_misses(cu, cv, au, av, -1, half, hu, hv);
+        missed |= child_edge_misses(a, b, -1, half, hu, hv) | child_edge_misses(b, c, -1, half, hu, hv) |
+                  child_edge_misses(c, a, -1, half, hu, hv);
     return missed;
 }
 

@@ -102,28 +102,28 @@ static uint64_t leaf_places(leaves_job *job)
     return total;
 }
 
-bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to,
-                              const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
+bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
                               uint64_t capacity, uint64_t *count)
 {
-    double const middle = leaves != NULL ? from + (to - from) * 0.4 : to;
+    double const middle = leaves != NULL ? step.from + (step.to - step.from) * 0.4 : step.to;
+    bvx_context *const ctx = step.ctx;
     leaves_job job = {0};
     uint64_t total;
 
-    BVXI_TRY(bvxi_octree_check(ctx, function, tree));
-    BVXI_TRY(bvxi_octree_check_states(ctx, function, states));
+    BVXI_TRY(bvxi_octree_check(ctx, step.function, tree));
+    BVXI_TRY(bvxi_octree_check_states(ctx, step.function, states));
     job.tree = tree;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
-    BVXI_TRY(bvxi_parallel(ctx, "octree", from, middle, job.pieces, leaves_of_piece, &job));
+    BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
     total = leaf_places(&job);
     if (leaves != NULL) {
         if (capacity < total)
-            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function,
-                             capacity, total);
+            return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u",
+                             step.function, capacity, total);
         job.leaves = leaves;
-        BVXI_TRY(bvxi_parallel(ctx, "octree", middle, to, job.pieces, leaves_of_piece, &job));
+        BVXI_TRY(bvxi_parallel(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
     }
     *count = total;
     return BVX_OK;
@@ -134,7 +134,8 @@ static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree
 {
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
-    return bvxi_octree_leaves(context, "bvx_octree_leaves", 0.0, 1.0, tree, states, leaves, capacity, count);
+    return bvxi_octree_leaves(bvxi_call_of(context, "bvx_octree_leaves", "octree", 0.0, 1.0), tree, states,
+                              leaves, capacity, count);
 }
 
 bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,

@@ -134,8 +134,7 @@ bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t
 /* ---- leaves.c ---- */
 
 /* bvx_octree_leaves for another function, as the part [from, to] of its work. */
-bvx_status bvxi_octree_leaves(bvx_context *ctx, const char *function, double from, double to,
-                              const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
+bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
                               uint64_t capacity, uint64_t *count);
 
 #endif

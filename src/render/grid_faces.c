@@ -289,17 +289,19 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
     return r;
 }
 
-/* Faces of a word to draw: those that the cut laid bare apart, and those of either set apart. */
+/* Faces of word at[0] of row (at[1], at[2]) to draw: those that the cut laid bare apart, and those of either
+ * set apart. */
 static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uint64_t bare,
-                               const voxel_row *row, int32_t i, int32_t j, int32_t k)
+                               const voxel_row *row, const int32_t at[3])
 {
-    uint64_t const first = row->first[i], second = row->second[i];
+    uint64_t const first = row->first[at[0]], second = row->second[at[0]];
     /* Three kinds of membership, each face in exactly one. */
     uint64_t const member[3] = {first & second, first & ~second, second & ~first};
+    int32_t const x = at[0] * BVXI_WORD_BITS;
+
     for (int m = 0; m < 3; m++) {
-        draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], i * BVXI_WORD_BITS,
-                           j, k);
-        draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], i * BVXI_WORD_BITS, j, k);
+        draw_faces_of_word(w, axis, bvxi_face_id(axis, 0, m), faces & ~bare & member[m], x, at[1], at[2]);
+        draw_faces_of_word(w, axis, bvxi_face_id(axis, 1, m), bare & member[m], x, at[1], at[2]);
     }
 }
 
@@ -316,6 +318,7 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
 
     for (int32_t i = begin; i < end; i++) {
         uint64_t const word = kept_in_row(s, &here, i);
+        int32_t const at[3] = {i, j, k};
         if (word == 0) continue;
         for (int axis = 0; axis < 3; axis++) {
             double const facing = s->picture.camera.axis[2][axis];
@@ -332,8 +335,7 @@ static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, in
                 set = sign[0] > 0 ? set >> 1 | next_set << 63 : set << 1 | next_set >> 63;
                 kept = sign[0] > 0 ? kept >> 1 | next_kept << 63 : kept << 1 | next_kept >> 63;
             }
-            if ((word & ~kept) != 0)
-                draw_faces_by_kind(w, axis, word & ~kept, word & ~kept & set, &here, i, j, k);
+            if ((word & ~kept) != 0) draw_faces_by_kind(w, axis, word & ~kept, word & ~kept & set, &here, at);
         }
     }
 }

@@ -93,10 +93,9 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
     return BVX_OK;
 }
 
-bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right,
-                            const uint32_t *below, uint32_t below_count, const uint32_t *above,
-                            uint32_t above_count, uint32_t left_point, uint32_t right_point, int side)
+bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip)
 {
+    const bvxi_trace_node *const left = strip->left, *const right = strip->right;
     uint32_t p[4] = {BVXI_NONE, BVXI_NONE, BVXI_NONE, BVXI_NONE}, found[4];
     /* the corner behind each */
     uint8_t const after[4] = {right->inside[0], right->inside[1], left->inside[1], left->inside[0]};
@@ -107,15 +106,15 @@ bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bv
     int const turned = left->at[0] > right->at[0] || left->at[1] > right->at[1];
 
     for (int k = 0; k < 2; k++) {
-        const uint32_t *const row = k == 0 ? below : above;
-        uint32_t const count = k == 0 ? below_count : above_count;
+        const uint32_t *const row = strip->row[k];
+        uint32_t const count = strip->count[k];
         uint32_t const skip = turned ? count & 1 : 0;
         for (uint32_t i = skip; i + 1 < count; i += 2)
-            BVXI_TRY(join_pair(t, k, row[i], row[i + 1], left->inside[k] ^ (int)(i & 1), side));
+            BVXI_TRY(join_pair(t, k, row[i], row[i + 1], left->inside[k] ^ (int)(i & 1), strip->side));
         if ((count & 1) != 0) p[k == 0 ? 0 : 2] = row[turned ? 0 : count - 1];
     }
-    p[1] = right_point;
-    p[3] = left_point;
+    p[1] = strip->right_point;
+    p[3] = strip->left_point;
     for (uint32_t i = 0; i < 4; i++)
         if (p[i] != BVXI_NONE) {
             if (n == 0) first_inside = after[i];

@@ -117,35 +117,46 @@ static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uin
     return i - from;
 }
 
-static bvx_status link_strip(bvxi_trace *t, uint32_t a, uint32_t b, const uint32_t points[], uint32_t done[2],
-                             const uint32_t count[2], int side, int last)
+/* A side of the cell on the way along its strips: ends in the rows below and above, those that are done. */
+typedef struct side_walk {
+    int side;
+    uint32_t count[2], done[2];
+} side_walk;
+
+static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b, const uint32_t points[],
+                             int last)
 {
     bvxi_trace_node *const left = &t->node[a], *const right = &t->node[b];
-    uint32_t n[2] = {0, 0}, crossing[2];
-    uint32_t *row[2];
+    bvxi_strip strip = {
+        .left = left, .right = right, .left_point = points[a], .right_point = points[b], .side = w->side};
+    uint32_t crossing[2];
 
     for (int k = 0; k < 2; k++) {
-        row[k] = t->row[k] + done[k];
+        uint32_t *const row = t->row[k] + w->done[k];
+
+        strip.row[k] = row;
         /* Contours of this plane: those of its crossings that come before the next corner. */
         if (t->level[k].kind == BVXI_PLANE_EXACT) {
-            n[k] = last ? count[k] - done[k]
-                        : count_before(t, t->level[k].plane, t->row[k], done[k], count[k], side, right->at);
+            uint32_t const n = last ? w->count[k] - w->done[k]
+                                    : count_before(t, t->level[k].plane, t->row[k], w->done[k], w->count[k],
+                                                   w->side, right->at);
             /* the row holds points from here */
-            for (uint32_t i = 0; i < n[k]; i++) row[k][i] = t->end[row[k][i]].point;
-            done[k] += n[k];
+            for (uint32_t i = 0; i < n; i++) row[i] = t->end[row[i]].point;
+            strip.count[k] = n;
+            w->done[k] += n;
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
             /* The field has one crossing where both ends differ. */
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
             BVXI_TRY(bvxi_trace_add_point(
-                t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << side,
+                t, vertex, (k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE) | (uint32_t)BVXI_FACE_SIDE << w->side,
                 &crossing[k]));
             t->cross[k][t->cross_count[k]++] = crossing[k];
-            row[k] = &crossing[k];
-            n[k] = 1;
+            strip.row[k] = &crossing[k];
+            strip.count[k] = 1;
         }
     }
-    return bvxi_trace_strip(t, left, right, row[0], n[0], row[1], n[1], points[a], points[b], side);
+    return bvxi_trace_strip(t, &strip);
 }
 
 /* node: counter-clockwise, corner[i] the place of the i-th corner in it. */
@@ -160,11 +171,11 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
 
     /* Side by side, counter-clockwise, as loops run. */
     for (int side = 0; side < 4; side++) {
-        uint32_t count[2] = {0, 0}, done[2] = {0, 0};
+        side_walk walk = {.side = side};
         for (int k = 0; k < 2; k++)
-            if (t->level[k].kind == BVXI_PLANE_EXACT) BVXI_TRY(sort_side(t, side, k, &count[k]));
+            if (t->level[k].kind == BVXI_PLANE_EXACT) BVXI_TRY(sort_side(t, side, k, &walk.count[k]));
         for (uint32_t i = corner[side]; i < corner[side + 1]; i++)
-            BVXI_TRY(link_strip(t, i, i + 1 == t->node_count ? 0 : i + 1, points, done, count, side,
+            BVXI_TRY(link_strip(t, &walk, i, i + 1 == t->node_count ? 0 : i + 1, points,
                                 i + 1 == corner[side + 1]));
     }
     return BVX_OK;

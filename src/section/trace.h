@@ -108,10 +108,16 @@ void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first,
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
 bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
-/* A strip of a side between two nodes: its links. below, above: crossings (points) in order. */
-bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_trace_node *right,
-                            const uint32_t *below, uint32_t below_count, const uint32_t *above,
-                            uint32_t above_count, uint32_t left_point, uint32_t right_point, int side);
+/* A strip of a side between two nodes. */
+typedef struct bvxi_strip {
+    const bvxi_trace_node *left, *right;
+    const uint32_t *row[2]; /* crossings (points) below and above, in order [Size: count] */
+    uint32_t count[2];
+    uint32_t left_point, right_point;
+    int side;
+} bvxi_strip;
+/* Its links. */
+bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip);
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
 bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
 /* Field levels: the crossing of an edge between two nodes, as a vertex. */

@@ -77,7 +77,7 @@ bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_latt
 
     job->user = depths;
     job->take_lists = look_at_depth_block;
-    status = bvxi_solid_fill(ctx, job, &rows, 0, BVX_FILL_NONZERO, from, to, &unused);
+    status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, &rows, 0, BVX_FILL_NONZERO, &unused);
     job->take_lists = NULL;
     job->user = NULL;
     return status;

@@ -165,19 +165,19 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
 }
 
 /* Blocks of at most 65535 x 65535 rows: sides that fit the 16 bits of a cell. */
-bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *g, int32_t axis,
-                           int32_t fill, double from, double to, bvx_solid_report *report)
+bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *g, int32_t axis, int32_t fill,
+                           bvx_solid_report *report)
 {
     int32_t const blocks = ((g->size[1] - 1) / BVXI_MAX_CELL_SIDE + 1) *
                            ((g->size[2] - 1) / BVXI_MAX_CELL_SIDE + 1);
 
     /* The engine always works along x. For another axis the snapped coordinates are permuted, which is
      * exact. */
-    BVXI_TRY(bvxi_snap_turn(ctx, axis, from, &job->snapped));
+    BVXI_TRY(bvxi_snap_turn(step.ctx, axis, step.from, &job->snapped));
     job->grid = g;
     job->fill = fill;
-    job->progress_share = (to - from) / blocks;
-    job->progress_from = from;
+    job->progress_share = (step.to - step.from) / blocks;
+    job->progress_from = step.from;
     for (int32_t z = 0; z < g->size[2]; z += BVXI_MAX_CELL_SIDE) {
         for (int32_t y = 0; y < g->size[1];
              y += BVXI_MAX_CELL_SIDE, job->progress_from += job->progress_share) {
@@ -185,7 +185,7 @@ bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid
             job->block.z0 = g->low[2] + z;
             job->block.ny = g->size[1] - y < BVXI_MAX_CELL_SIDE ? g->size[1] - y : BVXI_MAX_CELL_SIDE;
             job->block.nz = g->size[2] - z < BVXI_MAX_CELL_SIDE ? g->size[2] - z : BVXI_MAX_CELL_SIDE;
-            BVXI_TRY(fill_block(ctx, job, report));
+            BVXI_TRY(fill_block(step.ctx, job, report));
         }
     }
     return BVX_OK;

@@ -139,6 +139,13 @@ static inline double bvxi_solid_progress(const bvxi_solid_job *job, double fract
     return job->progress_from + job->progress_share * fraction;
 }
 
+/* A part of the stage's progress, for what fills with a job. */
+static inline bvxi_call bvxi_solid_step(bvx_context *context, const bvxi_solid_job *job, double from,
+                                        double to)
+{
+    return bvxi_call_of(context, job->function, "solid", from, to);
+}
+
 /* solid.c: make a mesh ready (snapped), fill the rows of a window along an axis, let go. bvxi_solid_fill
  * writes grid's words by the rule parity or nonzero; by below it leaves them and writes job->highest, which
  * the caller has set to INT32_MIN; with take_lists that writes them, and the counts of crossings are the
@@ -146,8 +153,8 @@ static inline double bvxi_solid_progress(const bvxi_solid_job *job, double fract
  * Counts are added to the report. */
 bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                            const bvx_lattice *lattice, bvxi_solid_job *job);
-bvx_status bvxi_solid_fill(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *grid, int32_t axis,
-                           int32_t fill, double from, double to, bvx_solid_report *report);
+bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *grid, int32_t axis,
+                           int32_t fill, bvx_solid_report *report);
 void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job);
 /* crossings.c: a chunk's share of a round. */
 void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);

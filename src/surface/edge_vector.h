@@ -22,6 +22,7 @@ typedef struct bvxi_cut_edge {
     /* from the low and from the high end to their closest points, in the length's units */
     double low[3], high[3];
     double low_distance, high_distance; /* not negative */
+    uint64_t value[2];                  /* where the low and the high end's stand among others */
 } bvxi_cut_edge;
 
 /* The ratio from the low end, in [0, 1] for any numbers in the edge, and

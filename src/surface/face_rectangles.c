@@ -65,22 +65,30 @@ static int take_run(uint64_t *row, int32_t begin, int32_t end)
     return 1;
 }
 
+/* The faces of one plane that look one way: a bit each; used up. */
+typedef struct face_plane {
+    uint64_t *bits;
+    int32_t rows, words;
+    int32_t axis, positive, plane;
+} face_plane;
+
 /* Cut a plane's bits into rectangles from number `at` on; they are listed
  * when there is a list. Returns the next number. */
-static uint64_t cut_plane(const face_merge *m, uint64_t *bits, int32_t rows, int32_t words, int32_t axis,
-                          int32_t positive, int32_t plane, uint64_t at)
+static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
 {
+    int32_t const rows = p->rows, words = p->words;
+
     for (int32_t v = 0; v < rows; v++) {
-        uint64_t *const row = bits + (size_t)v * (size_t)words;
+        uint64_t *const row = p->bits + (size_t)v * (size_t)words;
         for (int32_t k = 0; k < words; k++)
             while (row[k] != 0) {
                 int32_t const begin = k * BVXI_WORD_BITS + bvxi_lowest(row[k]);
                 int32_t const end = end_of_run(row, words, begin);
                 int32_t next = v + 1;
                 take_run(row, begin, end);
-                while (next < rows && take_run(bits + (size_t)next * (size_t)words, begin, end)) next++;
+                while (next < rows && take_run(p->bits + (size_t)next * (size_t)words, begin, end)) next++;
                 if (m->list != NULL) {
-                    face_rectangle const r = {axis, positive, plane, begin, end, v, next};
+                    face_rectangle const r = {p->axis, p->positive, p->plane, begin, end, v, next};
                     m->list[at] = r;
                 }
                 at++;
@@ -105,7 +113,8 @@ static uint64_t cut_across_y(const face_merge *m, uint64_t *bits, int32_t j, uin
                 bits[(size_t)k * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
                                                                        : here[w] & ~before[w];
         }
-        at = cut_plane(m, bits, nz, words, 1, positive, j, at);
+        face_plane const plane = {bits, nz, words, 1, positive, j};
+        at = cut_plane(m, &plane, at);
     }
     return at;
 }
@@ -123,7 +132,8 @@ static uint64_t cut_across_z(const face_merge *m, uint64_t *bits, int32_t k, uin
                 bits[(size_t)j * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
                                                                        : here[w] & ~before[w];
         }
-        at = cut_plane(m, bits, ny, words, 2, positive, k, at);
+        face_plane const plane = {bits, ny, words, 2, positive, k};
+        at = cut_plane(m, &plane, at);
     }
     return at;
 }
@@ -158,8 +168,10 @@ static uint64_t cut_across_x(const face_merge *m, uint64_t *bits, int32_t w, uin
     /* Plane after plane, both sides of one before the next: the order of the result, which the words' order
      * would not give. */
     for (int32_t i = 0; i < 64; i++)
-        for (int32_t s = 0; s < 2; s++)
-            at = cut_plane(m, sides[s] + (size_t)i * plane_words, nz, words, 0, s, w * 64 + i, at);
+        for (int32_t s = 0; s < 2; s++) {
+            face_plane const plane = {sides[s] + (size_t)i * plane_words, nz, words, 0, s, w * 64 + i};
+            at = cut_plane(m, &plane, at);
+        }
     return at;
 }
 

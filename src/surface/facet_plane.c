@@ -45,7 +45,7 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
 }
 
 static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const bvxi_cut_edge *e,
-                            uint64_t low, uint64_t high, const double centre[3], facet_edge *f)
+                            const double centre[3], facet_edge *f)
 {
     double const scale = 1.0 / c->unit;
     const uint32_t *const triangles = v->mesh != NULL ? v->triangles : NULL;
@@ -61,9 +61,9 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const
     }
     f->size[0] = f->size[1] = 0.0;
     if (triangles == NULL) return;
-    load_facet(c, v->mesh, f, 0, triangles[(size_t)low], centre);
-    if (triangles[(size_t)low] != triangles[(size_t)high] || f->size[0] == 0.0)
-        load_facet(c, v->mesh, f, 1, triangles[(size_t)high], centre);
+    uint32_t const low = triangles[(size_t)e->value[0]], high = triangles[(size_t)e->value[1]];
+    load_facet(c, v->mesh, f, 0, low, centre);
+    if (low != high || f->size[0] == 0.0) load_facet(c, v->mesh, f, 1, high, centre);
 }
 
 static void point_of_edge(const facet_edge *f, double ratio, double p[3])
@@ -191,13 +191,12 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
 }
 
 double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const bvxi_cut_edge *edge,
-                      uint64_t low, uint64_t high, const double centre[3], double ratio,
-                      bvxi_facet_plane planes[2])
+                      const double centre[3], double ratio, bvxi_facet_plane planes[2])
 {
     facet_edge f;
     double cut[3];
 
-    open_facet_edge(cuts, values, edge, low, high, centre, &f);
+    open_facet_edge(cuts, values, edge, centre, &f);
     if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
     ratio = bvxi_keep_off_ends(ratio);
     point_of_edge(&f, ratio, cut);

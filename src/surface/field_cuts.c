@@ -104,17 +104,21 @@ static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t
            is_in_body(inside, i + (axis == 0), j + (axis == 1), k + (axis == 2));
 }
 
-/* An edge both of whose ends have values. */
-static int32_t cut_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
-                        uint64_t high, bvxi_cut_edge *edge, double *t)
+/* The edge from centre (i, j, k) along axis, whose ends have the values low and high. */
+static bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i,
+                               uint64_t low, uint64_t high)
 {
-    const bvxi_cuts *const c = k->cuts;
-    edge->axis = axis;
-    edge->length = c->march->spacing[axis];
-    edge->high_inside = !is_inside(c->march, i, k->j, k->k);
-    edge->low_distance = read_end(v, low, edge->low);
-    edge->high_distance = read_end(v, high, edge->high);
-    return bvxi_find_cut(edge, c->interpolation, t);
+    const bvxi_march *const m = k->cuts->march;
+    bvxi_cut_edge edge;
+
+    edge.axis = axis;
+    edge.length = m->spacing[axis];
+    edge.high_inside = !is_inside(m, i, k->j, k->k);
+    edge.value[0] = low;
+    edge.value[1] = high;
+    edge.low_distance = read_end(v, low, edge.low);
+    edge.high_distance = read_end(v, high, edge.high);
+    return edge;
 }
 
 /* A surface that crosses an edge is no further from both ends together than the edge is long. */
@@ -175,7 +179,10 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
 
     cut->by = BVXI_CUT_MIDDLE;
     cut->t = 0.5;
-    if (known) cut->by = cut_edge(k, v, axis, i, low, high, &edge, &cut->t);
+    if (known) {
+        edge = read_edge(k, v, axis, i, low, high);
+        cut->by = bvxi_find_cut(&edge, c->interpolation, &cut->t);
+    }
     if (c->planes != NULL) memset(cut->planes, 0, sizeof cut->planes);
 
     /* No surface is near this edge, so what crosses it is a lid over a hole. Its position follows from the
@@ -195,7 +202,7 @@ static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t 
         double centre[3];
         for (int32_t a = 0; a < 3; a++)
             centre[a] = g->lattice.origin[a] + ((double)(g->low[a] + at[a]) + 0.5) * g->lattice.spacing[a];
-        cut->t = bvxi_facet_cut(c, v, &edge, low, high, centre, cut->t, cut->planes);
+        cut->t = bvxi_facet_cut(c, v, &edge, centre, cut->t, cut->planes);
     }
 }
 
@@ -223,11 +230,7 @@ static void find_own_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t a
 
     /* Both ends are on the offset's side of the body: they are so together, as the edge is not the body's. */
     if (is_in_body(v->inside, i, k->j, k->k) != (v->offset < 0.0)) return;
-    edge.axis = axis;
-    edge.length = k->cuts->march->spacing[axis];
-    edge.high_inside = !is_inside(k->cuts->march, i, k->j, k->k);
-    edge.low_distance = read_end(v, low, edge.low);
-    edge.high_distance = read_end(v, high, edge.high);
+    edge = read_edge(k, v, axis, i, low, high);
     if ((edge.low_distance < depth) == (edge.high_distance < depth)) return;
 
     /* A centre on the body itself has no direction to move in. */

@@ -55,12 +55,13 @@ static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 /* Bits, then the surface between them; stride is the view's. */
 static bvx_status extract_level(bvx_context *ctx, const char *function, const bvx_volume_view *volume,
                                 const int64_t stride[3], const bvx_scalar_options *o, bvx_grid *inside,
-                                bvx_volume_report *report, bvx_mesh *mesh)
+                                bvx_mesh *mesh)
 {
     double const end = 1.7976931348623157e308; /* no finite sample lies beyond */
     bvx_extract_options extract;
     bvxi_march m = {0};
     bvxi_level_samples level;
+    bvx_volume_report report;
     bvxi_range range;
     bvx_status status;
 
@@ -77,13 +78,14 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     level.level = o->level;
     m.function = function;
     m.level = &level;
-    status = bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range, report,
-                            inside);
+    status = bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range,
+                            o->report != NULL ? &report : NULL, inside);
     if (status == BVX_OK) status = bvxi_march_open(ctx, &m, inside, &extract);
     if (status == BVX_OK && m.options.position_type == BVX_F64)
         status = bvxi_check_f64(ctx, function, inside, m.origin);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, &m, mesh);
     bvxi_march_close(ctx, &m);
+    if (status == BVX_OK && o->report != NULL) *o->report = report;
     return status;
 }
 
@@ -92,7 +94,6 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
 {
     static const char name[] = "bvx_extract_scalar";
     bvx_scalar_options o = scalar_defaults;
-    bvx_volume_report report;
     bvx_grid inside;
     int64_t stride[3];
     bvx_status status;
@@ -105,10 +106,8 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     shape_inside(volume, &inside);
     BVXI_TRY(
         bvxi_alloc(context, BVXI_SCRATCH, inside.word_capacity * 8, "the samples' sides", &inside.words));
-    status = extract_level(context, name, volume, stride, &o, &inside, o.report != NULL ? &report : NULL,
-                           mesh);
+    status = extract_level(context, name, volume, stride, &o, &inside, mesh);
     bvxi_drop(context, inside.words);
-    if (status == BVX_OK && o.report != NULL) *o.report = report;
     return status;
 }
 

@@ -27,11 +27,12 @@ static const int64_t bvxi_cell_third[3][3] = {
 /* Octants that an edge (au, av) -> (bu, bv) of a projection leaves outside;
  * turn is +1 or -1, the sign of the area. */
 BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn,
-                                             int64_t u0, int64_t u1, int64_t v0, int64_t v1)
+                                             const int64_t half_u[2], const int64_t half_v[2])
 {
     /* The edge's value at the point, and its slopes; turn makes the inside positive. */
     double const at = (au * bv - av * bu) * turn, du = (av - bv) * turn, dv = (bu - au) * turn;
-    int64_t const u = (du > 0 ? 0 : u1) | (du < 0 ? 0 : u0), v = (dv > 0 ? 0 : v1) | (dv < 0 ? 0 : v0);
+    int64_t const u = (du > 0 ? 0 : half_u[1]) | (du < 0 ? 0 : half_u[0]);
+    int64_t const v = (dv > 0 ? 0 : half_v[1]) | (dv < 0 ? 0 : half_v[0]);
     return at < 0 ? u & v : 0;
 }
 
@@ -42,11 +43,10 @@ BVXI_VECTOR_INLINE int64_t bvxi_projection_octants(const double a[3], const doub
     /* The two ways round of a projection differ in the sign of all edges. */
     double const area = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
     double const turn = area < 0 ? -1.0 : 1.0;
-    int64_t const u0 = bvxi_octant_half[u][0], u1 = bvxi_octant_half[u][1];
-    int64_t const v0 = bvxi_octant_half[v][0], v1 = bvxi_octant_half[v][1];
-    return bvxi_edge_octants(a[u], a[v], b[u], b[v], turn, u0, u1, v0, v1) |
-           bvxi_edge_octants(b[u], b[v], c[u], c[v], turn, u0, u1, v0, v1) |
-           bvxi_edge_octants(c[u], c[v], a[u], a[v], turn, u0, u1, v0, v1);
+    const int64_t *const half_u = bvxi_octant_half[u], *const half_v = bvxi_octant_half[v];
+    return bvxi_edge_octants(a[u], a[v], b[u], b[v], turn, half_u, half_v) |
+           bvxi_edge_octants(b[u], b[v], c[u], c[v], turn, half_u, half_v) |
+           bvxi_edge_octants(c[u], c[v], a[u], a[v], turn, half_u, half_v);
 }
 
 /* Octants that the plane misses: on its positive side those along which all

@@ -22,6 +22,12 @@ typedef struct four_sum {
     doubles4 counted; /* alone: their factors */
 } four_sum;
 
+/* An angle before it is turned by: its numerator, denominator, side. */
+typedef struct four_angle {
+    doubles4 det, den;
+    four_mask up;
+} four_angle;
+
 BVXI_SIMD_CODE static inline void BVXI_SIMD(see_four)(const bvxi_sheet *s, uint64_t i, const four_sum *sum,
                                                       four_point *p)
 {
@@ -131,19 +137,18 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(keep_near_of_four)(const bvxi_sheet_
 }
 
 /* Lanes whose place lies in the triangle's plane, or nearly. */
-BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uint64_t corner[3],
-                                                       const four_point *const q[3], uint32_t lanes,
-                                                       const four_sum *sum, doubles4 *det, doubles4 *den,
-                                                       four_mask up)
+BVXI_SIMD_CODE static void BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, const uint64_t corner[3],
+                                                  const four_point *const q[3], uint32_t lanes,
+                                                  const four_sum *sum, four_angle *angle)
 {
     double dets[4], dens[4], ups[4];
     const int32_t *fixed[3];
 
     /* Rare, so each lane goes through the exact answer by itself. */
     for (int k = 0; k < 3; k++) fixed[k] = s->xyz + 3 * (uint64_t)s->holes->vertex[corner[k]];
-    four_store(dets, *det);
-    four_store(dens, *den);
-    four_store(ups, four_keep(up, four_all(1.0)));
+    four_store(dets, angle->det);
+    four_store(dens, angle->den);
+    four_store(ups, four_keep(angle->up, four_all(1.0)));
     for (; lanes != 0; lanes &= lanes - 1) {
         int32_t const lane = bvxi_lowest(lanes);
         bvxi_seen_point p;
@@ -156,9 +161,9 @@ BVXI_SIMD_CODE static four_mask BVXI_SIMD(touch_lanes)(const bvxi_sheet *s, cons
         ups[lane] = bvxi_touching_angle(fixed, sum->place[lane], (const double(*)[3])v, dets[lane],
                                         &dens[lane], &dets[lane]);
     }
-    *det = four_load(dets);
-    *den = four_load(dens);
-    return four_less(four_all(0.0), four_load(ups));
+    angle->det = four_load(dets);
+    angle->den = four_load(dens);
+    angle->up = four_less(four_all(0.0), four_load(ups));
 }
 
 BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_sheet *s,
@@ -180,8 +185,13 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(add_triangle_to_four)(const bvxi_she
     if (sum->reach > 0) BVXI_SIMD(keep_near_of_four)(&s->node[corner[1]], q, det, sum);
     uint32_t const touching = four_bits(
         four_and(four_less_equal(four_size(det), most), four_less_equal(den, most)));
-    if (BVXI_UNLIKELY(touching != 0))
-        up = BVXI_SIMD(touch_lanes)(s, corner, q, touching, sum, &det, &den, up);
+    if (BVXI_UNLIKELY(touching != 0)) {
+        four_angle angle = {det, den, up};
+        BVXI_SIMD(touch_lanes)(s, corner, q, touching, sum, &angle);
+        det = angle.det;
+        den = angle.den;
+        up = angle.up;
+    }
     BVXI_SIMD(turn_four)(sum, den, det, up);
 }
 

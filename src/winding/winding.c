@@ -117,7 +117,8 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
         w.sheet_view = &view;
         job->user = &w;
         job->take_lists = wind_block;
-        status = bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
+        status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO,
+                                 report);
         job->take_lists = NULL;
         job->user = NULL;
         bvxi_sheet_mesh_close(ctx, &view);
@@ -130,7 +131,8 @@ static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const b
                                   const bvx_grid *solid, double from, double to, bvx_solid_report *report)
 {
     /* A mesh without open edges needs no angles: whole turns are the rule nonzero's. */
-    if (holes->loops == 0) return bvxi_solid_fill(ctx, job, solid, 0, BVX_FILL_NONZERO, from, to, report);
+    if (holes->loops == 0)
+        return bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report);
     return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
 

@@ -89,7 +89,8 @@ static void test_sure_centres_are_known_one_by_one(void)
         for (int clear = 0; clear < 2; clear++) {
             int64_t *const q = snapped(&l);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_solid_open(ctx, "test", &view, &l, &job));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_vote(ctx, &job, clear, &vote, sure.words, 0, 1, &r));
+            TEST_ASSERT_EQUAL_INT32(
+                BVX_OK, bvxi_vote(bvxi_solid_step(ctx, &job, 0, 1), &job, clear, &vote, sure.words, &r));
             bvxi_solid_close(ctx, &job);
             assert_same_bits(&s.vote, &vote, "vote");
             for (int32_t z = 0; z < s.n[2]; z++)
