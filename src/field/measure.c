@@ -297,8 +297,8 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
     status = measure_steps(context, lattice, &job);
     if (!job.o.features) {
-        bvxi_free(context, job.features, job.field.value_count);
-        bvxi_free(context, job.triangles, job.field.value_count * 4);
+        bvxi_drop(context, job.features);
+        bvxi_drop(context, job.triangles);
     }
     bvxi_nearest_close(context, job.nearest);
     if (status != BVX_OK) {

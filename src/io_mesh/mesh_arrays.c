@@ -39,16 +39,12 @@ bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh)
 
 void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh)
 {
-    bvxi_free(ctx, mesh->colours, mesh->vertex_capacity * 4);
-    mesh->colours = NULL;
+    bvxi_mesh_release(ctx, mesh, BVXI_MESH_COLOURS);
 }
 
 void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
 {
-    bvxi_free(ctx, mesh->uv_triangles, mesh->triangle_capacity * 12);
-    bvxi_free(ctx, mesh->uvs, mesh->uv_count * 8);
-    mesh->uv_triangles = NULL;
-    mesh->uvs = NULL;
+    bvxi_mesh_release(ctx, mesh, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
     mesh->uv_count = 0;
 }
 

@@ -3,6 +3,7 @@
 #ifndef BVXI_MESH_FORMATS_H
 #define BVXI_MESH_FORMATS_H
 
+#include "mesh/mesh.h"
 #include "io/formats.h"
 
 /* ---- readers: arguments are checked, mesh is all zero and freed by the caller on failure ---- */

@@ -345,8 +345,7 @@ static void obj_finish_uvs(obj_file *f)
     if (bare) {
         bvxi_drop_uvs(ctx, f->mesh);
     } else if (!differs) {
-        bvxi_free(ctx, f->mesh->uv_triangles, f->mesh->triangle_capacity * 12);
-        f->mesh->uv_triangles = NULL;
+        bvxi_mesh_release(ctx, f->mesh, BVXI_MESH_UV_TRIANGLES);
     }
 }
 

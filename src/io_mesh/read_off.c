@@ -429,8 +429,7 @@ static bvx_status off_make_room(off_file *f, uint64_t triangles, uint64_t polygo
                              "OFF: the file has %u triangles, the limit is below 2^31", triangles);
 
     /* The second call is for files with polygons: the first arrays were sized for triangles alone. */
-    bvxi_free(ctx, f->mesh->triangles, f->mesh->triangle_capacity * 12);
-    f->mesh->triangles = NULL;
+    bvxi_mesh_release(ctx, f->mesh, BVXI_MESH_TRIANGLES);
     f->mesh->triangle_count = f->mesh->triangle_capacity = 0;
     BVXI_TRY(bvxi_make_triangles(ctx, f->mesh, triangles));
     f->room = triangles;

@@ -31,8 +31,7 @@ static bvx_status ply_make_room(ply_file *f, uint64_t triangles, uint64_t corner
 
     /* A second call makes the arrays anew: what the first pass has written is too short by now. */
     if (f->uvs_at_corners) bvxi_drop_uvs(ctx, mesh);
-    bvxi_free(ctx, mesh->triangles, mesh->triangle_capacity * 12);
-    mesh->triangles = NULL;
+    bvxi_mesh_release(ctx, mesh, BVXI_MESH_TRIANGLES);
     mesh->triangle_count = mesh->triangle_capacity = 0;
     BVXI_TRY(bvxi_make_triangles(ctx, mesh, triangles));
     f->room = triangles;

@@ -98,18 +98,41 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     return BVX_OK;
 }
 
+void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays)
+{
+    uint64_t const vertices = mesh->vertex_capacity, triangles = mesh->triangle_capacity;
+    uint64_t const position = mesh_position_bytes(mesh->position_type);
+
+    /* In the reverse order of their making, which an arena likes. */
+    struct {
+        uint32_t array;
+        void *block;
+        uint64_t count, bytes;
+    } const owned[] = {
+        {BVXI_MESH_UV_TRIANGLES, mesh->uv_triangles, triangles, 12},
+        {BVXI_MESH_UVS, mesh->uvs, mesh->uv_count, 8},
+        {BVXI_MESH_COLOURS, mesh->colours, vertices, 4},
+        {BVXI_MESH_KEYS, mesh->triangle_keys, triangles, 8},
+        {BVXI_MESH_KEYS, mesh->vertex_keys, vertices, 8},
+        {BVXI_MESH_TRIANGLES, mesh->triangles, triangles, 12},
+        {BVXI_MESH_POSITIONS, mesh->positions, vertices, position},
+    };
+
+    for (size_t i = 0; i < sizeof owned / sizeof owned[0]; i++)
+        if ((arrays & owned[i].array) != 0) bvxi_free(ctx, owned[i].block, owned[i].count * owned[i].bytes);
+
+    if ((arrays & BVXI_MESH_UV_TRIANGLES) != 0) mesh->uv_triangles = NULL;
+    if ((arrays & BVXI_MESH_UVS) != 0) mesh->uvs = NULL;
+    if ((arrays & BVXI_MESH_COLOURS) != 0) mesh->colours = NULL;
+    if ((arrays & BVXI_MESH_KEYS) != 0) mesh->triangle_keys = mesh->vertex_keys = NULL;
+    if ((arrays & BVXI_MESH_TRIANGLES) != 0) mesh->triangles = NULL;
+    if ((arrays & BVXI_MESH_POSITIONS) != 0) mesh->positions = NULL;
+}
+
 void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh)
 {
     if (context == NULL || mesh == NULL) return;
-    if (mesh->owned) { /* in the reverse order of their making, which an arena likes */
-        bvxi_free(context, mesh->uv_triangles, mesh->triangle_capacity * 12);
-        bvxi_free(context, mesh->uvs, mesh->uv_count * 8);
-        bvxi_free(context, mesh->colours, mesh->vertex_capacity * 4);
-        bvxi_free(context, mesh->triangle_keys, mesh->triangle_capacity * 8);
-        bvxi_free(context, mesh->vertex_keys, mesh->vertex_capacity * 8);
-        bvxi_free(context, mesh->triangles, mesh->triangle_capacity * 12);
-        bvxi_free(context, mesh->positions, mesh->vertex_capacity * mesh_position_bytes(mesh->position_type));
-    }
+    if (mesh->owned) bvxi_mesh_release(context, mesh, BVXI_MESH_ALL);
     memset(mesh, 0, sizeof *mesh);
 }
 

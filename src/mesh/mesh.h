@@ -10,6 +10,18 @@
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh);
 
+/* Frees arrays of a mesh that owns them, and sets them to NULL; the counts stay. */
+enum {
+    BVXI_MESH_POSITIONS = 1,
+    BVXI_MESH_TRIANGLES = 2,
+    BVXI_MESH_KEYS = 4,
+    BVXI_MESH_COLOURS = 8,
+    BVXI_MESH_UVS = 16,
+    BVXI_MESH_UV_TRIANGLES = 32,
+    BVXI_MESH_ALL = 63
+};
+void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays);
+
 /* Refuse a position_type of options that has no meaning. */
 bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type);
 

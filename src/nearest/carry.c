@@ -171,14 +171,12 @@ static bvx_status make_carried_arrays(bvx_context *ctx, const bvx_mesh *target, 
 static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const carry_work *w)
 {
     if (w->colours != NULL) {
-        bvxi_free(ctx, target->colours, target->vertex_capacity * 4);
+        bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
         target->colours = w->colours;
     }
     if (w->uvs != NULL) {
-        bvxi_free(ctx, target->uv_triangles, target->triangle_capacity * 12);
-        bvxi_free(ctx, target->uvs, target->uv_count * 8);
+        bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
         target->uvs = w->uvs;
-        target->uv_triangles = NULL;
         target->uv_count = target->vertex_capacity;
     }
 }

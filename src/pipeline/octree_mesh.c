@@ -125,13 +125,6 @@ static bvx_status visit_blocks(octree_mesh_job *job)
     return BVX_OK;
 }
 
-static void drop_mesh_keys(bvx_context *ctx, bvx_mesh *mesh)
-{
-    bvxi_free(ctx, mesh->triangle_keys, mesh->triangle_capacity * 8);
-    bvxi_free(ctx, mesh->vertex_keys, mesh->vertex_capacity * 8);
-    mesh->triangle_keys = mesh->vertex_keys = NULL;
-}
-
 static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_mesh made = {0};
@@ -144,7 +137,7 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
         BVXI_TRY(extract_block(job, first));
     }
     BVXI_TRY(bvx_mesh_merge(job->ctx, job->part, job->part_count, &made));
-    if (!job->keys) drop_mesh_keys(job->ctx, &made);
+    if (!job->keys) bvxi_mesh_release(job->ctx, &made, BVXI_MESH_KEYS);
     bvx_mesh_free(job->ctx, mesh);
     *mesh = made;
     return BVX_OK;

@@ -327,17 +327,16 @@ static bvx_status choose_steps(apart_work *w)
 static void close_apart(apart_work *w)
 {
     bvx_context *const ctx = w->paths->w->s->ctx;
-    uint64_t const stops = w->paths->stop_count, nodes = w->paths->w->node_count;
 
-    bvxi_free(ctx, w->active, (uint64_t)w->room * 4);
-    bvxi_free(ctx, w->order, (uint64_t)w->room * 4);
-    bvxi_free(ctx, w->key, (uint64_t)w->room * 8);
-    bvxi_free(ctx, w->segment, w->room * sizeof *w->segment);
-    bvxi_free(ctx, w->mark, nodes);
-    bvxi_free(ctx, w->steps, nodes * 8);
-    bvxi_free(ctx, w->at_node, stops * 4);
-    bvxi_free(ctx, w->first, (nodes + 1) * 4);
-    bvxi_free(ctx, w->stop, stops * sizeof *w->stop);
+    bvxi_drop(ctx, w->active);
+    bvxi_drop(ctx, w->order);
+    bvxi_drop(ctx, w->key);
+    bvxi_drop(ctx, w->segment);
+    bvxi_drop(ctx, w->mark);
+    bvxi_drop(ctx, w->steps);
+    bvxi_drop(ctx, w->at_node);
+    bvxi_drop(ctx, w->first);
+    bvxi_drop(ctx, w->stop);
 }
 
 static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)

@@ -45,7 +45,7 @@ bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double 
 void bvxi_mended_close(bvx_context *ctx, bvxi_mended *m)
 {
     bvxi_drop(ctx, m->nudge);
-    bvxi_free(ctx, m->sections.loops, m->sections.loop_capacity * sizeof *m->sections.loops);
-    bvxi_free(ctx, m->sections.points, m->sections.point_capacity * 24);
+    bvxi_drop(ctx, m->sections.loops);
+    bvxi_drop(ctx, m->sections.points);
     memset(m, 0, sizeof *m);
 }
