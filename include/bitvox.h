@@ -34,6 +34,9 @@
  *               anew. Arrays of the caller's are filled where a function takes them, else refused, and too
  *               small ones are BVX_ERR_CAPACITY. After a failure what the library had made is as it was, of
  *               unspecified content, or empty; it may be passed again or freed in any case.
+ *   Cases       A coordinate that is not finite is BVX_ERR_RANGE, no triangle or point at all BVX_ERR_EMPTY;
+ *               nothing inside is an empty result and BVX_OK, unless a function says otherwise; a target
+ *               that cannot be met is told in the report. Over the memory limit: BVX_ERR_BUDGET.
  *   Counting    Where an array of results may be NULL, only their count is computed.
  *   Memory      All of it comes from the context's allocator and counts against its limit.
  *   Threads     One context is used by one thread at a time; two contexts share nothing.
@@ -191,7 +194,8 @@ typedef struct bvx_context_options {
 
 /** Threads are the context's own helpers of the calling thread. By default there are as many workers as
  *  processors that the process may use, by its affinity and by the quota of its control group (of Linux,
- *  version 1 or 2); OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. However many there are,
+ *  version 1 or 2); OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. A number in threads is taken
+ *  as it is; a build without threads has one worker, whatever threads is. However many there are,
  *  they work only where that pays: no helper is started for less than a fifth of a millisecond of work,
  *  none works while other threads of the machine want all its processors (as Linux reports), and those that
  *  made the caller wait rest for a time. They sleep soon, take no signals, and end with the context.
@@ -328,8 +332,8 @@ BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
 /** A view of a mesh; the frame is not part of it. */
 BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
 
-/** Drop vertices with a coordinate that is not finite, and the triangles that use them: all other calls
- *  refuse such a mesh and name a vertex.
+/** Drop vertices with a coordinate that is not finite, and the triangles that use them: other calls refuse
+ *  a mesh with such a triangle and name a vertex.
  *  mesh     its arrays, the library's or the caller's, are written: what remains moves up and keeps its
  *           order, its keys, colours and texture coordinates. The counts are set, the capacities stay. May
  *           be without triangles afterwards.
@@ -653,17 +657,18 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
 /** Set the voxels whose centres lie inside a mesh.
  *
  *  Vertices are snapped to the lattice's fixed point; from there every decision is exact, with one rule for
- *  ties, so solids that share faces share no voxel and leave none between them. Rows whose crossings do not
- *  balance, because the mesh has a hole there, drop the unmatched ones and are counted. Vertices that no
- *  triangle uses may be anything (but must be finite for check_edges). What each rule does near holes:
- *  docs/rules.md.
+ *  ties, so solids that share faces share no voxel and leave none between them. Near holes PARITY and
+ *  NONZERO drop the crossings of a row that have no match, and count such rows; AUTO takes WINDING there, or
+ *  VOTE where triangles cannot be turned alike (docs/rules.md). Vertices that no triangle uses may be
+ *  anything (but must be finite for check_edges).
+ *  solid  zeroed, or made by an earlier call, or with words of the caller's: too few are BVX_ERR_CAPACITY
  *  Returns BVX_ERR_ARGUMENT (also options that the rule does not take, and a window for flood or regions),
  *  BVX_ERR_EMPTY (no triangle; flood: it reached every centre off the surface although there is an inside),
  *  BVX_ERR_RANGE (index of a vertex or triangle: not finite, beyond the vertices, or too far from the
  *  lattice for its fixed point).
  *  [Memory: the grid, 16 bytes a vertex, 1 a row, up to 6.3 MiB for triangles, 160 KiB a worker; what each
  *  rule adds: docs/rules.md] [Cost: O(vertices + triangles + crossings + words); VOTE three times that;
- *  REGIONS and FLOOD add bvx_voxelize_surface Exact: all but the angles of VOTE and WINDING near holes,
+ *  REGIONS and FLOOD add bvx_voxelize_surface] [Exact: all but the angles of VOTE and WINDING near holes,
  *  which are doubles to 1e-8, the same everywhere. Except for REGIONS and FLOOD a window has the bits of
  *  the whole]
  *  Source: scanline solid of "LOD by voxelization and downsampling" 2.3, with exact ties; Nooruddin, Turk.
@@ -762,7 +767,7 @@ BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size)
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (vertex or index, as in bvx_voxelize_solid).
  *  [Memory: the grid, 16 bytes a vertex, and with more than one thread 4 for each triangle and tile of rows
  *  that it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel] [Cost: O(vertices
- *  + triangles + runs + words); sampled: O(points in the window); attached: twice more Exact: yes, for any
+ *  + triangles + runs + words); sampled: O(points in the window); attached: twice more] [Exact: yes, for any
  *  order of triangles and corners; a window holds the bits of the whole]
  *  Source: Schwarz, Seidel. Fast Parallel Surface and Solid Voxelization on GPUs. 2010 (conservative);
  *  Laine. A Topological Approach to Voxelization. 2013 (thin); "Fast voxelization based on TIN" Algorithm 1
@@ -804,7 +809,7 @@ typedef struct bvx_extract_options {
 
 BVX_API void bvx_extract_options_init(bvx_extract_options *options, size_t size);
 
-/** [Exact: yes] size of what bvx_extract_surface would make. [Memory: 16 bytes a row] [Cost: O(words +
+/** The exact size of what bvx_extract_surface would make. [Memory: 16 bytes a row] [Cost: O(words +
  *  crossings)] */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
                                      const bvx_extract_options *options, uint64_t *vertex_count,
@@ -818,6 +823,8 @@ BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
  *  sides, so windows that overlap by one layer of voxels tile the whole, and bvx_mesh_merge joins them to
  *  the whole's bytes. Vertices are in order of (z, y, axis, x) of their lattice edge, triangles of (z, y,
  *  x) of their cell.
+ *  surface  zeroed, or made by an earlier call (Reuse, above), or with arrays of the caller's: too small
+ *           ones are BVX_ERR_CAPACITY
  *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or
  *  local_frame; 2^32 vertices or more). An empty grid gives an empty mesh.
  *  [Memory: the mesh and 16 bytes a row] [Cost: O(words + crossings)]
@@ -838,7 +845,7 @@ typedef struct bvx_faces_options {
 
 BVX_API void bvx_faces_options_init(bvx_faces_options *options, size_t size);
 
-/** [Exact: yes] size of what bvx_extract_faces would make. [Memory: 8 bytes a row; merged: as there] */
+/** The exact size of what bvx_extract_faces would make. [Memory: 8 bytes a row; merged: as there] */
 BVX_API bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid,
                                    const bvx_faces_options *options, uint64_t *vertex_count,
                                    uint64_t *triangle_count);
@@ -977,7 +984,7 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *  triangle), BVX_ERR_RANGE (strict: a level that cannot be made; coordinates).
  *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; of more than 20,000 triangles 1.3 MB a
  *  thread; with a colour weight 190 bytes a vertex] [Cost: O(triangles), some microseconds for each that
- *  goes Exact: the order of vertices and triangles of an oriented mesh does not change levels]
+ *  goes] [Exact: the order of vertices and triangles of an oriented mesh does not change levels]
  *  Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; Hoppe. New Quadric
  *  Metric for Simplifying Meshes with Appearance Attributes. 1999 (colours); Liu, Rahimzadeh, Zordan.
  *  Controlling Quadric Error Simplification with Line Quadrics. 2025; Dey, Edelsbrunner, Guha, Nekhayev.
@@ -1139,7 +1146,7 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  *  the surface and what bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both
  *  meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512, with a report 36 and 155] [Cost: the
  *  solid, the closest points of the centres next to the surface, the surface; target_triangles: the solid
- *  for each resolution tried Exact: a closed mesh gives the same bytes for any order of triangles, vertices
+ *  for each resolution tried] [Exact: a closed mesh gives the same bytes for any order of triangles, vertices
  *  and corners, and turned inside out]
  *  Source: "Model repair by a vector distance field", with its formula corrected. */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh,
@@ -1253,7 +1260,7 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  mesh    any mesh with area; vertices must be finite
  *  levels  [Size: level_count] as for bvx_mesh_simplify. After a failure no level remains
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE, BVX_ERR_BUDGET (names a
- *  limit that suffices).
+ *  limit that suffices). Only where a memory limit makes the lattice coarser can the number of threads show.
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on
  *  grids of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a
  *  border edge, 400 KB, and 1.3 MB a thread above 20,000 triangles] [Cost: that of bvx_repair and
@@ -1304,7 +1311,7 @@ typedef struct bvx_boolean_options {
     size_t struct_size;
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution with padding of 1
                                      voxel: of a difference to a, of an intersection to the box that both
-                                     have in common, else to both] */
+                                     have in common (to a where there is none), else to both] */
     int32_t resolution;    /**< voxels along the longest axis of that box [Limit: 1..2^24] [Default: 256] */
     int32_t fill;          /**< what is inside a mesh: BVX_FILL_AUTO, PARITY, NONZERO, VOTE or WINDING
                                 [Limit: BVX_FILLS_OF_BOOLEAN] [Default: BVX_FILL_AUTO] */
@@ -1334,7 +1341,7 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  *  thinner than a voxel may be lost. The report says what has few voxels, and the resolution to take.
  *  operation  BVX_BOOLEAN_...
  *  result     as for bvx_extract_surface; its arrays are not those of a or b (BVX_ERR_ARGUMENT). Empty, and
- *             no error, where no centre lies inside
+ *             no error, where no centre lies inside, as in the intersection of bodies that are apart
  *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or one on the lattice without any centre
  *  inside), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in bvx_extract_surface).
  *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them), 16 bytes a row,
@@ -1410,7 +1417,7 @@ BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh
  *  Returns BVX_ERR_RANGE (a resolution above the grid's; f32 as in bvx_extract_surface), BVX_ERR_EMPTY (a
  *  level that keeps nothing, named). After a failure no level remains: meshes that the library made, also
  *  in an earlier call, are freed.
- *  [Exact: yes] y one of resolutions, axis_resolutions and target_triangles is given. A target takes the
+ *  Exactly one of resolutions, axis_resolutions and target_triangles is given. A target takes the
  *  largest resolution that a bisection finds not to exceed it; one below the coarsest level's triangles is
  *  an error. collapse 2 to 4 puts triangles where the surface bends: at equal count 1.6 to 2.4 times nearer
  *  to a scanned dragon, at the price of even triangles and of time (docs/rules.md). [Memory: the meshes,
@@ -1516,7 +1523,7 @@ BVX_API void bvx_field_options_init(bvx_field_options *options, size_t size);
  *  from the lattice; voxels or distances that floats do not hold: take BVX_F64).
  *  [Memory: two grids, 8 bytes a row, 16 a value (f64: 32; without vectors 4 or 8), 5 a value for features;
  *  about that of bvx_closest_create; that of the sign: docs/rules.md] [Cost: O(triangles log triangles +
- *  values log triangles) and that of the sign Exact: the bytes depend on nothing but mesh and lattice; a
+ *  values log triangles) and that of the sign] [Exact: the bytes depend on nothing but mesh and lattice; a
  *  window holds the values of the whole. EXACT, WINDING, VOTE: inside is bvx_voxelize_solid's by that rule,
  *  bit for bit]
  *  Source: "Model repair by a vector distance field"; Baerentzen, Aanaes. Signed Distance Computation Using
@@ -1586,8 +1593,8 @@ BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, 
  *        needs to know facets; without either sharp uses the vectors, which is nearly as good
  *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field without inside, or without vectors
  *  where they are needed, or whose row_values are not those of its band; BVX_ERR_RANGE also for triangles
- *  that the mesh does not have, and for f64 whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band, inside
- *  or options.grid differ).
+ *  that the mesh does not have, and for f64 whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band,
+ *  inside or options.grid differ).
  *  [Memory: the mesh and 16 bytes a row; sharp: the mesh once more, 32 bytes a vertex, 40 a sharp cell]
  *  [Cost: O(words + crossings), one thread 20 ns a triangle; sharp 120 ns]
  *  Source: "Model repair by a vector distance field" 2.3, its formula corrected; for sharp Kobbelt, Botsch,
@@ -1812,7 +1819,7 @@ BVX_API void bvx_distance_options_init(bvx_distance_options *options, size_t siz
  *  capacity    numbers that values holds
  *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100).
  *  [Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of
- *  the longer side along y or z for each worker] [Cost: O(voxels), SIGNED twice Exact: which voxel is
+ *  the longer side along y or z for each worker] [Cost: O(voxels), SIGNED twice] [Exact: which voxel is
  *  nearest is decided without rounding; of cubic voxels the square is an integer. A window with a halo
  *  holds the values of the whole up to the distance to the halo's end]
  *  Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear
@@ -2117,7 +2124,7 @@ typedef struct bvx_volume_report {
  *  Returns BVX_ERR_ARGUMENT (also a view with an invalid type, stride or reserved field), BVX_ERR_RANGE
  *  (window outside the lattice).
  *  [Memory: the grid, and 12 KiB with a report] [Cost: O(samples), read once in the order of the fastest
- *  axis, 64 at a time Exact: for all types, no sample is rounded; a window holds the bits of the whole] */
+ *  axis, 64 at a time] [Exact: for all types, no sample is rounded; a window holds the bits of the whole] */
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
@@ -2396,13 +2403,15 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *
  *  Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of
  *  the contours' extent and a quarter of the way to the next plane]
+ *  mesh  as for bvx_extract_surface
  *  Returns BVX_ERR_EMPTY (no loop, only one section, a loop with fewer than three different points),
  *  BVX_ERR_FORMAT (a loop that crosses or touches itself or another; two sections at one position; points
- *  off their plane: section, loop and point are named), BVX_ERR_RANGE (not finite, an index beyond its
- *  array or the limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
+ *  off their plane; crossing planes that contradict each other by more than agree: sections, loop, point or
+ *  place are named), BVX_ERR_RANGE (not finite, an index beyond its array or the limits), BVX_ERR_ARGUMENT
+ *  (also several labels and none chosen).
  *  [Memory: about 150 bytes a contour point or crossing, those of nested levels twice more; 20 bytes a cell
  *  of one section; the mesh twice] [Cost: O(crossings log points + cells / 64 a section); layers multiply
- *  what is between sections; the cubic blend computes up to twice the distances Exact: inside tests, in
+ *  what is between sections; the cubic blend computes up to twice the distances] [Exact: inside tests, in
  *  fixed point of 2^-29 of the extent]
  *  Source: "surface modelling in section data fields", with crossings and connectivity on section planes by
  *  the contour; Herman, Zheng, Bucholtz. Shape-based Interpolation. 1992 (layers, nesting); Fritsch,
@@ -2656,8 +2665,8 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  *  mesh    out, zeroed (arrays of the caller's are not used); positions f32 where the file says float (STL,
  *          PLY float), else f64; STL vertices are welded where their bits are equal. Colours and texture
  *          coordinates are read when all vertices or faces have them
- *  Returns BVX_ERR_FORMAT (byte, line or element, and why), BVX_ERR_RANGE (index or number out of range),
- *  BVX_ERR_EMPTY (no triangle).
+ *  Returns BVX_ERR_FORMAT (byte, line or element, and why), BVX_ERR_RANGE (a coordinate that is not finite,
+ *  an index beyond the vertices), BVX_ERR_EMPTY (no triangle).
  *  [Memory, the mesh included: at most 8 (STL), 64 (OBJ, OFF) or 128 (PLY) times size and 32 KiB; counts
  *  that the size cannot hold are refused before allocation] */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,

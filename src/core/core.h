@@ -166,11 +166,13 @@ static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *be
     *end = *begin + base + (u < rest ? 1 : 0);
 }
 
+enum { BVXI_MOST_PIECES = 256 }; /* for arrays with a place for each piece */
+
 /* Pieces for work over count items, at least grain items each; from the shape only, not from the threads. */
 static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 {
     uint64_t const pieces = count / grain;
-    return pieces < 1 ? 1 : pieces > 256 ? 256 : (int32_t)pieces;
+    return pieces < 1 ? 1 : pieces > BVXI_MOST_PIECES ? BVXI_MOST_PIECES : (int32_t)pieces;
 }
 
 /* ---- options.c: options of callers older or newer than the library ---- */

@@ -14,8 +14,7 @@
 enum {
     CARRY_INSIDE = 1,
     CARRY_OUTSIDE = 2,
-    CARRY_WORDS = 1 << 12 /* least words a task */,
-    CARRY_PIECES = 256
+    CARRY_WORDS = 1 << 12 /* least words a task */
 };
 
 /* ---- spaces ---- */
@@ -105,7 +104,7 @@ typedef struct carry_front {
     uint64_t *open;            /* centres that no front has reached */
     uint64_t *come, *come_in;  /* those that one reaches in this step, and those of them that are inside */
     uint8_t *changed, *change; /* by row: in the step before, in this one */
-    uint64_t reached[CARRY_PIECES];
+    uint64_t reached[BVXI_MOST_PIECES];
     int32_t pieces;
 } carry_front;
 

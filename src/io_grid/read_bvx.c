@@ -9,8 +9,6 @@
 #include "io_grid/grid_formats.h"
 #include "io_grid/tree_file.h"
 
-enum { BVX_MAX_PIECES = 256 }; /* as bvxi_piece_count */
-
 /* What can be wrong with a slice. */
 enum { BVX_SLICE_GOOD = 0, BVX_SLICE_CHECKSUM, BVX_SLICE_RUN, BVX_SLICE_TOTAL, BVX_SLICE_PADDING };
 
@@ -29,7 +27,7 @@ typedef struct bvx_unpacking {
     int32_t first, count; /* the wanted slices */
     int32_t pieces;
     bvx_grid *grid;
-    bvx_wrong wrong[BVX_MAX_PIECES]; /* the first wrong slice of each piece */
+    bvx_wrong wrong[BVXI_MOST_PIECES]; /* the first wrong slice of each piece */
 } bvx_unpacking;
 
 /* ---- head ---- */

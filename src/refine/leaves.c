@@ -2,22 +2,23 @@
  *
  * Pieces of the base are walked twice: once to count, once, knowing where each piece's leaves go, to write
  * them.
- * Guarantee: the order follows from the tree only. */
+ * Guarantee: base voxels in the order z, y, x; within one depth first, children 0 to 7 (x changes fastest).
+ * Threads do not show. */
 #include "refine/room.h"
-
-enum { LEAF_PIECES = 256 };
 
 typedef struct leaves_job {
     const bvx_octree *tree;
     bvx_octree_leaf *leaves; /* NULL: count */
     int32_t states, pieces;
-    uint64_t place[LEAF_PIECES]; /* by piece: how many, then where they go */
+    /* by piece: the first walk counts its leaves, leaf_places makes that where they begin, the second reads it */
+    uint64_t place[BVXI_MOST_PIECES];
 } leaves_job;
 
-/* An octet on the way down. */
+/* An octet on the way down. Those of its children that are split are consecutive octets a level down, so the
+ * rank is looked up once, on entering, and then counted up. */
 typedef struct leaf_step {
-    uint64_t octet, below; /* below: octet of the next child that is split */
-    uint32_t p;            /* next child */
+    uint64_t octet, next_split_octet;
+    uint32_t next_child;
     int32_t v[3];
 } leaf_step;
 
@@ -39,13 +40,15 @@ static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, co
                         leaf_step *step)
 {
     step->octet = octet;
-    step->below = job->tree->octets[level].split != NULL
-                      ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
-                      : 0;
-    step->p = 0;
+    step->next_split_octet = job->tree->octets[level].split != NULL
+                                 ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
+                                 : 0;
+    step->next_child = 0;
     memcpy(step->v, v, sizeof step->v);
 }
 
+/* Depth first without recursion: step[l] is the octet that was entered at level l, and its children are bits 8 n
+ * to 8 n + 7 of that level (room.h). */
 static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t v[3], uint64_t *place)
 {
     leaf_step step[BVXI_OCTREE_LEVELS];
@@ -54,20 +57,23 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
     enter_octet(job, 0, octet, v, &step[0]);
     while (level >= 0) {
         leaf_step *const s = &step[level];
-        if (s->p == 8) {
+        if (s->next_child == 8) {
             level--;
             continue;
         }
-        uint32_t const p = s->p++;
-        int32_t const state = bvxi_octets_state(&job->tree->octets[level], 8 * s->octet + p);
+
+        uint32_t const p = s->next_child++;
+        uint64_t const bit = 8 * s->octet + p;
+        int32_t const state = bvxi_octets_state(&job->tree->octets[level], bit);
         int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
                                   2 * s->v[2] + (int32_t)(p >> 2)};
-        if (!bvxi_octets_is_split(&job->tree->octets[level], 8 * s->octet + p)) {
+        if (!bvxi_octets_is_split(&job->tree->octets[level], bit)) {
             give_leaf(job, place, child, level + 1, state);
             continue;
         }
+
         level++;
-        enter_octet(job, level, s->below++, child, &step[level]);
+        enter_octet(job, level, s->next_split_octet++, child, &step[level]);
     }
 }
 
@@ -91,9 +97,11 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
     if (job->leaves == NULL) job->place[index] = place;
 }
 
+/* Counts become places; returns how many leaves there are. */
 static uint64_t leaf_places(leaves_job *job)
 {
     uint64_t total = 0;
+
     for (int32_t i = 0; i < job->pieces; i++) {
         uint64_t const n = job->place[i];
         job->place[i] = total;

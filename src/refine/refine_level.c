@@ -9,7 +9,7 @@
 #include "refine/children.h"
 #include "refine/refine.h"
 
-enum { LEVEL_PIECES = 256, OCTETS_OF_PIECE = 64 };
+enum { OCTETS_OF_PIECE = 64 };
 
 typedef struct level_job {
     bvxi_refine_job *refine;
@@ -20,7 +20,7 @@ typedef struct level_job {
     uint32_t *up;
     /* last: 1 when the children are the last level's; half: a child's side */
     int32_t level, pieces, last, half;
-    uint64_t children[LEVEL_PIECES], pairs[LEVEL_PIECES]; /* counts, then places */
+    uint64_t children[BVXI_MOST_PIECES], pairs[BVXI_MOST_PIECES]; /* counts, then places */
 } level_job;
 
 /* Octets of a piece: whole words of eight, so that no two pieces share one. */

@@ -8,14 +8,18 @@
 
 #include <math.h>
 
+/* Rounding could lead a way in a circle; such a segment is counted as not kept. */
 enum { CONTOUR_STEPS = 1000000 };
+
+/* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not split. */
+#define FACE_MISS 1e-3
 
 /* A triangle of a plane: the tetrahedron, and the corner opposite it. */
 typedef struct plane_face {
     uint32_t tetra;
     int corner;
-    double least; /* of the place's three shares */
-    int edge;     /* the corner whose share that is */
+    double least; /* from the place to the nearest side, below 0 outside [Units: cells] */
+    int edge;     /* the corner opposite that side */
 } plane_face;
 
 static void vertex_uv(const bvxi_oblique *o, uint32_t plane, uint32_t v, double uv[2])
@@ -28,16 +32,17 @@ static double cross_uv(const double a[2], const double b[2], const double c[2])
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* How far inside a place is: its least distance to a side, in cells. */
-static int judge_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, int corner, const double uv[2],
-                      plane_face *best)
+/* Replaces *best where uv lies deeper inside the triangle opposite the corner; one with a corner off the plane is
+ * none. */
+static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, int corner,
+                             const double uv[2], plane_face *best)
 {
     double at[3][2], area, least = 1e300;
     int edge = 0, n = 0, which[3];
 
     for (int k = 0; k < 4; k++) {
         if (k == corner) continue;
-        if (!bvxi_is_on(o, o->tetra[t].v[k], plane)) return 0;
+        if (!bvxi_is_on(o, o->tetra[t].v[k], plane)) return;
         vertex_uv(o, plane, o->tetra[t].v[k], at[n]);
         which[n++] = k;
     }
@@ -51,19 +56,18 @@ static int judge_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, int cor
         least = in;
         edge = which[k];
     }
-    if (!(least > best->least)) return 0;
+    if (!(least > best->least)) return;
     best->tetra = t;
     best->corner = corner;
     best->least = least;
     best->edge = edge;
-    return 1;
 }
 
 static void judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t cell, const double uv[2],
                              plane_face *best)
 {
     for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t])
-        for (int k = 0; k < 4; k++) judge_face(o, plane, t, k, uv, best);
+        for (int k = 0; k < 4; k++) keep_better_face(o, plane, t, k, uv, best);
 }
 
 /* The triangle that holds a place: in its cell, or in one next to it, since vertices have moved a little. */
@@ -83,7 +87,7 @@ static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double 
         cell = n == 13 ? BVXI_NONE : bvxi_oblique_cell_at(o, d);
         if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
     }
-    if (best.least < -1e-3) best.tetra = BVXI_NONE;
+    if (best.least < -FACE_MISS) best.tetra = BVXI_NONE;
     return best;
 }
 
@@ -169,6 +173,8 @@ typedef struct way_step {
     double at[3];
 } way_step;
 
+/* Judges one edge v of the triangles around the place a: any vertex on the line to b comes before any edge that the
+ * line crosses; of several vertices the one nearest the line, and `to` before all (*nearest is -1 then). */
 static void judge_step(const bvxi_oblique *o, uint32_t plane, const double a[2], const double b[2],
                        uint32_t to, uint32_t t, const uint32_t v[2], double *nearest, way_step *step)
 {

@@ -1,4 +1,8 @@
-/* collapse_mesh.c - a mesh made ready to be collapsed, run to a target, and given back. */
+/* collapse_mesh.c - a mesh made ready to be collapsed, run to a target, and given back. Source and method:
+ * collapse.c.
+ *
+ * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and levels do
+ * not depend on the order in which the mesh comes. */
 #include "simplify/room.h"
 #include "bits/curve.h"
 #include "mesh/mesh.h"
@@ -13,7 +17,7 @@ enum {
     COLLAPSE_CURVE_BITS = 21 /* of the order in space along each axis */
 };
 
-/* Of the plane at a border edge, to that of a triangle of twice the area of the edge's square. */
+/* The plane at a border edge weighs as much as that of a triangle whose doubled area is the edge's square. */
 #define BORDER_WEIGHT 1.0
 
 /* ---- The run to a target ---- */
@@ -65,7 +69,8 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
             continue;
         }
 
-        /* What was refused comes back while that still helps. */
+        /* The queue is empty above the target. Edges that were refused may be safe now that others have gone: all
+         * are queued again, unless the last pass has collapsed nothing. */
         if (collapsed == c->counts.collapsed) break;
         collapsed = c->counts.collapsed;
         pack_collapse(c);
@@ -79,7 +84,9 @@ typedef struct collapse_order {
     const bvx_mesh_view *view;
     uint64_t *key; /* of vertices, then of triangles */
     uint32_t *index;
-    uint32_t *rank; /* of each vertex of the view in the new order, UINT32_MAX where no triangle uses it */
+    /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its number in
+     * the new order */
+    uint32_t *rank;
     double low[3], scale;
 } collapse_order;
 
@@ -174,7 +181,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
     return order_triangles(c, o);
 }
 
-/* Mark the vertices that triangles use; returns how many. */
+/* Marks the vertices that triangles use by a rank of 0; returns how many. */
 static uint64_t mark_used(collapse_order *o)
 {
     uint64_t used = 0;
@@ -220,8 +227,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 
 /* ---- Quadrics ---- */
 
-/* A plane through every one of three corners, n of unit length; the offset of a corner from its own plane is
- * nothing. */
+/* A plane through the vertex, n of unit length. Quadrics are stored about their own vertex (corners.h), so only a
+ * grows: the plane's offset from there, and with it b and c, is 0. */
 static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 {
     int index = 0;
@@ -342,6 +349,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->node_bytes, "the triangles' boxes", &c->nodes));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->chunk_bytes, "the edges by their cost", &c->chunks));
 
+    /* The proof by facing (one_sheet.c) needs a closed surface of one piece without crossings. */
     c->boxes.faces = c->options.simple && !c->options.lenient && c->mesh.ghosts == 0 &&
                      bvxi_corners_pieces(&c->mesh, c->version) == 1;
     c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;

@@ -12,8 +12,8 @@ typedef struct snap_job {
     bvxi_snapped *out;
     bvxi_row_block block;
     int32_t fraction_bits, pieces, cpu;
-    int32_t swap;     /* the coordinate that changes places with the first */
-    uint8_t bad[256]; /* by piece */
+    int32_t swap;                  /* the coordinate that changes places with the first */
+    uint8_t bad[BVXI_MOST_PIECES]; /* by piece */
 } snap_job;
 
 /* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. Vertices

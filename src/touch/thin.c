@@ -49,7 +49,8 @@ static double thin_extent(const bvxi_triangle *t, int a)
     return (double)most - (double)least;
 }
 
-/* The centre that a line crosses the triangle after; -1: before the first of the window. */
+/* The last centre of a line before it crosses the triangle; -1: that is before the first of the window. Where
+ * cross_along has moved the triangle by half a voxel, it is the voxel that holds the crossing. */
 static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
 {
     int32_t const f = l->tile->job->fraction_bits;
@@ -75,7 +76,8 @@ static int is_solid_on_line(const thin_lines *l, int32_t w, int32_t u, int32_t v
     return (int)(bvxi_surface_words(l->tile->job, solid, at[1], at[2])[at[0] >> 6] >> (at[0] & 63) & 1);
 }
 
-/* The voxel that holds the crossing between centres w and w + 1: one of the two, as thin voxels are. */
+/* The voxel that holds the crossing between centres w and w + 1: the crossing again, exactly, of the triangle
+ * moved by half a voxel, so that both ways of marking choose the same voxel. */
 static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int32_t v)
 {
     int32_t const f = l->tile->job->fraction_bits, half = 1 << f >> 1;
@@ -111,7 +113,8 @@ static void make_edges(const thin_lines *l, thin_edges *e)
     for (int i = 0; i < 3; i++) {
         const int32_t *const p = l->t.p[i], *const q = l->t.p[i == 2 ? 0 : i + 1];
         int64_t const du = (int64_t)q[1] - p[1], dv = (int64_t)q[2] - p[2];
-        /* The tie rule as a number: a line on an edge is inside of one of the two triangles at the edge. */
+        /* 0 counts as inside by the rule of ties (covered_rows.h); elsewhere one less, so that not negative
+         * always means covered */
         int64_t const bias = dv < 0 || (dv == 0 && du > 0) ? 0 : 1;
         e->at[i] = du * (l->low[2] * step + half - p[2]) - dv * (l->low[1] * step + half - p[1]) - bias;
         e->along_u[i] = -dv * step;
@@ -152,7 +155,9 @@ static void cut_lines(thin_lines *l)
 static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
                         const int32_t low[3], const int32_t high[3])
 {
-    int32_t const half = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
+    /* Half a voxel along the line turns "the last centre before" into "the voxel that holds it". Not beside a
+     * solid: there cross_line asks the two centres first. */
+    int32_t const shift = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
     int32_t q[3][3];
     thin_lines l;
 
@@ -166,8 +171,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
         l.low[a] = a == 0 || b->low[from][i] < low[from] ? low[from] : b->low[from][i];
         l.high[a] = a == 0 || b->high[from][i] > high[from] ? high[from] : b->high[from][i];
         if (l.low[a] > l.high[a]) return;
-        /* a centre where a segment begins */
-        for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? half : 0);
+        for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? shift : 0);
     }
     if (!bvxi_triangle_setup(q[0], q[1], q[2], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
@@ -187,7 +191,8 @@ void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
         uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
         bvxi_batch_gather(job, id, done, n, &b);
-        /* the centres from least on and below the greatest */
+        /* from the first centre at or after the least coordinate to the last one before the greatest: half open,
+         * as the rule of ties moves centres */
         bvxi_batch_boxes(&b, n, f, half - 1, -half - 1);
         for (uint32_t i = 0; i < n; i++) {
             /* A triangle crosses lines along an axis only where its box holds a centre along both others. */
