@@ -177,12 +177,21 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
     return status;
 }
 
+/* The field's values with features, which may be the job's alone. */
+static bvxi_sparse measured_values(const measure_job *job)
+{
+    bvxi_sparse values = bvxi_sparse_of_field(&job->field);
+
+    values.triangles = job->triangles;
+    values.features = job->features;
+    return values;
+}
+
 static bvx_status make_values(bvx_context *ctx, measure_job *job)
 {
     bvx_field *const f = &job->field;
     uint64_t const n = f->row_values[bvxi_grid_rows(&f->band)];
     uint64_t const number_bytes = f->value_type == BVX_F32 ? 4 : 8;
-    bvxi_nearest_values values;
 
     /* Before any array is made: a failure on the way frees them by this count. */
     f->value_count = n;
@@ -192,13 +201,9 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
     if (!job->o.no_vectors)
         BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * 3 * number_bytes, "the field's vectors", &f->vectors));
     BVXI_TRY(make_features(ctx, job));
-    values.value_type = f->value_type;
-    values.vectors = f->vectors;
-    values.distances = f->distances;
-    values.triangles = job->triangles;
-    values.features = job->features;
+    bvxi_sparse const values = measured_values(job);
     return bvxi_nearest_fill(bvxi_call_of(ctx, NULL, measure_stage, 0.8, 0.9), job->nearest, HUGE_VAL,
-                             &f->band, f->row_values, &values);
+                             &values);
 }
 
 /* ---- inside ---- */
@@ -206,18 +211,13 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
 static bvx_status make_inside(bvx_context *ctx, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    bvxi_sides sides;
+    bvxi_sparse const values = measured_values(job);
 
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
     if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, &f->sign, &f->inside);
-    sides.mesh = job->mesh;
-    sides.band = &f->band;
-    sides.first = f->row_values;
-    sides.triangles = job->triangles;
-    sides.features = job->features;
     return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
-                              f->half_width, &sides, f->sign, &f->inside);
+                              f->half_width, job->mesh, &values, f->sign, &f->inside);
 }
 
 typedef struct negate_job {

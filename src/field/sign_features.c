@@ -9,10 +9,11 @@
 
 #include <math.h>
 
-static bvx_status sign_band(bvxi_call call, const bvxi_sides *sides, int32_t sign, bvx_grid *inside)
+static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
+                            bvx_grid *inside)
 {
-    return sign == BVX_SIGN_NORMAL ? bvxi_sign_normal(call, sides, inside)
-                                   : bvxi_sign_pseudonormal(call, sides, inside);
+    return sign == BVX_SIGN_NORMAL ? bvxi_sign_normal(call, mesh, band, inside)
+                                   : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 
 static uint64_t grid_voxels(const bvx_grid *grid)
@@ -30,32 +31,25 @@ static void set_every_voxel(bvx_grid *grid)
 }
 
 /* All of inside's window as the first centre of the lattice. */
-static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvxi_sides *sides,
+static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvx_mesh_view *mesh,
                                        int32_t sign, bvx_grid *inside)
 {
+    bvxi_call const at_once = bvxi_call_part(call, call.from, call.from);
     uint64_t word = 1, set = 0, first[2] = {0, 1};
     uint32_t triangle = 0;
     uint8_t feature = 0;
-    bvx_grid one = {0}, its_side;
-    bvxi_nearest_values values = {BVX_F32, NULL, NULL, NULL, NULL};
-    bvxi_sides of_one;
+    bvxi_sparse one = {
+        .first = first, .count = 1, .value_type = BVX_F32, .triangles = &triangle, .features = &feature};
+    bvx_grid its_side;
 
-    values.triangles = &triangle;
-    values.features = &feature;
-    one.lattice = inside->lattice;
-    one.words = &word;
-    one.word_capacity = 1;
-    one.words_per_row = one.size[0] = one.size[1] = one.size[2] = 1;
-    its_side = one;
+    one.where.lattice = inside->lattice;
+    one.where.words = &word;
+    one.where.word_capacity = 1;
+    one.where.words_per_row = one.where.size[0] = one.where.size[1] = one.where.size[2] = 1;
+    its_side = one.where;
     its_side.words = &set;
-    of_one.mesh = sides->mesh;
-    of_one.band = &one;
-    of_one.first = first;
-    of_one.triangles = &triangle;
-    of_one.features = &feature;
-    BVXI_TRY(bvxi_nearest_fill(bvxi_call_part(call, call.from, call.from), nearest, HUGE_VAL, &one, first,
-                               &values));
-    BVXI_TRY(sign_band(bvxi_call_part(call, call.from, call.from), &of_one, sign, &its_side));
+    BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
+    BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
     if (set != 0) set_every_voxel(inside);
     return BVX_OK;
@@ -63,41 +57,19 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
 
 /* ---- a band over all of the lattice ---- */
 
-/* The band of the whole lattice with its features, made for the signs only. */
-typedef struct whole_band {
-    bvx_grid band, inside; /* words in one block, one after the other */
-    uint64_t *first;
-    uint32_t *triangles;
-    uint8_t *features;
-    uint64_t values;
-} whole_band;
-
-static void whole_band_free(bvx_context *ctx, whole_band *w)
-{
-    bvxi_drop(ctx, w->features);
-    bvxi_drop(ctx, w->triangles);
-    bvxi_drop(ctx, w->first);
-    bvxi_drop(ctx, w->band.words);
-}
-
-static bvx_status whole_band_measure(bvxi_call call, const bvxi_nearest *nearest, double width, whole_band *w)
+/* The band of the whole lattice with its features, made for the signs only; its words are zero before. */
+static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest, double width,
+                                     bvxi_sparse *band)
 {
     double const middle = call.from + (call.to - call.from) * 0.4;
-    uint64_t const rows = bvxi_grid_rows(&w->band);
-    bvxi_nearest_values values = {BVX_F32, NULL, NULL, NULL, NULL};
+    uint64_t const rows = bvxi_grid_rows(&band->where);
 
-    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&w->band) * 16, "the lattice's band",
-                             &w->band.words));
-    w->inside.words = w->band.words + bvxi_grid_words(&w->band);
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &w->first));
-    BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &w->band, w->first));
-    w->values = w->first[rows];
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, w->values * 4, "the band's triangles", &w->triangles));
-    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, w->values, "the band's features", &w->features));
-    values.triangles = w->triangles;
-    values.features = w->features;
-    return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, &w->band, w->first,
-                             &values);
+    BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
+    BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
+                               band->first));
+    band->count = band->first[rows];
+    BVXI_TRY(bvxi_sparse_columns(call.ctx, band, BVX_F32, BVXI_TRIANGLES | BVXI_FEATURES));
+    return bvxi_nearest_fill(bvxi_call_part(call, middle, call.to), nearest, HUGE_VAL, band);
 }
 
 /* The bits of whole in the window of part. */
@@ -121,54 +93,51 @@ static void cut_window(const bvx_grid *whole, bvx_grid *part)
         }
 }
 
-static bvx_status sign_whole_band(bvxi_call call, const bvxi_nearest *nearest, const bvxi_sides *part,
-                                  int32_t sign, whole_band *w, bvx_grid *inside)
+static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                                  int32_t sign, bvx_grid *inside)
 {
-    bvxi_sides sides;
+    bvx_grid whole = band->where;
 
-    sides.mesh = part->mesh;
-    sides.band = &w->band;
-    sides.first = w->first;
-    sides.triangles = w->triangles;
-    sides.features = w->features;
-    if (w->values == 0)
-        return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, part, sign, inside);
-    BVXI_TRY(sign_band(call, &sides, sign, &w->inside));
-    BVXI_TRY(bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &w->band, &w->inside));
-    cut_window(&w->inside, inside);
+    BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&whole) * 8, "the lattice's inside",
+                             &whole.words));
+    BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
+    BVXI_TRY(bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &band->where, &whole));
+    cut_window(&whole, inside);
+    bvxi_drop(call.ctx, whole.words);
     return BVX_OK;
 }
 
 static bvx_status sign_as_whole(bvxi_call call, const bvxi_nearest *nearest, double width,
-                                const bvxi_sides *part, int32_t sign, bvx_grid *inside)
+                                const bvx_mesh_view *mesh, int32_t sign, bvx_grid *inside)
 {
     double const middle = call.from + (call.to - call.from) * 0.7;
-    whole_band w = {0};
-    bvx_status status;
+    bvx_grid shape = {.lattice = inside->lattice};
+    bvxi_sparse band;
 
-    w.band.lattice = inside->lattice;
-    memcpy(w.band.size, inside->lattice.dims, sizeof w.band.size);
-    w.band.words_per_row = bvxi_row_words(w.band.size[0]);
-    w.band.word_capacity = bvxi_grid_words(&w.band);
-    w.inside = w.band;
-    status = whole_band_measure(bvxi_call_part(call, call.from, middle), nearest, width, &w);
-    if (status == BVX_OK)
-        status = sign_whole_band(bvxi_call_part(call, middle, call.to), nearest, part, sign, &w, inside);
-    whole_band_free(call.ctx, &w);
-    return status;
+    memcpy(shape.size, inside->lattice.dims, sizeof shape.size);
+    shape.words_per_row = bvxi_row_words(shape.size[0]);
+    shape.word_capacity = bvxi_grid_words(&shape);
+    BVXI_TRY(bvxi_sparse_open(call.ctx, &shape, &band));
+    memset(band.where.words, 0, (size_t)bvxi_grid_words(&shape) * 8);
+    BVXI_TRY(measure_whole_band(bvxi_call_part(call, call.from, middle), nearest, width, &band));
+    BVXI_TRY(band.count == 0
+                 ? sign_by_first_centre(bvxi_call_part(call, middle, middle), nearest, mesh, sign, inside)
+                 : sign_whole_band(bvxi_call_part(call, middle, call.to), mesh, &band, sign, inside));
+    bvxi_sparse_close(call.ctx, &band);
+    return BVX_OK;
 }
 
 bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, double width,
-                              const bvxi_sides *sides, int32_t sign, bvx_grid *inside)
+                              const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
+                              bvx_grid *inside)
 {
-    uint64_t const values = sides->first[bvxi_grid_rows(sides->band)];
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
 
-    if (values == grid_voxels(inside)) return sign_band(call, sides, sign, inside);
-    if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, sides, sign, inside);
-    if (values == 0)
-        return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, sides, sign, inside);
-    BVXI_TRY(sign_band(call, sides, sign, inside));
-    return bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), sides->band, inside);
+    if (band->count == grid_voxels(inside)) return sign_band(call, mesh, band, sign, inside);
+    if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);
+    if (band->count == 0)
+        return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, mesh, sign, inside);
+    BVXI_TRY(sign_band(call, mesh, band, sign, inside));
+    return bvxi_carry_signs(bvxi_call_part(call, call.to, call.to), &band->where, inside);
 }

@@ -29,12 +29,13 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     bvxi_facet_normal((const double(*)[3])t, outwards);
 }
 
-bvx_status bvxi_sign_normal(bvxi_call call, const bvxi_sides *sides, bvx_grid *inside)
+bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                            bvx_grid *inside)
 {
     normal_rule rule;
     double low[3], high[3];
-    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, sides->mesh, low, high));
-    rule.mesh = sides->mesh;
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
+    rule.mesh = mesh;
     rule.scale = bvxi_unit_scale(low, high);
-    return bvxi_sign_side(call, sides, outwards_of_facet, &rule, inside);
+    return bvxi_sign_side(call, mesh, band, outwards_of_facet, &rule, inside);
 }

@@ -168,26 +168,27 @@ static void pseudo_close(bvx_context *ctx, pseudo_rule *rule)
     bvxi_drop(ctx, rule->same);
 }
 
-bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvxi_sides *sides, bvx_grid *inside)
+bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                                  bvx_grid *inside)
 {
     double const middle = call.from + (call.to - call.from) * 0.3;
     pseudo_rule rule = {0};
     double low[3], high[3];
     bvx_status status;
 
-    if (sides->mesh->triangle_count > UINT32_MAX / 3)
+    if (mesh->triangle_count > UINT32_MAX / 3)
         return bvxi_fail_for(call.ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: mesh.triangle_count is %u, the limit of BVX_SIGN_PSEUDONORMAL is %u",
-                             call.function, sides->mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
-    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, sides->mesh, low, high));
-    rule.mesh = sides->mesh;
+                             call.function, mesh->triangle_count, (uint64_t)(UINT32_MAX / 3));
+    BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
+    rule.mesh = mesh;
     rule.scale = bvxi_unit_scale(low, high);
     status = pseudo_open(call.ctx, &rule);
     rule.pieces = bvxi_piece_count(rule.mesh->vertex_count, PSEUDO_GRAIN);
     if (status == BVX_OK)
         status = bvxi_parallel(call.ctx, call.stage, call.from, middle, rule.pieces, sum_at_vertices, &rule);
     if (status == BVX_OK)
-        status = bvxi_sign_side(bvxi_call_part(call, middle, call.to), sides, outwards_of_feature, &rule,
+        status = bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule,
                                 inside);
     pseudo_close(call.ctx, &rule);
     return status;

@@ -14,7 +14,8 @@
 enum { SIDE_GRAIN = 1 << 10 /* values of the smallest task, about */ };
 
 typedef struct side_job {
-    const bvxi_sides *sides;
+    const bvx_mesh_view *mesh;
+    const bvxi_sparse *band;
     bvxi_outwards_fn *outwards;
     const void *rule;
     bvx_grid *inside;
@@ -39,28 +40,28 @@ static int is_behind(const double outwards[3], const double away[3])
 
 static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_t value)
 {
-    const bvxi_sides *const s = job->sides;
-    uint32_t const triangle = s->triangles[value];
+    const bvx_mesh_view *const mesh = job->mesh;
+    uint32_t const triangle = job->band->triangles[value];
     double p[3], t[3][3], q[3], away[3], outwards[3] = {0.0, 0.0, 0.0};
     uint32_t c[3];
 
-    bvxi_field_centre(s->band, x, y, z, p);
-    bvxi_view_triangle(s->mesh, triangle, c);
+    bvxi_field_centre(&job->band->where, x, y, z, p);
+    bvxi_view_triangle(mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
         p[k] *= job->scale;
-        bvxi_view_position(s->mesh, c[k], t[k]);
+        bvxi_view_position(mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= job->scale;
     }
     bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
     for (int a = 0; a < 3; a++) away[a] = p[a] - q[a];
-    job->outwards(job->rule, triangle, s->features[value], outwards);
+    job->outwards(job->rule, triangle, job->band->features[value], outwards);
     return is_behind(outwards, away);
 }
 
 static void decide_sides(void *user, int32_t piece, int32_t worker)
 {
     const side_job *const job = user;
-    const bvx_grid *const g = job->sides->band;
+    const bvx_grid *const g = &job->band->where;
     uint64_t row, end;
 
     (void)worker;
@@ -68,7 +69,7 @@ static void decide_sides(void *user, int32_t piece, int32_t worker)
     for (; row < end; row++) {
         uint64_t const at = row * (uint64_t)g->words_per_row;
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
-        uint64_t value = job->sides->first[row];
+        uint64_t value = job->band->first[row];
         for (int32_t k = 0; k < g->words_per_row; k++) {
             uint64_t set = 0;
             for (uint64_t left = g->words[at + (uint64_t)k]; left != 0; left &= left - 1, value++) {
@@ -80,12 +81,12 @@ static void decide_sides(void *user, int32_t piece, int32_t worker)
     }
 }
 
-static bvx_status side_scale(bvx_context *ctx, const char *function, const bvxi_sides *sides, double *scale)
+static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                             const bvx_grid *g, double *scale)
 {
-    const bvx_grid *const g = sides->band;
     double low[3], high[3], first[3], last[3];
 
-    BVXI_TRY(bvxi_view_bounds(ctx, function, sides->mesh, low, high));
+    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
     for (int a = 0; a < 3; a++) {
@@ -96,17 +97,18 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvxi_
     return BVX_OK;
 }
 
-bvx_status bvxi_sign_side(bvxi_call call, const bvxi_sides *sides, bvxi_outwards_fn *outwards,
-                          const void *rule, bvx_grid *inside)
+bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                          bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside)
 {
-    uint64_t const rows = bvxi_grid_rows(sides->band), each = sides->first[rows] / rows;
+    uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
     side_job job;
 
-    job.sides = sides;
+    job.mesh = mesh;
+    job.band = band;
     job.outwards = outwards;
     job.rule = rule;
     job.inside = inside;
-    BVXI_TRY(side_scale(call.ctx, call.function, sides, &job.scale));
+    BVXI_TRY(side_scale(call.ctx, call.function, mesh, &band->where, &job.scale));
     job.pieces = bvxi_piece_count(rows, 1 + SIDE_GRAIN / (1 + each));
     return bvxi_parallel(call.ctx, call.stage, call.from, call.to, job.pieces, decide_sides, &job);
 }

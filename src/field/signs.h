@@ -5,35 +5,29 @@
 #include "nearest/nearest.h"
 #include "grid/grid.h"
 
-/* A band and the closest features of its centres. */
-typedef struct bvxi_sides {
-    const bvx_mesh_view *mesh; /* checked */
-    const bvx_grid *band;
-    const uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
-    const uint32_t *triangles; /* by value */
-    const uint8_t *features;   /* by value, as in bvx_closest_point */
-} bvxi_sides;
-
 /* sign_solid.c: AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the
  * solid by that rule. AUTO becomes the one that was chosen. */
 bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside);
 
 /* sign_features.c: NORMAL, PSEUDONORMAL: the words of inside are set by the closest
- * features in the band, and beyond it by carry_signs.c. In a window whose band leaves
+ * features in the band, which it has columns of, and beyond it by carry_signs.c. In a window whose band leaves
  * centres out all of the lattice is looked at; width is the band's [Units: world]. */
 bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, double width,
-                              const bvxi_sides *sides, int32_t sign, bvx_grid *inside);
+                              const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
+                              bvx_grid *inside);
 
 /* sign_side.c: the centres of a band that lie behind what is closest to them.
  * outwards gives the direction, of any length, that is outwards at a feature;
  * called from workers. inside's words are written: outside the band all are 0. */
 typedef void bvxi_outwards_fn(const void *rule, uint32_t triangle, int32_t feature, double outwards[3]);
-bvx_status bvxi_sign_side(bvxi_call call, const bvxi_sides *sides, bvxi_outwards_fn *outwards,
-                          const void *rule, bvx_grid *inside);
+bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                          bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside);
 
 /* sign_normal.c, sign_pseudonormal.c: the band by these rules. */
-bvx_status bvxi_sign_normal(bvxi_call call, const bvxi_sides *sides, bvx_grid *inside);
-bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvxi_sides *sides, bvx_grid *inside);
+bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                            bvx_grid *inside);
+bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                                  bvx_grid *inside);
 
 /* carry_signs.c: set the centres beyond the band, where inside is 0, that
  * lie inside as the band does. The band is not empty. */

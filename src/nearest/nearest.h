@@ -3,22 +3,12 @@
 #define BVXI_NEAREST_H
 
 #include "core/core.h"
-#include "grid/grid.h"
+#include "grid/sparse.h"
 
 /* A mesh made ready for questions from the centres of one lattice. It keeps the
  * view: its arrays must stay. One thread at a time asks (each question runs on
  * all workers). Memory: about 100 bytes a triangle, 120 while it is made. */
 typedef struct bvxi_nearest bvxi_nearest;
-
-/* Where values go: each array may be NULL. Value number first[row] + n
- * belongs to set voxel number n of the row. */
-typedef struct bvxi_nearest_values {
-    int32_t value_type; /* of vectors and distances: BVX_F32 or BVX_F64 */
-    void *vectors;      /* from the centre to the closest point, x y z [Units: world] */
-    void *distances;    /* not negative [Units: world] */
-    uint32_t *triangles;
-    uint8_t *features; /* as bvx_closest_point.feature */
-} bvxi_nearest_values;
 
 /* Check the view (finite, indices in range, at least one triangle of area) and that doubles hold all centres
  * and distances (BVX_ERR_RANGE), and make it ready. */
@@ -40,11 +30,12 @@ void bvxi_nearest_prefer_planes(bvxi_nearest *nearest);
 bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double width, bvx_grid *band,
                              uint64_t *first);
 
-/* The closest points of the set voxels of where, any set: the least (distance squared, triangle index) of
+/* The closest points of the set voxels of values, any set, in those of its columns that are there: vectors
+ * from the centre to the point and distances, not negative [Units: world]. It is the least (distance squared, triangle index) of
  * the evaluation that bvx_closest_find makes at the centre. guess: most centres lie no further than it from
  * the mesh [Units: world]; infinity where nothing is known. It changes the time only. Memory: 110 KiB a
  * worker. */
-bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess, const bvx_grid *where,
-                             const uint64_t *first, const bvxi_nearest_values *values);
+bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess,
+                             const bvxi_sparse *values);
 
 #endif

@@ -144,26 +144,13 @@ static void find_near_band(void *user, int32_t index, int32_t worker)
     }
 }
 
-static void count_near_rows(const bvx_grid *g, uint64_t *first)
-{
-    uint64_t const rows = bvxi_grid_rows(g);
-    uint64_t sum = 0;
-
-    for (uint64_t row = 0; row < rows; row++) {
-        const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
-        first[row] = sum;
-        for (int32_t k = 0; k < g->words_per_row; k++) sum += bvxi_popcount(words[k]);
-    }
-    first[rows] = sum;
-}
-
 static bvx_status make_near_band(bvx_context *ctx, const char *stage, double from, double to, band_work *w)
 {
     double const begin = from + (to - from) * 0.03;
     BVXI_TRY(bvxi_parallel(ctx, stage, from, begin, w->pieces, find_reached_cubes, w));
     BVXI_TRY(open_near_memo(ctx, w));
     BVXI_TRY(bvxi_parallel(ctx, stage, begin, to, w->pieces, find_near_band, w));
-    count_near_rows(w->band, w->first);
+    bvxi_sparse_number(w->band, w->first);
     return BVX_OK;
 }
 

@@ -10,9 +10,8 @@
 
 typedef struct fill_work {
     const bvxi_nearest *n;
-    const bvx_grid *where;
-    const uint64_t *first;
-    const bvxi_nearest_values *values;
+    const bvx_grid *where; /* of values */
+    const bvxi_sparse *values;
     double guess, to_world; /* the inverse of the tree's scale, a power of two too */
     bvxi_near_plan plan;
     bvxi_near_worker *workers;
@@ -42,7 +41,7 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
         for (int32_t y = 0; y < BVXI_NEAR_CUBE && r->y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
             int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
             const uint64_t *const row = bvxi_near_row(w->where, j, k);
-            uint64_t n = w->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
+            uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
             for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
             ranks->next[z][y] = n;
             for (int32_t i = words; i < most; i++)
@@ -63,7 +62,7 @@ static void put_near_numbers(int32_t type, void *to, uint64_t i, const double *x
 /* Value number i is that of pair p. Adding 0 makes one zero of two. */
 static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int32_t p, uint64_t i)
 {
-    const bvxi_nearest_values *const v = w->values;
+    const bvxi_sparse *const v = w->values;
 
     if (v->vectors != NULL) {
         double d[3];
@@ -190,11 +189,16 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
     }
 }
 
-bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess, const bvx_grid *where,
-                             const uint64_t *first, const bvxi_nearest_values *values)
+bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess,
+                             const bvxi_sparse *values)
 {
-    fill_work w = {nearest, where, first, values, guess, 1.0 / nearest->scale, bvxi_near_plan_of(where),
-                   NULL,    0,     0};
+    const bvx_grid *const where = &values->where;
+    fill_work w = {.n = nearest,
+                   .where = where,
+                   .values = values,
+                   .guess = guess,
+                   .to_world = 1.0 / nearest->scale,
+                   .plan = bvxi_near_plan_of(where)};
     const bvxi_near_memo *const m = nearest->memo;
     bvx_status status = bvxi_near_workers(call.ctx, 0, &w.workers);
 

@@ -31,13 +31,9 @@ void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 /* One of the meshes: its solid, and what is measured at the ends of the result's edges that it crosses. */
 typedef struct boolean_body {
     const bvx_mesh_view *mesh;
-    bvx_grid solid, where;
+    bvx_grid solid;
     bvxi_thin thin;
-    uint64_t *first; /* number of each row's first value [Size: rows + 1] */
-    double *vectors; /* [Size: count * 3] */
-    double *distances;
-    uint32_t *triangles;  /* sharp */
-    uint64_t count, room; /* values; those that the arrays hold */
+    bvxi_sparse values; /* in doubles; triangles where edges are sharp */
 } boolean_body;
 
 typedef struct boolean_job {
@@ -329,77 +325,49 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     /* ends of edges that the body crosses */
     double const guess = bvxi_largest_spacing(&job->lattice) * (1 + 1e-6);
     double const from = 0.05, part = 0.35;
-    bvxi_nearest_values out;
+    uint32_t const triangles = job->report.sharp ? BVXI_TRIANGLES : 0;
     bvxi_nearest *nearest = NULL;
     bvx_status status;
 
     /* Only ends of edges on which the result and this body both change: all other centres would be measured
      * for nothing. */
-    BVXI_TRY(open_boolean_grid(job, "the centres that are measured", &b->where));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->where)));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (job->rows + 1) * 8, "the rows of centres beside the surface",
-                        &b->first));
-    b->count = bvxi_ends_number(&b->where, b->first);
-    b->room = b->count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 24, "the vectors of centres beside the surface",
-                        &b->vectors));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 8, "the distances of centres beside the surface",
-                        &b->distances));
-    if (job->report.sharp)
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->room * 4, "the triangles of centres beside the surface",
-                            &b->triangles));
+    BVXI_TRY(bvxi_sparse_open(ctx, &job->inside, &b->values));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, from, bvxi_ends_mark(ctx, &job->inside, &b->solid, &b->values.where)));
+    BVXI_TRY(bvxi_sparse_rank(ctx, &b->values));
+    BVXI_TRY(bvxi_sparse_columns(ctx, &b->values, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES | triangles));
 
     /* A body that does not bound the result anywhere needs no search tree. */
-    if (b->count == 0) return BVX_OK;
-    memset(&out, 0, sizeof out);
-    out.value_type = BVX_F64;
-    out.vectors = b->vectors;
-    out.distances = b->distances;
-    out.triangles = b->triangles;
+    if (b->values.count == 0) return BVX_OK;
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
                                &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->where,
-                               b->first, &out);
+    status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->values);
     bvxi_nearest_close(ctx, nearest);
-    if (status == BVX_OK) bvxi_thin_values(&b->thin, &b->where, b->first, b->vectors, b->distances);
+    if (status == BVX_OK) bvxi_thin_values(&b->thin, &b->values);
     return status;
 }
 
 static void close_body(boolean_job *job, boolean_body *b)
 {
-    bvxi_drop(job->ctx, b->triangles);
-    bvxi_drop(job->ctx, b->distances);
-    bvxi_drop(job->ctx, b->vectors);
-    bvxi_drop(job->ctx, b->first);
-    bvxi_drop(job->ctx, b->where.words);
+    bvxi_sparse_close(job->ctx, &b->values);
     bvxi_thin_close(job->ctx, &b->thin);
     bvxi_drop(job->ctx, b->solid.words);
 }
 
 /* ---- The surface ---- */
 
-static void take_body_values(const boolean_body *b, bvxi_edge_values *v)
-{
-    memset(v, 0, sizeof *v);
-    v->where = &b->where;
-    v->row_values = b->first;
-    v->value_type = BVX_F64;
-    v->vectors = b->vectors;
-    v->distances = b->distances;
-    v->triangles = b->triangles;
-    v->mesh = b->mesh;
-    v->inside = &b->solid;
-}
-
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
     bvx_field_surface_options o;
-    bvxi_edge_values values[2];
+    bvxi_cut_rule rule[2] = {{.values = NULL}};
 
-    for (int32_t i = 0; i < 2; i++) take_body_values(&job->body[i], &values[i]);
-    values[0].second = &values[1];
-    values[0].outer = job->operation == BVX_BOOLEAN_UNION;
+    for (int32_t i = 0; i < 2; i++) {
+        rule[i].values = &job->body[i].values;
+        rule[i].mesh = job->body[i].mesh;
+        rule[i].inside = &job->body[i].solid;
+    }
+    rule[0].second = &rule[1];
+    rule[0].outer = job->operation == BVX_BOOLEAN_UNION;
     bvx_field_surface_options_init(&o, sizeof o);
     o.interpolation = job->options->interpolation;
     o.face_rule = job->options->face_rule;
@@ -407,7 +375,7 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
     o.position_type = job->options->position_type;
     o.local_frame = job->options->local_frame;
     o.report = &job->report.surface;
-    return bvxi_field_surface(job->ctx, boolean_name, &job->inside, values, &o, result);
+    return bvxi_field_surface(job->ctx, boolean_name, &job->inside, rule, &o, result);
 }
 
 static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)

@@ -61,16 +61,3 @@ bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_gr
     if ((uint64_t)job.pieces > bvxi_grid_rows(inside)) job.pieces = (int32_t)bvxi_grid_rows(inside);
     return bvxi_parallel(ctx, "ends", 0.0, 1.0, job.pieces, mark_ends_piece, &job);
 }
-
-uint64_t bvxi_ends_number(const bvx_grid *where, uint64_t *first)
-{
-    uint64_t const rows = bvxi_grid_rows(where), words = (uint64_t)where->words_per_row;
-    uint64_t count = 0;
-
-    for (uint64_t r = 0; r < rows; r++) {
-        first[r] = count;
-        for (uint64_t k = 0; k < words; k++) count += bvxi_popcount(where->words[r * words + k]);
-    }
-    first[rows] = count;
-    return count;
-}

@@ -9,7 +9,5 @@
  * face, in the window) that differs from them in inside, and in body too when
  * that is not NULL. Beyond the window all is outside along x; y and z stop there. */
 bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_grid *body, bvx_grid *where);
-/* Number of each row's first value [Size: rows + 1]; returns how many values there are. */
-uint64_t bvxi_ends_number(const bvx_grid *where, uint64_t *first);
 
 #endif

@@ -63,19 +63,12 @@ typedef struct flatten_job {
 /* Reach of a centre; 0 where it is not beside a thin wall. */
 static double reach_at(const bvxi_thin *thin, const int32_t at[3])
 {
-    const bvx_grid *const g = &thin->near;
-    uint64_t row, n;
-    size_t first, word;
+    const bvx_grid *const g = &thin->near.where;
 
     for (int a = 0; a < 3; a++)
         if (at[a] < 0 || at[a] >= g->size[a]) return 0;
-    row = (uint64_t)at[2] * (uint64_t)g->size[1] + (uint64_t)at[1];
-    first = (size_t)row * (size_t)g->words_per_row;
-    word = first + ((size_t)at[0] >> 6);
-    if ((g->words[word] >> (at[0] & 63) & 1) == 0) return 0;
-    n = thin->first[row] + bvxi_popcount(g->words[word] & ((UINT64_C(1) << (at[0] & 63)) - 1));
-    for (size_t k = first; k < word; k++) n += bvxi_popcount(g->words[k]);
-    return thin->reach[n];
+    if (!bvx_grid_get(g, at[0], at[1], at[2])) return 0;
+    return ((const float *)thin->near.distances)[bvxi_sparse_index(&thin->near, at[0], at[1], at[2])];
 }
 
 /* Does a body change along an edge? low, high: its ends, or one centre twice. */
@@ -115,7 +108,7 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
         const bvxi_thin *const thin = f->bodies[b].thin;
         double first, second;
 
-        if (thin->near.words == NULL || !changes_along(&f->bodies[b], low, high)) continue;
+        if (thin->near.where.words == NULL || !changes_along(&f->bodies[b], low, high)) continue;
         first = reach_at(thin, low);
         second = reach_at(thin, high);
         if (first < 0 || second < 0) return 0;
@@ -508,7 +501,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     double const from = 0.3 * body / f->body_count, to = 0.3 * (body + 1) / f->body_count;
     bvx_status status;
 
-    if (f->bodies[body].thin->near.words == NULL) return BVX_OK;
+    if (f->bodies[body].thin->near.where.words == NULL) return BVX_OK;
     f->asked = body;
 
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
@@ -548,7 +541,7 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     f.body_count = count;
     f.mesh = mesh;
     for (int32_t b = count; b-- > 0;)
-        if (bodies[b].thin->near.words != NULL) f.window = &bodies[b].thin->near;
+        if (bodies[b].thin->near.where.words != NULL) f.window = &bodies[b].thin->near.where;
     if (f.window == NULL || mesh->vertex_count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));

@@ -179,7 +179,7 @@ static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR
     weight[REPAIR_NEEDS] = (o->report != NULL || o->if_needed) && sound ? n : 0.0;
     weight[REPAIR_INSIDE] = n + 0.2 * cells + (sound ? 0.0 : n + 2.0 * cells);
     weight[REPAIR_SURFACE] = 0.1 * n + (o->sharp != 0 ? 1.6 : 0.7) * cells;
-    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells + 4.0 * (double)job->thin.values;
+    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells + 4.0 * (double)job->thin.near.count;
     if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 5.0 * weight[REPAIR_INSIDE];
     if (o->report != NULL) weight[REPAIR_MEASURE] = 0.25 * cells + (o->measure ? 300e3 + 5.0 * n : 0.0);
 

@@ -130,23 +130,19 @@ static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
 /* What the surface of the centres beside the walls is to be measured with. */
 static bvx_status keep_reach(thin_job *t)
 {
-    bvxi_thin *const thin = t->thin;
-    uint64_t const rows = bvxi_grid_rows(&t->walls->places);
+    bvxi_sparse *const near = &t->thin->near;
 
-    BVXI_TRY(
-        bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the rows beside thin walls", &thin->first));
-    thin->rows = rows;
-    BVXI_TRY(bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->count * 4, "the reach of thin walls",
-                        &thin->reach));
-    thin->values = t->walls->count;
-    bvxi_ends_number(&t->walls->places, thin->first);
+    near->where = t->walls->places;
+    t->walls->places.words = NULL;
+    BVXI_TRY(bvxi_sparse_rank(t->walls->ctx, near));
+    BVXI_TRY(bvxi_sparse_columns(t->walls->ctx, near, BVX_F32, BVXI_DISTANCES));
     for (uint64_t n = 0; n < t->walls->count; n++) {
         const bvxi_wall *const p = &t->walls->point[n];
         int const inside = (int)(t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1);
         float reach = thin_reach_of(p);
 
         if (inside && reach <= p->distance) reach = p->distance + THIN_BEYOND;
-        thin->reach[n] = p->sheet ? -reach : reach;
+        ((float *)near->distances)[n] = p->sheet ? -reach : reach;
     }
     return BVX_OK;
 }
@@ -203,17 +199,14 @@ static bvx_status widen(thin_job *t)
     return keep_reach(t);
 }
 
-/* The triangles and the centres that were asked go on to the surface. */
+/* The triangles that were asked go on to the surface, as the centres have. */
 static void hand_on(thin_job *t)
 {
     bvxi_thin *const thin = t->thin;
 
-    thin->near = t->walls->places;
-    thin->near_bytes = t->walls->bytes;
     thin->corner = t->walls->corner;
     thin->corner_bytes = t->walls->corner_bytes;
     thin->mesh = t->walls->near;
-    t->walls->places.words = NULL;
     t->walls->corner = NULL;
 }
 
@@ -232,9 +225,7 @@ bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin)
 void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin)
 {
     bvxi_drop(ctx, thin->corner);
-    bvxi_drop(ctx, thin->reach);
-    bvxi_drop(ctx, thin->first);
-    bvxi_drop(ctx, thin->near.words);
+    bvxi_sparse_close(ctx, &thin->near);
     memset(thin, 0, sizeof *thin);
 }
 
@@ -248,26 +239,29 @@ void bvxi_thin_value(double thick, double vector[3], double *distance)
     *distance = d - thick;
 }
 
-void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors,
-                      double *distances)
+void bvxi_thin_values(const bvxi_thin *thin, const bvxi_sparse *values)
 {
+    const bvx_grid *const where = &values->where;
+    const uint64_t *const beside = thin->near.where.words;
+    const float *const reaches = thin->near.distances;
+    double *const vectors = values->vectors, *const distances = values->distances;
     size_t const words = (size_t)where->words_per_row, rows = (size_t)bvxi_grid_rows(where);
     double const unit = bvxi_largest_spacing(&where->lattice);
 
-    for (size_t i = 0; thin->near.words != NULL && i < words * rows; i++) {
-        uint64_t n = first[i / words], m = thin->first[i / words];
+    for (size_t i = 0; beside != NULL && i < words * rows; i++) {
+        uint64_t n = values->first[i / words], m = thin->near.first[i / words];
 
-        if ((where->words[i] & thin->near.words[i]) == 0) continue;
+        if ((where->words[i] & beside[i]) == 0) continue;
         for (size_t k = i - i % words; k < i; k++) {
             n += bvxi_popcount(where->words[k]);
-            m += bvxi_popcount(thin->near.words[k]);
+            m += bvxi_popcount(beside[k]);
         }
         for (uint64_t bits = where->words[i]; bits != 0; bits &= bits - 1, n++) {
             uint64_t const bit = bits & (~bits + 1);
             double reach;
 
-            if ((thin->near.words[i] & bit) == 0) continue;
-            reach = thin->reach[m + bvxi_popcount(thin->near.words[i] & (bit - 1))];
+            if ((beside[i] & bit) == 0) continue;
+            reach = reaches[m + bvxi_popcount(beside[i] & (bit - 1))];
             bvxi_thin_value((reach < 0 ? -reach : reach) * unit, vectors + 3 * n, &distances[n]);
         }
     }

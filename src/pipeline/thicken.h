@@ -4,17 +4,14 @@
 #define BVXI_THICKEN_H
 
 #include "fill/thin_walls.h"
+#include "grid/sparse.h"
 
 /* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
 typedef struct bvxi_thin {
-    /* the centres, before some were put inside; without words where no wall is thin */
-    bvx_grid near;
-    uint64_t near_bytes; /* of its words */
-    uint64_t *first;     /* number of each row's first value [Size: rows + 1] */
-    /* how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
-     * [Size: values] [Units: largest spacings] */
-    float *reach;
-    uint64_t rows, values;
+    /* The centres, before some were put inside; without words where no wall is thin. Distances, in floats: how
+     * far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
+     * [Units: largest spacings] */
+    bvxi_sparse near;
     uint32_t *corner; /* of the body's triangles nearby, and a view of these */
     uint64_t corner_bytes;
     bvx_mesh_view mesh;
@@ -26,10 +23,9 @@ typedef struct bvxi_thin {
 bvx_status bvxi_thicken(bvxi_walls *walls, bvx_grid *inside, bvxi_thin *thin);
 void bvxi_thin_close(bvx_context *ctx, bvxi_thin *thin);
 
-/* Closest points, measured at the set centres of where, become those of the thickened surface. first: number
- * of each row's first value. Nothing where no wall is thin. */
-void bvxi_thin_values(const bvxi_thin *thin, const bvx_grid *where, const uint64_t *first, double *vectors,
-                      double *distances);
+/* Closest points that were measured, vectors and distances in doubles, become those of the thickened surface.
+ * Nothing where no wall is thin. */
+void bvxi_thin_values(const bvxi_thin *thin, const bvxi_sparse *values);
 /* The same of one centre whose surface lies thick off the mesh, along the way to it. [Units: world] */
 void bvxi_thin_value(double thick, double vector[3], double *distance);
 

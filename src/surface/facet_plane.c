@@ -44,11 +44,11 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
     if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
 }
 
-static void open_facet_edge(const bvxi_cuts *c, const bvxi_edge_values *v, const bvxi_cut_edge *e,
+static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_rule *v, const bvxi_cut_edge *e,
                             const double centre[3], facet_edge *f)
 {
     double const scale = 1.0 / c->unit;
-    const uint32_t *const triangles = v->mesh != NULL ? v->triangles : NULL;
+    const uint32_t *const triangles = v->mesh != NULL ? v->values->triangles : NULL;
 
     f->axis = e->axis;
     f->length = e->length * scale;
@@ -190,7 +190,7 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
     }
 }
 
-double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const bvxi_cut_edge *edge,
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const bvxi_cut_edge *edge,
                       const double centre[3], double ratio, bvxi_facet_plane planes[2])
 {
     facet_edge f;

@@ -33,9 +33,9 @@ typedef struct cut_walk {
     int32_t missing_count;
 } cut_walk;
 
-static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, int32_t j, int32_t k)
+static value_row start_value_row(const bvxi_cuts *c, const bvxi_cut_rule *v, int32_t j, int32_t k)
 {
-    const bvx_grid *const g = v->where;
+    const bvx_grid *const g = &v->values->where;
     value_row r = {NULL, 0};
 
     /* Where no value is needed the row has no words, and every look-up in it answers that there is none. */
@@ -43,7 +43,7 @@ static value_row start_value_row(const bvxi_cuts *c, const bvxi_edge_values *v, 
         k < g->size[2]) {
         uint64_t const n = (uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j;
         r.words = g->words + n * (uint64_t)g->words_per_row;
-        r.next = v->row_values[n];
+        r.next = v->values->first[n];
     }
     return r;
 }
@@ -65,14 +65,14 @@ static uint64_t value_before(const value_row *r, int32_t words, int32_t w, int32
     return r->next - 1;
 }
 
-static double read_value(const bvxi_edge_values *v, const void *values, uint64_t n)
+static double read_value(const bvxi_sparse *s, const void *values, uint64_t n)
 {
-    return v->value_type == BVX_F32 ? (double)((const float *)values)[(size_t)n]
+    return s->value_type == BVX_F32 ? (double)((const float *)values)[(size_t)n]
                                     : ((const double *)values)[(size_t)n];
 }
 
 /* Vector and distance of one value. */
-static double read_end(const bvxi_edge_values *v, uint64_t n, double vector[3])
+static double read_end(const bvxi_sparse *v, uint64_t n, double vector[3])
 {
     double d;
     for (uint64_t a = 0; a < 3; a++)
@@ -105,7 +105,7 @@ static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t
 }
 
 /* The edge from centre (i, j, k) along axis, whose ends have the values low and high. */
-static bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i,
+static bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i,
                                uint64_t low, uint64_t high)
 {
     const bvxi_march *const m = k->cuts->march;
@@ -116,8 +116,8 @@ static bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_edge_values *v, int
     edge.high_inside = !is_inside(m, i, k->j, k->k);
     edge.value[0] = low;
     edge.value[1] = high;
-    edge.low_distance = read_end(v, low, edge.low);
-    edge.high_distance = read_end(v, high, edge.high);
+    edge.low_distance = read_end(v->values, low, edge.low);
+    edge.high_distance = read_end(v->values, high, edge.high);
     return edge;
 }
 
@@ -136,7 +136,7 @@ static double ratio_on_edge(double t)
 
 static void place_missing_cuts(cut_walk *k)
 {
-    const bvxi_edge_values *const v = k->cuts->values;
+    const bvxi_cut_rule *const v = k->cuts->values;
     double t[BVXI_MISSING_MOST];
 
     if (k->missing_count == 0) return;
@@ -170,7 +170,7 @@ typedef struct placed_cut {
 
 /* The cut of the edge from centre (i, j, k) along axis by a body that has
  * the values low and high at its ends. */
-static void find_body_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
+static void find_body_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i, uint64_t low,
                           uint64_t high, placed_cut *cut)
 {
     const bvxi_cuts *const c = k->cuts;
@@ -217,7 +217,7 @@ static void move_end(double depth, double vector[3], double *distance)
 
 /* The cut of an edge that is not the body's, with values low and high at its ends: by the offset's surface
  * where that passes between them. */
-static void find_own_cut(const cut_walk *k, const bvxi_edge_values *v, int32_t axis, int32_t i, uint64_t low,
+static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i, uint64_t low,
                          uint64_t high, placed_cut *cut)
 {
     double const depth = v->offset < 0.0 ? -v->offset : v->offset;
@@ -251,7 +251,7 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
                       const uint64_t high[2])
 {
     const bvxi_cuts *const c = k->cuts;
-    const bvxi_edge_values *const v = c->values;
+    const bvxi_cut_rule *const v = c->values;
     int const first = v->inside == NULL || changes_side(v->inside, axis, i, k->j, k->k);
     placed_cut cut;
 

@@ -224,7 +224,7 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
 }
 
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
-                              const bvxi_edge_values *values, const bvx_field_surface_options *options,
+                              const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface)
 {
     bvx_field_surface_report report;
@@ -261,7 +261,8 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
 {
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o = field_surface_defaults;
-    bvxi_edge_values v = {0};
+    bvxi_cut_rule v = {0};
+    bvxi_sparse values;
     int32_t asked;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -275,14 +276,10 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     if (o.sharp && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
-        v.triangles = field->triangles;
         v.mesh = mesh;
     }
-    v.where = &field->band;
-    v.row_values = field->row_values;
-    v.value_type = field->value_type;
-    v.vectors = field->vectors;
-    v.distances = field->distances;
+    values = bvxi_sparse_of_field(field);
+    v.values = &values;
     v.inside = o.grid != NULL ? &field->inside : NULL;
     v.offset = o.offset;
     return BVXI_SHARE(

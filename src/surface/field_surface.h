@@ -3,6 +3,7 @@
 #ifndef BVXI_FIELD_SURFACE_H
 #define BVXI_FIELD_SURFACE_H
 
+#include "grid/sparse.h"
 #include "surface/march.h"
 
 /* The edge from centre (i, j, k) of the window along axis; -1 is a centre before the window. */
@@ -15,17 +16,14 @@ enum { BVXI_MISSING_MOST = 16 };
 /* Ratios of at most BVXI_MISSING_MOST edges. Called from workers. */
 typedef void bvxi_missing_fn(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio);
 
-/* What is known at centres. Value number n is that of set voxel number n of where; only those at ends of
- * crossing edges are looked at, so where need not be a band. */
-typedef struct bvxi_edge_values {
-    const bvx_grid *where;      /* of the lattice and window of the inside */
-    const uint64_t *row_values; /* number of each row's first value [Size: rows + 1] */
-    int32_t value_type;         /* BVX_F32 or BVX_F64 */
-    /* from the centre to the closest point; NULL for BVX_EDGE_SCALAR and MIDDLE alone [Units: world] */
-    const void *vectors;
-    const void *distances;     /* of either sign; NULL: the lengths of the vectors [Units: world] */
-    const uint32_t *triangles; /* sharp: the closest triangle, each below the mesh's count, or NULL */
-    const bvx_mesh_view *mesh; /* sharp: checked, indices too, where there are triangles */
+/* By what edges are cut. */
+typedef struct bvxi_cut_rule {
+    /* At centres of the lattice and window of the inside; only those at ends of crossing edges are looked at,
+     * so they need not be a band. Vectors go to the closest point, and are there but for BVX_EDGE_SCALAR and
+     * MIDDLE; distances are of either sign, without them the vectors' lengths count [Units: world]; triangles,
+     * each below the mesh's count, are looked at where there is a mesh. */
+    const bvxi_sparse *values;
+    const bvx_mesh_view *mesh; /* sharp: checked, indices too; else NULL */
     /* crossings with an end that has no value (NULL: the middle), and those that no surface makes: the
      * distances of both ends are together more than the edge (NULL: as others) */
     bvxi_missing_fn *missing;
@@ -33,18 +31,18 @@ typedef struct bvxi_edge_values {
     /* what these values bound: only edges whose ends differ in it are theirs; NULL: the surface's own */
     const bvx_grid *inside;
     /* another body's values, or NULL; where there is one, missing is not asked */
-    const struct bvxi_edge_values *second;
+    const struct bvxi_cut_rule *second;
     /* an edge of both is cut by 1: the one further from the inside, 0: the nearer one */
     int32_t outer;
     /* one body with an inside: edges that are not its own are cut where its distance, negative inside, is
      * this; 0: in the middle */
     double offset;
-} bvxi_edge_values;
+} bvxi_cut_rule;
 
 /* The surface of inside with cuts by values; options are checked, surface is opened as by bvxi_mesh_open.
  * report may be NULL. stage, from, to: for progress. Steps of bvx_extract_field_surface. */
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
-                              const bvxi_edge_values *values, const bvx_field_surface_options *options,
+                              const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface);
 
 /* ---- between the files of the stage ---- */
@@ -56,8 +54,8 @@ typedef struct bvxi_facet_plane {
 } bvxi_facet_plane;
 
 typedef struct bvxi_cuts {
-    const bvxi_march *march;        /* filled */
-    const bvxi_edge_values *values; /* and its second */
+    const bvxi_march *march;     /* filled */
+    const bvxi_cut_rule *values; /* and its second */
     int32_t interpolation;
     double unit;              /* the largest spacing */
     bvxi_facet_plane *planes; /* two of each vertex, or NULL where none are requested */
@@ -72,7 +70,7 @@ struct bvxi_cut_edge;
 /* facet_plane.c: the cut of an edge both of whose ends have values, from the ratio that their vectors
  * gave it; centre is the low end [Units: world]. planes[0] is that of the facet nearer to the cut, planes[1]
  * that of the other end's; both are zero before. */
-double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_edge_values *values, const struct bvxi_cut_edge *edge,
+double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const struct bvxi_cut_edge *edge,
                       const double centre[3], double ratio, bvxi_facet_plane planes[2]);
 
 #endif

@@ -45,9 +45,14 @@ typedef struct found {
 static bvx_status fill(bvx_context *ctx, double from, double to, const bvxi_nearest *nearest,
                        const bvx_grid *g, found *f)
 {
-    bvxi_nearest_values const v = {BVX_F32, f->vectors, NULL, f->triangles, NULL};
+    bvxi_sparse const v = {.where = *g,
+                           .first = f->first,
+                           .count = f->first[32 * 30],
+                           .value_type = BVX_F32,
+                           .vectors = f->vectors,
+                           .triangles = f->triangles};
     bvx_status const status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "test", from, to), nearest, HUGE_VAL,
-                                                g, f->first, &v);
+                                                &v);
     uint64_t const n = f->first[32 * 30];
     if (status == BVX_OK) f->mark = bvx_hash(f->vectors, n * 12, bvx_hash(f->triangles, n * 4, f->mark));
     return status;

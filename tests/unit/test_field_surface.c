@@ -350,17 +350,17 @@ static void test_edges_without_values_are_asked_for(void)
     bvx_lattice const l = lattice_at(origin, spacing, 7, 6, 5);
     bvx_field_surface_options o = surface_options(0);
     bvx_field_surface_report report;
-    bvxi_edge_values v = {0};
+    bvxi_cut_rule v = {0};
+    bvxi_sparse values;
     uint64_t quarters = 0;
     bvx_mesh m = {0};
 
     field_maker_noise(ctx, &seed, &l, 8, 8, 1, 0, BVX_F64, &field);
     o.report = &report;
     o.position_type = BVX_F64;
-    v.where = &field.band;
-    v.row_values = field.row_values;
-    v.value_type = BVX_F64;
-    v.vectors = field.vectors; /* and no distances: the vectors' lengths */
+    values = bvxi_sparse_of_field(&field);
+    values.distances = NULL; /* the vectors' lengths */
+    v.values = &values;
     v.missing = place_missing;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_field_surface(ctx, "test", &field.inside, &v, &o, &m));
     assert_certificate(&m);

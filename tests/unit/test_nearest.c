@@ -94,7 +94,7 @@ static void count_rows(const bvx_grid *g, uint64_t *first)
 
 static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type, answer *a)
 {
-    bvxi_nearest_values v;
+    bvxi_sparse v = {.where = a->band, .first = a->first};
 
     a->count = a->first[bvxi_grid_rows(&a->band)];
     a->size = value_type == BVX_F32 ? 4 : 8;
@@ -102,13 +102,14 @@ static void fill(bvx_context *c, const bvxi_nearest *nearest, int32_t value_type
     a->distances = room(a->count * a->size);
     a->triangles = room(a->count * 4);
     a->features = room(a->count);
+    v.count = a->count;
     v.value_type = value_type;
     v.vectors = a->vectors;
     v.distances = a->distances;
     v.triangles = a->triangles;
     v.features = a->features;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(bvxi_call_of(c, NULL, "test", 0, 1), nearest, HUGE_VAL,
-                                                      &a->band, a->first, &v));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvxi_nearest_fill(bvxi_call_of(c, NULL, "test", 0, 1), nearest, HUGE_VAL, &v));
     TEST_ASSERT_EQUAL_UINT8(0x77, ((uint8_t *)a->distances)[a->count * a->size]);
     TEST_ASSERT_EQUAL_UINT8(0x77, a->features[a->count]);
 }
@@ -515,13 +516,13 @@ static void test_nearest_fills_single_arrays(void)
     for (int i = 0; i < 4; i++) {
         uint64_t const bytes = a.count * (i == 0 ? 12 : i == 3 ? 1 : 4);
         void *const got = room(bytes);
-        bvxi_nearest_values v = {BVX_F32, NULL, NULL, NULL, NULL};
+        bvxi_sparse v = {.where = a.band, .first = a.first, .count = a.count, .value_type = BVX_F32};
         if (i == 0) v.vectors = got;
         if (i == 1) v.distances = got;
         if (i == 2) v.triangles = got;
         if (i == 3) v.features = got;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "test", 0, 1), nearest,
-                                                          guess[i], &a.band, a.first, &v));
+        TEST_ASSERT_EQUAL_INT32(
+            BVX_OK, bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "test", 0, 1), nearest, guess[i], &v));
         TEST_ASSERT_EQUAL_INT(0, memcmp(got,
                                         i == 0   ? a.vectors
                                         : i == 1 ? a.distances
