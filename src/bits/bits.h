@@ -1,11 +1,14 @@
-/* bits.h - words of 64 voxels: counting, masks, prefix parity. Not installed.
- *
- * The plain forms are the specification; where the compiler is told of an instruction it gives the same
- * bits. */
+/* bits.h - words of 64 voxels: counting, masks, prefix parity; rows of bits read from any bit on; a block
+ * of 64 x 64 bits turned over its diagonal. Not installed. */
 #ifndef BVXI_BITS_H
 #define BVXI_BITS_H
 
 #include "core/core.h"
+
+/* ---- Words of 64 voxels: counting, masks, prefix parity ---- */
+
+/* The plain forms are the specification; where the compiler is told of an instruction it gives the same
+ * bits. */
 
 enum { BVXI_WORD_BITS = 64 };
 
@@ -96,6 +99,55 @@ static inline uint64_t bvxi_run_changes(uint64_t w, uint64_t *last)
     uint64_t const changes = w ^ (w << 1 | *last);
     *last = w >> 63;
     return changes;
+}
+
+/* ---- Rows of bits read from any bit on ---- */
+
+static inline uint64_t bvxi_word_or_none(const uint64_t *row, int64_t words, int64_t k)
+{
+    return k >= 0 && k < words ? row[k] : 0;
+}
+
+/* Word k of to: 64 bits of the row from bit `from` + 64 k on, 0 before the
+ * row and after it. to may be row when from >= 0. */
+static inline void bvxi_shift_row(const uint64_t *row, int32_t words, int64_t from, uint64_t *to,
+                                  int32_t count)
+{
+    int64_t const first = from >= 0 ? from / 64 : -((63 - from) / 64);
+    unsigned const shift = (unsigned)(from - first * 64);
+    int64_t const head = first < 0 ? -first : 0, end = (int64_t)words - 1 - first;
+    int64_t k = 0;
+
+    for (; k < count && k < head; k++)
+        to[k] = shift == 0 ? bvxi_word_or_none(row, words, first + k)
+                           : bvxi_word_or_none(row, words, first + k) >> shift |
+                                 bvxi_word_or_none(row, words, first + k + 1) << (64 - shift);
+    if (shift == 0)
+        for (; k < count && k < end; k++) to[k] = row[first + k];
+    else
+        for (; k < count && k < end; k++)
+            to[k] = row[first + k] >> shift | row[first + k + 1] << (64 - shift);
+    /* the row's last word, then nothing */
+    for (; k < count; k++) to[k] = bvxi_word_or_none(row, words, first + k) >> shift;
+}
+
+/* ---- A block of 64 x 64 bits turned over its diagonal ---- */
+
+/* Source: Warren. Hacker's Delight, 7-3: halves that lie off the diagonal change places, then their halves,
+ * six times. Bit 0 is the lowest: afterwards bit i of word k is what bit k of word i was. */
+
+static inline void bvxi_transpose_64(uint64_t block[64])
+{
+    uint64_t low = UINT64_C(0x00000000ffffffff); /* the lower half of every piece of 2 * half bits */
+
+    for (int32_t half = 32; half != 0; half >>= 1, low ^= low << half)
+        for (int32_t base = 0; base < 64; base += 2 * half)
+            for (int32_t k = base; k < base + half; k++) {
+                /* Bits that differ between both halves change places; three operations exchange them. */
+                uint64_t const differ = (block[k] >> half ^ block[k + half]) & low;
+                block[k] ^= differ << half;
+                block[k + half] ^= differ;
+            }
 }
 
 #endif

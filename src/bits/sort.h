@@ -1,9 +1,13 @@
-/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded, so
- * that no input makes it quadratic. Not installed. */
+/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded,
+ * so that no input makes it quadratic; places on a curve through space. Not installed. */
 #ifndef BVXI_SORT_H
 #define BVXI_SORT_H
 
 #include "core/core.h"
+
+#include <stdint.h>
+
+/* ---- Short rows of crossings in order ---- */
 
 static inline void bvxi_sift_down(int32_t *v, uint32_t root, uint32_t n)
 {
@@ -35,6 +39,21 @@ static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
         for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
         v[j] = x;
     }
+}
+
+/* ---- Places on a curve through space ---- */
+
+/* Source: Morton. A computer oriented geodetic data base. 1966. */
+
+/* Bit i of the low 21 goes to bit 3 i; those of three axes side by side are a place on the curve. */
+static inline uint64_t bvxi_curve_spread(uint64_t x)
+{
+    x = (x | x << 32) & UINT64_C(0x001f00000000ffff);
+    x = (x | x << 16) & UINT64_C(0x001f0000ff0000ff);
+    x = (x | x << 8) & UINT64_C(0x100f00f00f00f00f);
+    x = (x | x << 4) & UINT64_C(0x10c30c30c30c30c3);
+    x = (x | x << 2) & UINT64_C(0x1249249249249249);
+    return x;
 }
 
 #endif

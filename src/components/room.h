@@ -8,7 +8,7 @@
 #ifndef BVXI_COMPONENTS_ROOM_H
 #define BVXI_COMPONENTS_ROOM_H
 
-#include "bits/row_runs.h"
+#include "bits/runs.h"
 #include "components/components.h"
 #include "grid/grid.h"
 

@@ -10,7 +10,6 @@
  * Guarantee: to nearest, ties to even, overflow to infinity. */
 #include "core/core.h"
 #include "core/decimal.h"
-#include "core/decimal_big.h"
 
 enum { DECIMAL_BIG_DIGITS = 770 };
 

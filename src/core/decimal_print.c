@@ -9,7 +9,6 @@
  * closest. */
 #include "core/core.h"
 #include "core/decimal.h"
-#include "core/decimal_big.h"
 
 /* c * 2^q / 10^k rounded down, its last bit set when that was not exact; the result has at most 60 bits. */
 static uint64_t decimal_scale_odd(uint64_t c, int32_t q, int32_t k)

@@ -12,7 +12,6 @@
  * and stated at bvx_field_dense. */
 #include "field/room.h"
 #include "nearest/closest.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 enum { PROPAGATE_SWEEPS = 6, PROPAGATE_ROUNDS = 3, PROPAGATE_GRAIN = 1 << 12 };

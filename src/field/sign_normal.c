@@ -6,7 +6,6 @@
  * side: what is closest to it is outside. */
 #include "field/signs.h"
 #include "mesh/facet.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 typedef struct normal_rule {

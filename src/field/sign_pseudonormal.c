@@ -10,12 +10,11 @@
  * without area count for nothing. Sums go in the order of triangle indices: the same bits everywhere.
  * Vertices' sums are made beforehand, an edge's when it is requested, from the triangles at that end which
  * has fewer. */
-#include "core/angle.h"
+#include "core/vec3.h"
 #include "field/signs.h"
 #include "mesh/facet.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 
 enum { PSEUDO_GRAIN = 1 << 12 /* least vertices a task */ };
 

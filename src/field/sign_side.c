@@ -8,7 +8,6 @@
 #include "field/room.h"
 #include "field/signs.h"
 #include "nearest/closest.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 enum { SIDE_GRAIN = 1 << 10 /* values of the smallest task, about */ };

@@ -9,11 +9,9 @@
  *
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
  * bits. */
-#include "nearest/crossing_pairs.h"
-#include "mesh/patches.h"
-#include "mesh/mesh_components.h"
-#include "mesh/weld.h"
-#include "fill/fill_auto.h"
+#include "nearest/closest.h"
+#include "mesh/topology.h"
+#include "fill/fills.h"
 #include "winding/holes.h"
 
 typedef struct auto_work {

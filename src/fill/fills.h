@@ -1,8 +1,12 @@
-/* fills.h - the rules that fill more than rows: votes of axes, floods, regions, terrain. Not installed. */
+/* fills.h - the rules that fill more than rows: votes of axes, floods, regions, terrain; the rule that
+ * fills a mesh where nobody names one. Not installed. */
 #ifndef BVXI_FILLS_H
 #define BVXI_FILLS_H
 
+#include "solid/solid.h"
 #include "winding/holes.h"
+
+/* ---- The rules that fill more than rows: votes of axes, floods, regions, terrain ---- */
 
 enum { BVXI_MOST_GAP = 65535 };
 
@@ -55,5 +59,26 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, const bvx_voxelize_options *options,
                              bvx_solid_report *report);
+
+/* ---- The rule that fills a mesh where nobody names one ---- */
+
+/* fill_auto.c: what fills the mesh, and the mesh to fill with it. */
+typedef struct bvxi_auto {
+    int32_t fill, reason; /* BVX_FILL_..., BVX_FILL_REASON_... */
+    bvx_mesh_view view;   /* of the triangles as they are to be filled */
+    /* its indices where triangles are turned or dropped, else NULL [Size: triangles * 3] */
+    uint32_t *index;
+    uint64_t turned;  /* triangles */
+    uint64_t doubles; /* triangles left out */
+} bvxi_auto;
+
+/* Fill solid by the rule that suits the mesh, adding counts to the report. Whole lattices of sound closed
+ * meshes are filled by parity on the way; for windows the rows of the whole lattice are looked at first, so
+ * that they hold the bits of the whole (of more than 2^22 rows with longer voxels, whole or not).
+ * fill: the rule that fills by name, for what remains. */
+typedef bvx_status bvxi_fill_by_name_fn(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill,
+                                        bvx_grid *solid, bvx_solid_report *report);
+bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                          bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report);
 
 #endif

@@ -15,7 +15,6 @@
 
 #include "mesh/facet.h"
 #include "mesh/radix.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"

@@ -4,7 +4,7 @@
 #define BVXI_THIN_WALLS_H
 
 #include "grid/grid.h"
-#include "nearest/closest_query.h"
+#include "nearest/closest.h"
 
 #define BVXI_THIN_WALL 1.5 /* what holds on any lattice [Units: largest spacings] */
 #define BVXI_NO_WALL   1e30f

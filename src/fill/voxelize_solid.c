@@ -3,10 +3,9 @@
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
  * regions.c, below.c), the shell is added, the edges are counted where requested, and a report says what was
  * lost. */
-#include "fill/fill_auto.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"
-#include "winding/winding.h"
+#include "winding/holes.h"
 
 #include <math.h>
 

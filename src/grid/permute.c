@@ -1,9 +1,9 @@
 /* permute.c - axes of a grid changed and mirrored.
  *
  * Where x stays x, rows are copied, or turned over a word at a time. Where x goes elsewhere, 64 rows and one
- * word are a square of 64 x 64 bits that is turned over its diagonal (bits/transpose.h); each word of the
+ * word are a square of 64 x 64 bits that is turned over its diagonal (bits/bits.h); each word of the
  * result is written by one square. */
-#include "bits/transpose.h"
+#include "bits/bits.h"
 #include "grid/grid.h"
 
 enum { PERMUTE_GRAIN = 4096 /* least words a piece */ };

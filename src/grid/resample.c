@@ -3,7 +3,7 @@
  * The old voxel of a new one is a table along each axis, and the tables do not fall. So a run of set voxels
  * along x becomes a run, whose ends a second table has: rows are written by runs, and rows that come from one
  * row are copies of each other. */
-#include "bits/row_runs.h"
+#include "bits/runs.h"
 #include "grid/grid.h"
 
 #include <math.h>

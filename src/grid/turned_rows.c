@@ -1,11 +1,11 @@
 /* turned_rows.c - rows along y or z brought back to rows along x, in blocks of 64 x 64 bits
- * (bits/transpose.h).
+ * (bits/bits.h).
  *
  * Both turned orders keep x as the row of their slices, so a block of 64 turned rows and one word holds a
  * square of x and the turned axis. One task is a stretch of slices; each word of the grid is written by one
  * block. */
 #include "grid/turned_rows.h"
-#include "bits/transpose.h"
+#include "bits/bits.h"
 
 enum { TURN_GRAIN = 64 };
 

@@ -2,7 +2,7 @@
  *
  * Source: RFC 4648, section 4. White space is passed over. Padding ends a group, not the text: what writers
  * encode piece by piece (a length, then the data) reads as one. */
-#include "io/base64.h"
+#include "io/xml_scan.h"
 
 enum { BASE64_NONE = 64, BASE64_PADDING = 65, BASE64_SPACE = 66 };
 

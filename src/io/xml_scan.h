@@ -1,8 +1,11 @@
-/* xml_scan.h - the tags of an XML text one after the other. Not installed. */
+/* xml_scan.h - the tags of an XML text one after the other; bytes written in base 64. Not installed. */
 #ifndef BVXI_XML_SCAN_H
 #define BVXI_XML_SCAN_H
 
+#include "core/core.h"
 #include "io/formats.h"
+
+/* ---- The tags of an XML text one after the other ---- */
 
 enum { BVXI_XML_DEPTH = 16 };
 enum { BVXI_XML_OPEN = 1, BVXI_XML_CLOSE, BVXI_XML_END };
@@ -37,5 +40,18 @@ int bvxi_xml_attribute(const bvxi_xml *x, const char *name, bvxi_xml_text *value
 int bvxi_xml_same(bvxi_xml_text a, bvxi_xml_text b);
 /* 1 when a value, entities not looked at, is this word. */
 int bvxi_xml_is(bvxi_xml_text value, const char *word);
+
+/* ---- Bytes written in base 64 ---- */
+
+typedef struct bvxi_base64 {
+    const char *p, *end;
+    uint8_t digit[256]; /* what a character stands for; 64: nothing, 65: padding, 66: space */
+    uint8_t held[3];    /* bytes of the last group that nobody took */
+    int32_t held_count;
+} bvxi_base64;
+
+void bvxi_base64_start(bvxi_base64 *b, const char *p, const char *end);
+/* Take the next count bytes; 0 when there are fewer or a character is none of base 64: it stands at b->p. */
+int bvxi_base64_take(bvxi_base64 *b, uint8_t *bytes, uint64_t count);
 
 #endif

@@ -4,7 +4,7 @@
 #define BVXI_GRID_FORMATS_H
 
 #include "grid/grid.h"
-#include "io/base64.h"
+#include "io/xml_scan.h"
 #include "io/formats.h"
 
 /* ---- readers: arguments are checked; grid is what the caller gave, and freed by him on failure ---- */

@@ -18,7 +18,7 @@
  *
  * 64 layers of x are decoded to bits along y, then turned in blocks of 64 x 64 to bits along x. Groups of
  * layers are worked on in parallel, once a pass over the pairs has found where each begins. */
-#include "bits/transpose.h"
+#include "bits/bits.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 

@@ -10,7 +10,7 @@
  * one such group of layers to the next is joined and written by itself in between; so the file is the one
  * with the fewest pairs, whatever the threads. */
 #include "bits/runs.h"
-#include "bits/transpose.h"
+#include "bits/bits.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
 

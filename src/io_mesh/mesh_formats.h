@@ -1,10 +1,13 @@
-/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share. Not
- * installed. */
+/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share;
+ * polygons of a mesh that is read: laid down as fans first, cut when all vertices are known; what the
+ * numbers of a file leave of a mesh. Not installed. */
 #ifndef BVXI_MESH_FORMATS_H
 #define BVXI_MESH_FORMATS_H
 
-#include "mesh/mesh.h"
 #include "io/formats.h"
+#include "mesh/mesh.h"
+
+/* ---- The readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share ---- */
 
 /* ---- readers: arguments are checked, mesh is all zero and freed by the caller on failure ---- */
 
@@ -88,5 +91,50 @@ static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, do
         if (mesh->frame[a] != 0.0) p[a] += mesh->frame[a]; /* adding 0 would lose the sign of -0 */
     }
 }
+
+/* ---- Polygons of a mesh that is read ---- */
+
+/* A polygon of four corners or more. Its triangles stand in the mesh as a fan: (0, 1, 2), (0, 2, 3), (0, 3,
+ * 4)... of its corners, in triangles and, where there are texture coordinates at corners, in uv_triangles. */
+typedef struct bvxi_polygon_fan {
+    uint32_t triangle; /* the first of its corners - 2 triangles */
+    uint32_t corners;
+} bvxi_polygon_fan;
+
+/* Cut count polygons into triangles that neither overlap nor turn over. All
+ * vertices of the mesh are there and finite. */
+bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon_fan *fans, uint64_t count);
+
+/* ---- What the numbers of a file leave of a mesh ---- */
+
+typedef struct bvxi_rounding {
+    double largest_move; /* of a coordinate, by rounding [Units: world] */
+    double mean_edge;    /* of triangles, before it [Units: world] */
+    uint64_t spoilt;     /* triangles that had an area and have none or lie turned over */
+    int finite;          /* 0: a coordinate is beyond the range of floats; the other members are not set */
+} bvxi_rounding;
+
+/* 1 when the format's numbers are not exactly those of the mesh. */
+int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format);
+
+/* The middle of the bounds of all levels: GLB writes positions relative to it. */
+bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                              double centre[3]);
+
+/* A position as readers of 32-bit floats relative to a centre get it. */
+static inline void bvxi_round_position(const double centre[3], const double p[3], double rounded[3])
+{
+    for (int a = 0; a < 3; a++) rounded[a] = bvxi_nearest_float(p[a] - centre[a]) + centre[a];
+}
+
+/* The mesh is checked and not empty; centre is zero for STL. */
+void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_rounding *r);
+
+/* 1 when the file is still the mesh: nothing moves far beside its edges, and few triangles are spoilt. */
+int bvxi_rounding_fits(const bvxi_rounding *r, uint64_t triangles);
+
+/* Measure, and refuse what does not fit. name: what messages begin with. */
+bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
+                                const double centre[3]);
 
 #endif

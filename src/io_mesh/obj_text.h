@@ -3,7 +3,6 @@
 #ifndef BVXI_OBJ_TEXT_H
 #define BVXI_OBJ_TEXT_H
 
-#include "io_mesh/read_polygons.h"
 #include "io_mesh/mesh_formats.h"
 
 enum { OBJ_OTHER = 0, OBJ_VERTEX = 'v', OBJ_TEXTURE = 't', OBJ_FACE = 'f' };

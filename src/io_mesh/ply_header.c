@@ -3,7 +3,7 @@
  * Source: Turk. The PLY Polygon File Format. 1994, and the type names int8..float64 that others added.
  * Guarantee: every count is held against the bytes that are there before anything of its size is
  * allocated. */
-#include "io_mesh/ply_header.h"
+#include "io_mesh/ply_file.h"
 
 /* A line of the header, cut into words as they are taken. */
 typedef struct ply_line {

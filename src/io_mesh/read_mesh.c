@@ -1,8 +1,9 @@
 /* read_mesh.c - a mesh from the bytes of a file: the checks around the readers. */
 #include "io_mesh/mesh_formats.h"
-#include "mesh/finite.h"
+#include "mesh/view.h"
 
-/* Text of two bytes a letter, of which readers would find no word; a byte order mark is before its first letter. */
+/* Text of two bytes a letter, of which readers would find no word; a byte order mark is before its first
+ * letter. */
 static int is_utf16(const bvxi_source *source)
 {
     const unsigned char *const b = (const unsigned char *)source->begin;

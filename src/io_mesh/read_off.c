@@ -10,7 +10,7 @@
  * Counts that the bytes cannot hold are refused before anything is made of their size. Faces are read once
  * where all are triangles, and a second time where that has shown polygons. Memory: the mesh, 8 bytes a
  * polygon. Cost: O(bytes). */
-#include "io_mesh/read_polygons.h"
+#include "io_mesh/mesh_formats.h"
 
 enum { OFF_LINE_WORDS = 6, OFF_LEAST_VERTEX = 6, OFF_LEAST_FACE = 8 };
 

@@ -4,7 +4,7 @@
  * the room that its triangles take anyway, and keep a list of them. The cut (mesh/polygon.h) comes when the
  * vertices are all there.
  * Memory: some 50 bytes a corner of the largest polygon. */
-#include "io_mesh/read_polygons.h"
+#include "io_mesh/mesh_formats.h"
 #include "mesh/polygon.h"
 #include "mesh/view.h"
 

@@ -4,7 +4,7 @@
  * half a unit apart: a mesh of finer triangles becomes a heap of points that are equal, with no word of it in
  * the file. So what rounding does is measured before such a file is written: how far it moves a coordinate,
  * beside the mean length of edges, and how many triangles lose their area or are turned over. */
-#include "io_mesh/rounding.h"
+#include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
 
 #include <math.h>

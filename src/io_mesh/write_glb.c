@@ -9,9 +9,8 @@
  * size, and all that older graphics interfaces draw. */
 #include "io/file_parts.h"
 #include "io_mesh/glb.h"
-#include "io_mesh/glb_colours.h"
-#include "io_mesh/rounding.h"
-#include "mesh/normals.h"
+#include "io_mesh/mesh_formats.h"
+#include "mesh/facet.h"
 #include "mesh/view.h"
 
 #define GLB_PREPARED 0.5 /* share of the work before the first byte is written */

@@ -1,12 +1,10 @@
 /* write_mesh.c - a mesh, or levels of detail, to the bytes of a file:
  * checks around the writers, what they share. */
 #include "io_mesh/mesh_formats.h"
-#include "io_mesh/rounding.h"
 #include "mesh/mesh.h"
-#include "mesh/normals.h"
-#include "mesh/scale.h"
+#include "mesh/facet.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 
 enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
 

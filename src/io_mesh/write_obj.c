@@ -5,7 +5,7 @@
  * know. Normals, where requested, are one a vertex, with its index. */
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
-#include "mesh/normals.h"
+#include "mesh/facet.h"
 
 /* Three places, rounded up: programs that cut off and programs that round get the same byte back. */
 static uint8_t *obj_put_colour(uint8_t *at, uint8_t value)

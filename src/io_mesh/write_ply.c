@@ -5,7 +5,7 @@
  * the list texcoord of faces (two numbers a corner) where the corners have their own. */
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
-#include "mesh/normals.h"
+#include "mesh/facet.h"
 
 /* how many there are and the numbers: three, six */
 enum { PLY_WRITTEN_FACE = 13, PLY_WRITTEN_TEXCOORD = 25 };

@@ -4,10 +4,8 @@
  * can be told from their numbers, the sums over positions are taken here, in triangle order, so they are the
  * same everywhere. */
 #include "mesh/facet.h"
-#include "mesh/scale.h"
-#include "mesh/topology.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 
 enum { CHECK_ASKS = 1 << 20 }; /* triangles between asking progress */
 

@@ -5,7 +5,7 @@
  * stays. Where the table searches too long, as for input that was made against the hash, a tree begins anew
  * (core/key_tree.h). */
 #include "core/key_tree.h"
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 
 /* The places of a triangle, least first. */

@@ -4,9 +4,8 @@
  * does. What remains moves up within its arrays, so the order of vertices and triangles stays, and keys,
  * colours and texture coordinates stay with what they belong to.
  * Memory: 4 bytes a vertex, where there is something to drop. Cost: O(vertices + triangles). */
-#include "mesh/finite.h"
-#include "mesh/mesh.h"
 #include "mesh/view.h"
+#include "mesh/mesh.h"
 
 #define FINITE_GONE UINT32_MAX /* beyond the number of any vertex */
 

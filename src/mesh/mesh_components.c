@@ -2,7 +2,7 @@
  *
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; here the root of a part is
  * its least vertex, and paths are halved on every look. Guarantee: the answer follows from the mesh only. */
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 
 static uint32_t root_of_piece(uint32_t *piece, uint32_t v)

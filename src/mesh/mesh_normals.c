@@ -3,8 +3,7 @@
  * Vertices: the directions of their facets' normals, each counted by its area (normals.c). Facets: their own,
  * or, as the paper on surface modelling in section data fields shades them, the mean of the normals of their
  * three vertices. */
-#include "mesh/normals.h"
-#include "mesh/scale.h"
+#include "mesh/facet.h"
 #include "mesh/view.h"
 
 static const char normals_name[] = "bvx_mesh_normals";

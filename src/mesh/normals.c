@@ -2,7 +2,6 @@
  *
  * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the
  * cross product of its edges gives without a division, so facets without area need no care. */
-#include "mesh/normals.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

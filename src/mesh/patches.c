@@ -7,7 +7,7 @@
  *
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit.
  * The minority is turned, as a reader of a mesh with a few flipped triangles would do. */
-#include "mesh/patches.h"
+#include "mesh/topology.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
 

@@ -15,7 +15,6 @@
  * the cut does not change when the polygon is multiplied by a power of two. A polygon that is not quite flat
  * is cut by its projection: when that is simple, no two triangles overlap in it. */
 #include "mesh/polygon.h"
-#include "mesh/polygon_ring.h"
 
 enum { POLYGON_MOST = 1 << 30, POLYGON_EXPONENT = 499 };
 

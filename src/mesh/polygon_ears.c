@@ -10,7 +10,7 @@
  * ear, the edges cross: then straight corners go, then left-turning ones, then any. The looks at reflex
  * corners are counted: 512 for each corner, 2^24 at most. When they are used up, what remains becomes a
  * fan. */
-#include "mesh/polygon_ring.h"
+#include "mesh/polygon.h"
 
 enum { EAR_LOOKS_EACH = 512, EAR_LOOKS_MOST = 1 << 24, EAR_ASK = 1 << 18 };
 enum { EAR_OTHER = 0, EAR_REFLEX = 1, EAR_CUT = 2 };

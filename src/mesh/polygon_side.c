@@ -10,7 +10,7 @@
  * Guarantee: the right sign for coordinates below 2^500 that are multiples of 2^-500: sums and products stay
  * below 2^1023, and every error is a multiple of 2^-1000. Only + - * of doubles rounded to nearest; no
  * contraction. */
-#include "mesh/polygon_ring.h"
+#include "mesh/polygon.h"
 
 enum { SIDE_TERMS = 12 };
 

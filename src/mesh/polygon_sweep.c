@@ -14,7 +14,7 @@
  * Guarantee: every triangle is left-turning by an exact test (the last ones of an interval may have no area),
  * the pieces of chain match, and there are count - 2: for a simple polygon that is a triangulation. A polygon
  * for which this does not come out is reported as not simple. Cost: O(count log count), also then. */
-#include "mesh/polygon_ring.h"
+#include "mesh/polygon.h"
 
 enum { SWEEP_NONE = 0, SWEEP_ASK = 1 << 14 };
 

@@ -3,11 +3,10 @@
  * Measured is length: of the edges between two triangles, of those whose facets meet at an angle, and of
  * those that are merely bent. A part of planes has much of the first and little of the second; a scan, a
  * coarse ball or terrain have bent edges of all angles. */
-#include "mesh/sharp_edges.h"
+#include "mesh/topology.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
 
 enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */
 

@@ -1,11 +1,14 @@
-/* view.h - reading a caller's mesh: any position and index type, any stride, any alignment. Not installed.
- *
- * bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by
- * one as they are read, or all at once by bvxi_view_bounds. */
+/* view.h - reading a caller's mesh: any position and index type, any stride, any alignment; a mesh without
+ * what is not finite; a power of two that keeps products of coordinates within doubles. Not installed. */
 #ifndef BVXI_VIEW_H
 #define BVXI_VIEW_H
 
 #include "core/core.h"
+
+/* ---- Reading a caller's mesh: any position and index type, any stride, any alignment ---- */
+
+/* bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by
+ * one as they are read, or all at once by bvxi_view_bounds. */
 
 /* The shape of the struct, not what the arrays hold: NULL, type numbers, strides, counts, reserved fields.
  * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */
@@ -132,6 +135,33 @@ static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, d
 static inline int bvxi_view_finite(const double p[3])
 {
     return (p[0] - p[0]) + (p[1] - p[1]) + (p[2] - p[2]) == 0.0;
+}
+
+/* ---- A mesh without what is not finite ---- */
+
+/* Drop vertices that are not finite and the triangles that use them, in the mesh's
+ * own arrays; dropped counts the triangles. BVX_ERR_ARGUMENT, BVX_ERR_RANGE (an
+ * index, with its triangle), BVX_ERR_MEMORY, BVX_ERR_BUDGET: the mesh is unchanged. */
+bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_mesh *mesh,
+                                    uint64_t *dropped);
+
+/* ---- A power of two that keeps products of coordinates within doubles ---- */
+
+/* The power of two that brings the largest coordinate of a box into [0.5,
+ * 1), or as near as 1000 doublings come. Multiplying by it is exact, so it
+ * changes no result but those that would overflow or vanish on the way. */
+static inline double bvxi_unit_scale(const double low[3], const double high[3])
+{
+    double largest = 0.0, s = 1.0;
+
+    /* The larger of both ends counts, whatever its sign. */
+    for (int a = 0; a < 3; a++) {
+        largest = high[a] > largest ? high[a] : largest;
+        largest = -low[a] > largest ? -low[a] : largest;
+    }
+    for (int i = 0; i < 1000 && largest * s >= 1.0; i++) s *= 0.5;
+    for (int i = 0; i < 1000 && largest > 0.0 && largest * s < 0.5; i++) s *= 2.0;
+    return s;
 }
 
 #endif

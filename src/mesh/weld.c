@@ -4,7 +4,7 @@
  * its position, whatever the table looks like. Positions are compared, never their hashes only. Where the
  * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
  * Cost: O(vertices). */
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 #include "core/key_tree.h"
 #include "mesh/view.h"
 

@@ -1,9 +1,12 @@
-/* morph.h - growing and shrinking boxes of bits. Not installed. */
+/* morph.h - growing and shrinking boxes of bits; a word and its neighbours along x, in slices whose rows
+ * lie one after the other. Not installed. */
 #ifndef BVXI_MORPH_H
 #define BVXI_MORPH_H
 
 #include "grid/grid.h"
 #include "morphology/transform.h"
+
+/* ---- Growing and shrinking boxes of bits ---- */
 
 enum { BVXI_DILATE = 0, BVXI_ERODE = 1 };
 
@@ -64,5 +67,29 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
 
 /* Change a grid as morph says into words that may not be its own. */
 bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result);
+
+/* ---- A word and its neighbours along x, in slices whose rows lie one after the other ---- */
+
+#define BVXI_TOP_BIT (UINT64_C(1) << 63)
+
+/* For each word of a slice: what may come in from the word before (its lowest bit, or none in a row's first
+ * word) and from the one behind (the highest, or none in a row's last). */
+typedef struct bvxi_row_ends {
+    uint64_t *before, *behind;
+    uint64_t bytes;
+} bvxi_row_ends;
+
+bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends);
+void bvxi_row_ends_free(bvx_context *ctx, bvxi_row_ends *ends);
+
+/* Word k of a slice joined with itself one voxel on and back; around comes
+ * in at the ends of rows. w[-1] and w[1] are looked at. */
+static inline uint64_t bvxi_with_sides(const uint64_t *w, const bvxi_row_ends *ends, size_t k,
+                                       uint64_t around)
+{
+    uint64_t const before = (w[-1] >> 63 & ends->before[k]) | ((around & 1) & ~ends->before[k]);
+    uint64_t const behind = (w[1] << 63 & ends->behind[k]) | ((around & BVXI_TOP_BIT) & ~ends->behind[k]);
+    return w[0] | w[0] << 1 | w[0] >> 1 | before | behind;
+}
 
 #endif

@@ -8,7 +8,7 @@
  * at (dy, dz), are joined over dy, and the result is joined to the slices dz below and above. Erosion is this
  * on the complement. Each piece of slices writes its own slices only. Exact: which offsets belong to the
  * ball is decided by the numbers that distances have (transform.h). */
-#include "morphology/morph_words.h"
+#include "morphology/morph.h"
 
 enum {
     RUNS_GRAIN = 1 << 10 /* words of the smallest task */,

@@ -14,7 +14,6 @@
  * go one slice on. A piece of slices begins as many slices earlier as there are steps, and so needs nothing
  * of its neighbours. Any order of pieces gives the same bits. */
 #include "morphology/morph.h"
-#include "morphology/morph_words.h"
 
 enum { SWEEP_STEPS = 16, SWEEP_RING_BYTES = 1 << 20, SWEEP_GRAIN = 1 << 12 /* words of the smallest task */ };
 
@@ -103,7 +102,8 @@ static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, s
     step_stretch(job, r, out, words);
 }
 
-/* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work in. */
+/* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work
+ * in. */
 typedef struct step_slice {
     const uint64_t *slice[3], *outside;
     uint64_t *room, around, flip;

@@ -1,5 +1,5 @@
 /* morph_words.c - masks that keep the bits of one row of a slice out of the next. */
-#include "morphology/morph_words.h"
+#include "morphology/morph.h"
 
 bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends)
 {

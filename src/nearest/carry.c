@@ -5,7 +5,7 @@
  * number, halves upwards; texture coordinates once, to floats. A vertex on a corner of the source takes its
  * values unchanged. Both frames count: the target's positions are moved by their difference. Vertices do not
  * depend on each other, so threads never show. New arrays replace old ones when all of it is done. */
-#include "nearest/closest_query.h"
+#include "nearest/closest.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 

@@ -1,8 +1,14 @@
-/* closest.h - the point of a mesh that is closest to a given point. Not installed. */
+/* closest.h - the point of a mesh that is closest to a given point; what stands behind the public
+ * bvx_closest, for other rooms that require nearest points; how far meshes are apart, where several are
+ * compared with the same one; all pairs of triangles that cross, for callers who have the mesh welded. Not
+ * installed. */
 #ifndef BVXI_CLOSEST_H
 #define BVXI_CLOSEST_H
 
 #include "core/core.h"
+#include "mesh/topology.h"
+
+/* ---- The point of a mesh that is closest to a given point ---- */
 
 enum { BVXI_CLOSEST_WIDTH = 4, BVXI_CLOSEST_LEVELS = 16 }; /* 4^16 = 2^32 triangles */
 
@@ -75,5 +81,45 @@ static inline void bvxi_closest_corners(const bvxi_closest_tree *tree, uint64_t 
             for (int a = 0; a < 3; a++) t[k][a] = f[3 * k + a] * tree->scale;
     }
 }
+
+/* ---- What stands behind the public bvx_closest, for other rooms that require nearest points ---- */
+
+struct bvx_closest {
+    bvxi_closest_tree tree;
+};
+
+/* Check a mesh and build its search tree, in place; stage, from and to are
+ * for progress. The view may go afterwards. On failure nothing is held. */
+bvx_status bvxi_closest_open(bvxi_call call, const bvx_mesh_view *mesh, bvx_closest *closest);
+void bvxi_closest_shut(bvx_context *ctx, bvx_closest *closest);
+
+/* The nearest point of a finite point. *hint is any number at first and then best left alone from point to
+ * point: it makes the search faster and changes nothing. */
+void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_t *hint,
+                      bvx_closest_point *found);
+
+/* Where on triangle t its closest point q to p lies, as in bvx_closest_point.feature. */
+int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const double q[3]);
+
+/* ---- How far meshes are apart, where several are compared with the same one ---- */
+
+/* The search tree of a mesh, kept from one comparison to the next. Zeroed: not built yet. */
+typedef struct bvxi_distance_tree {
+    bvxi_closest_tree tree;
+    int32_t built;
+} bvxi_distance_tree;
+
+/* bvx_mesh_distance, the same bits. kept: a's tree, which is built where it is not, or where b needs another
+ * scale. Memory beside it: as there, without a's tree. */
+bvx_status bvxi_mesh_distance(bvx_context *ctx, const bvx_mesh_view *a, bvxi_distance_tree *kept,
+                              const bvx_mesh_view *b, uint64_t samples, uint64_t seed,
+                              bvx_distance_report *report);
+void bvxi_distance_forget(bvx_context *ctx, bvxi_distance_tree *kept);
+
+/* ---- All pairs of triangles that cross, for callers who have the mesh welded ---- */
+
+/* As bvx_mesh_crossings, of a welded mesh with triangles. Vertices that no triangle uses may be anything. */
+bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,
+                               uint64_t *count, uint32_t *pairs, uint64_t capacity);
 
 #endif

@@ -6,10 +6,9 @@
  * indices, or are ordered by a hash of the corners' positions where no numbering may show.
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "nearest/closest.h"
-#include "bits/curve.h"
+#include "bits/sort.h"
 #include "mesh/facet.h"
 #include "mesh/radix.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 enum {

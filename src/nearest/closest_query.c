@@ -13,11 +13,10 @@
  * is less than a rounding in the point, all triangles may tie, and the answer is the one of least number: the
  * distance is right, the position is some point of the mesh. A distance above the largest double is
  * infinity. */
-#include "nearest/closest_query.h"
-#include "bits/curve.h"
+#include "nearest/closest.h"
+#include "bits/sort.h"
 #include "core/vec3.h"
 #include "mesh/radix.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 #include <math.h>

@@ -13,11 +13,9 @@
  * show. */
 #include "nearest/closest.h"
 #include "mesh/cross.h"
-#include "nearest/crossing_pairs.h"
 #include "mesh/radix.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 
 enum {
     CROSSINGS_GRAIN = 128, /* minimum fours a task */

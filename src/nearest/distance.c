@@ -9,9 +9,8 @@
  * show.
  * Source of the counter's mixing: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
  * 2014. */
-#include "nearest/distance.h"
+#include "nearest/closest.h"
 #include "mesh/facet.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@
  * (nearest_pairs.c, nearest_brick.c). */
 #include "nearest/nearest_walk.h"
 #include "mesh/facet.h"
-#include "mesh/scale.h"
+#include "mesh/view.h"
 
 /* The power of two of the evaluation; a lattice that reaches beyond 2^300
  * meshes could not be squared, so the mesh gives way. */

@@ -4,9 +4,9 @@
  * pack up to eight neighbours into a leaf and up to eight boxes into a node, level by level; no pointers, no
  * recursion. Where the curve jumps a leaf or a node ends before its eighth child. Boxes are floats rounded
  * outwards. */
-#include "nearest/nearest_order.h"
+#include "nearest/nearest_tree.h"
 #include "nearest/nearest_pairs.h"
-#include "mesh/scale.h"
+#include "mesh/view.h"
 
 #include <math.h>
 #if BVXI_HAVE_AVX2

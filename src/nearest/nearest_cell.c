@@ -7,7 +7,7 @@
  * Nothing but ends is computed, and no better test of a box against one point is possible.
  * Guarantee: what is left out cannot win. The compared squares have a relative slack of 2^-12, far above a
  * float's rounding, and an absolute one that covers what the evaluation in doubles may err. */
-#include "nearest/nearest_cell.h"
+#include "nearest/nearest_brick.h"
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>

@@ -8,7 +8,7 @@
  * measured before.
  * Guarantee: of every centre requested, the triangle that wins the evaluation in doubles is among the
  * winners, and so is every one that does as well. */
-#include "nearest/nearest_eight.h"
+#include "nearest/nearest_brick.h"
 
 #include <math.h>
 #if BVXI_HAVE_AVX2

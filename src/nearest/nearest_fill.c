@@ -4,7 +4,7 @@
  * that is guessed, then without bounds for what lies further off. Then all of its centres are evaluated in
  * doubles together and each value goes to the rank of its voxel. */
 #include "nearest/nearest_walk.h"
-#include "nearest/closest_query.h"
+#include "nearest/closest.h"
 
 #include <math.h>
 

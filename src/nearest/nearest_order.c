@@ -6,8 +6,8 @@
  * in a box that reaches through half of the mesh. Such a run is cut in two where that makes the boxes
  * smaller.
  * The order shows in no answer, so it needs to be no particular one. */
-#include "nearest/nearest_order.h"
-#include "bits/curve.h"
+#include "nearest/nearest_tree.h"
+#include "bits/sort.h"
 #include "mesh/radix.h"
 
 enum {

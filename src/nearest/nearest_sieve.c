@@ -3,7 +3,7 @@
  * The squared distance from a centre to a box is a sum of one term an axis, and a brick's 64 centres have
  * four places along each: twelve terms a box give the distances from all of them. The least over a group of
  * eight is the sum of the least terms. */
-#include "nearest/nearest_eight.h"
+#include "nearest/nearest_brick.h"
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>

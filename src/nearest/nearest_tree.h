@@ -1,6 +1,15 @@
-/* nearest_tree.h - a hierarchy of boxes over triangles that answers many centres at once. Not installed.
- *
- * Everything that is searched is in floats, in box units: a power of two of the world in which the lattice
+/* nearest_tree.h - a hierarchy of boxes over triangles that answers many centres at once; triangles along
+ * a curve through space. Not installed. */
+#ifndef BVXI_NEAREST_TREE_H
+#define BVXI_NEAREST_TREE_H
+
+#include "bits/bits.h"
+#include "mesh/view.h"
+#include "nearest/nearest.h"
+
+/* ---- A hierarchy of boxes over triangles that answers many centres at once ---- */
+
+/* Everything that is searched is in floats, in box units: a power of two of the world in which the lattice
  * lies within
  * [-1, 1] around its middle. Floats decide only what cannot win; what can is evaluated in doubles
  * (point_triangle.c), so neither the tree nor a rounding shows in an answer. How far floats may err: let
@@ -9,12 +18,6 @@
  * 32 roundings of numbers below reach, so a distance errs by less than BVXI_NEAR_ERROR reach, and by half a
  * unit of a foot's place in box units. Of 20 million even, thin, flat and tiny triangles none came to half of
  * that (test_nearest_parts.c). */
-#ifndef BVXI_NEAREST_TREE_H
-#define BVXI_NEAREST_TREE_H
-
-#include "nearest/nearest.h"
-#include "bits/bits.h"
-#include "mesh/view.h"
 
 enum { BVXI_NEAR_WIDTH = 8, BVXI_NEAR_LEVELS = 14 }; /* two of any count, then 8^12 > 2^31 leaves */
 
@@ -99,6 +102,33 @@ static inline void bvxi_near_corners(const bvxi_nearest *n, uint32_t triangle, d
         bvxi_view_position(&n->view, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= n->scale;
     }
+}
+
+/* ---- Triangles along a curve through space ---- */
+
+/* With more triangles no run is cut: eight times a leaf's number stays below 2^32. */
+#define BVXI_NEAR_CUT_BELOW (UINT64_C(1) << 29)
+
+typedef struct bvxi_near_order {
+    double grid_low[3], grid_side; /* where the curve's grid lies, set by the caller [Units: box] */
+    uint64_t count;
+    uint64_t *keys, *spare; /* [Size: count] */
+    uint32_t *numbers;      /* in the order of sorted; NULL: a key's low 32 bits [Size: count] */
+    const uint64_t *sorted; /* keys or spare */
+} bvxi_near_order;
+
+/* The rest of *o is zero before. It is to be freed also after a failure. */
+bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from, double to,
+                                const bvxi_nearest *n, bvxi_near_order *o);
+void bvxi_near_order_free(bvx_context *ctx, bvxi_near_order *o);
+
+/* How many of the triangles first .. end - 1, at most eight, make a leaf. */
+uint32_t bvxi_near_order_run(const bvxi_near_order *o, uint64_t first, uint64_t end);
+
+/* Number of the triangle at a place of the curve. */
+static inline uint32_t bvxi_near_order_number(const bvxi_near_order *o, uint64_t i)
+{
+    return o->numbers != NULL ? o->numbers[i] : (uint32_t)o->sorted[i];
 }
 
 #endif

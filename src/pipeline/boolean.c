@@ -7,13 +7,9 @@
  * solid (thicken.c) and put back to its mesh in the result (flatten.c). */
 #include "nearest/nearest.h"
 #include "mesh/mesh.h"
-#include "mesh/mesh_components.h"
-#include "mesh/sharp_edges.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
-#include "pipeline/boolean_lattice.h"
-#include "pipeline/crumbs.h"
-#include "pipeline/crossed_edges.h"
+#include "pipeline/steps.h"
 #include "pipeline/thicken.h"
 #include "surface/field_surface.h"
 

@@ -3,7 +3,7 @@
  * A half-space that cuts a part is a box a hundred times as large; a lattice around both would leave a few
  * voxels to the part. What is left of a difference lies within a, of an intersection within both boxes: only
  * there the lattice has to be. */
-#include "pipeline/boolean_lattice.h"
+#include "pipeline/steps.h"
 #include "lattice/lattice.h"
 
 #include <math.h>

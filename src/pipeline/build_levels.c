@@ -5,7 +5,7 @@
  * hundredth of a voxel from the mesh and has its guarantee. So is a mesh that would exceed the memory limit.
  * Sheets are simplified as they are too where their borders are to stay. */
 #include "mesh/mesh.h"
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"

@@ -1,5 +1,5 @@
 /* crossed_edges.c - centres beside a surface, 64 at a time: a word and its six neighbours. */
-#include "pipeline/crossed_edges.h"
+#include "pipeline/steps.h"
 
 enum { ENDS_GRAIN = 4096 /* least words a piece */ };
 

@@ -8,9 +8,9 @@
  * the piece itself, and stays.
  * Guarantee: the answer follows from geometry, whatever the order of triangles, but where parts of one piece
  * have equally many voxels. */
-#include "pipeline/crumbs.h"
+#include "pipeline/steps.h"
 #include "components/room.h"
-#include "nearest/closest_query.h"
+#include "nearest/closest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

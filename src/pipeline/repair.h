@@ -4,7 +4,7 @@
 
 #include "grid/grid.h"
 #include "pipeline/thicken.h"
-#include "winding/winding.h"
+#include "winding/holes.h"
 
 typedef struct bvxi_repair_job {
     bvx_context *ctx;

@@ -2,12 +2,8 @@
  * together.
  *
  * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
-#include "mesh/patches.h"
-#include "mesh/mesh_components.h"
-#include "mesh/sharp_edges.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
 #include "pipeline/repair.h"
 
 const char bvxi_repair_name[] = "bvx_repair";

@@ -4,9 +4,8 @@
  * cavity of another, and no part may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
 #include "pipeline/repair.h"
 
 /* A piece, by its least vertex: six times its volume, and its box. */

@@ -4,7 +4,7 @@
  * cavity's empty corners may touch beyond; they stay cavities of their own). A space of empty voxels is a
  * cavity when it does not touch the window's sides. */
 #include "components/room.h"
-#include "pipeline/crumbs.h"
+#include "pipeline/steps.h"
 #include "pipeline/repair.h"
 
 /* Mark the spaces below least; *kept and *gone count parts or cavities. */

@@ -2,7 +2,7 @@
  *
  * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
  * crossing that the input's surface makes lies nearer. */
-#include "nearest/closest_query.h"
+#include "nearest/closest.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 #include "winding/holes.h"

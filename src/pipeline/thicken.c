@@ -7,7 +7,7 @@
  * thin places. */
 #include "pipeline/thicken.h"
 
-#include "pipeline/crossed_edges.h"
+#include "pipeline/steps.h"
 #include "fill/fills.h"
 
 #define THIN_BESIDE 0.75  /* how far off a wall centres go inside [Units: largest spacings] */

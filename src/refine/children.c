@@ -10,7 +10,7 @@
  * below 2^63, three products with corners and three steps below 2^97 in 128 bits; in 64 bits when the
  * triangle is small enough for its distance.
  * Guarantee: exact for every triangle that touches the cube, also without area, also far larger than it. */
-#include "refine/children.h"
+#include "refine/cubes.h"
 
 /* Octants with s = 0 and with s = 1 along each axis. */
 static const uint8_t child_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};

@@ -6,7 +6,7 @@
  * 2^-47 M^2 and 2^-44 M^3: values nearer to 0 than that leave the triangle to whole numbers, as do
  * projections whose area may be 0.
  * Guarantee: the answers of bvxi_children_touched. */
-#include "refine/children.h"
+#include "refine/cubes.h"
 
 #define EDGE_EXACT 33554432.0                /* 2^25 */
 #define EDGE_SLACK (1.0 / 140737488355328.0) /* 2^-47 */

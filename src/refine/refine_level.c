@@ -6,7 +6,7 @@
  * passes on; the second one, knowing each piece's places, writes the next level's voxels and lists. For the
  * last level the masks are all, and a voxel whose children are all touched looks at no more triangles.
  * Guarantee: exact; the same for any threads. */
-#include "refine/children.h"
+#include "refine/cubes.h"
 #include "refine/refine.h"
 
 enum { OCTETS_OF_PIECE = 64 };

@@ -7,10 +7,9 @@
  * code takes them as voxels with more fraction bits. Up to 16 of those the surface's own batches are exact;
  * above, small triangles are tested as octants are, about the point that their voxels share. Guarantee:
  * exact; the same voxels and lists, but for a list's order, for any threads. */
-#include "refine/children.h"
+#include "refine/cubes.h"
 #include "refine/refine.h"
 #include "touch/surface_voxels.h"
-#include "touch/touch_rows.h"
 
 static const char refine_name[] = "bvx_refine";
 

@@ -1,7 +1,7 @@
 /* camera.c - axes of a view and the scale that fills its frame. */
 #include "render/camera.h"
 
-#include "mesh/scale.h"
+#include "mesh/view.h"
 
 #include <math.h>
 

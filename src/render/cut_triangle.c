@@ -4,7 +4,7 @@
  * A point where an edge crosses a plane is computed from the edge's lesser end (by x, then y, then z),
  * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
  * by the same planes in the same order, so they keep the same piece of it. */
-#include "render/cut_triangle.h"
+#include "render/raster.h"
 
 /* 1 when a comes before b. */
 static int cut_is_before(const double a[3], const double b[3])

@@ -6,7 +6,7 @@
  * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it.
  * A cut keeps ranges of indices: words at its border are masked as they are read, nothing is copied. Two sets
  * are drawn as the union of their words, and each strip belongs to both or to one of them. */
-#include "render/grid_scene.h"
+#include "render/scenes.h"
 
 #include <math.h>
 

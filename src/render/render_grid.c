@@ -3,9 +3,8 @@
  * The faces are drawn first (grid_faces.c); here is what each sample shows: the normal of the voxels around
  * it or of the face, the colour by whose voxel it is, the lines between voxels.
  * Two sets cost no memory beyond that of one: their words are joined as they are read. */
-#include "render/grid_scene.h"
-#include "render/voxel_normal.h"
-#include "render/wire.h"
+#include "render/scenes.h"
+#include "render/raster.h"
 
 #include <math.h>
 

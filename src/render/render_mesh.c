@@ -6,7 +6,7 @@
  * A cut clips triangles before they are snapped, anew wherever one is drawn: what is left of each fits on the
  * stack. */
 #include "mesh/facet.h"
-#include "render/mesh_scene.h"
+#include "render/scenes.h"
 
 enum { SCENE_GRAIN = 8192 /* vertices or triangles a piece, at least */ };
 

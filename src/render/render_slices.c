@@ -5,7 +5,7 @@
  * or more for each voxel a pixel shows one voxel; where voxels are smaller it shows the share of them that is
  * set, by exact areas, and at least a quarter of the colour where any is, so that thin walls do not
  * vanish. */
-#include "render/grid_scene.h"
+#include "render/scenes.h"
 
 #include <math.h>
 

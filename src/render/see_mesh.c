@@ -3,8 +3,8 @@
  * Normals and colours of the corners are blended by areas in the frame, which is exact as rays are
  * parallel. */
 #include "mesh/facet.h"
-#include "render/mesh_scene.h"
-#include "render/wire.h"
+#include "render/scenes.h"
+#include "render/raster.h"
 
 #define SCENE_SHARP \
     0.9 /* cosine between a facet and the mean at its corner below which the edge is meant to be one */

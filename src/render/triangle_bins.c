@@ -2,7 +2,7 @@
  *
  * Pieces of triangles count how many reach each band, prefix sums give each piece its places, and the pieces
  * fill them in. A band has its triangles in ascending order, so the result depends on no thread. */
-#include "render/triangle_bins.h"
+#include "render/raster.h"
 
 enum { BINS_GRAIN = 16384 /* triangles a piece, at least */, BINS_PIECES = 64 };
 

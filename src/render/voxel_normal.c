@@ -3,7 +3,7 @@
  * Idea: the set voxels within a ball have their middle away from the surface, so it lies against the normal
  * (Thürmer, Wüthrich. Normal computation for discrete surfaces in 3D space. 1997). Seven bits of a row are
  * looked up at once. */
-#include "render/voxel_normal.h"
+#include "render/raster.h"
 
 enum { BALL = 3, BALL_BITS = 2 * BALL + 1 };
 

@@ -5,7 +5,7 @@
  * vertices go, numbered behind those of the rings. A slab that needs more, or in which anything fails, is
  * made once more afterwards, in order, with arrays that grow. The meshes are then put one after the other:
  * what comes of it does not show who made what. */
-#include "section/slab_fill.h"
+#include "section/trace.h"
 
 #include "mesh/mesh.h"
 

@@ -9,7 +9,7 @@
  * once where their signs differ and nowhere where they agree, as the straight line is. So cells are traced as
  * by the linear blend. Slopes of both sides agree on a section: no kink. Where values lie on a line, as over
  * plane walls, it is that line. */
-#include "section/blend.h"
+#include "section/section_field.h"
 
 enum { BLEND_STEPS = 40 };
 

@@ -5,7 +5,7 @@
  * quarter as far as these. How far is tried: all segments are held against each other where they would lie,
  * and nodes at which some would meet move half as far, until none do.
  * Guarantee: exact; what cannot be moved apart is found by the checks of every stack. */
-#include "section/mend_apart.h"
+#include "section/mend.h"
 
 #include "mesh/radix.h"
 

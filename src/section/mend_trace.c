@@ -6,7 +6,7 @@
  * cut off there as a loop: no loop comes to a node twice. Loops that share a node still touch; there each
  * one's point is moved in fixed point by some steps (mend_apart.c). What is written to the mesh is the point
  * itself; only the decisions about what lies where see that it was moved. */
-#include "section/mend_apart.h"
+#include "section/mend.h"
 
 #include "mesh/radix.h"
 

@@ -6,7 +6,7 @@
  * corners are inside; one with four is left to trace.c, as all that is not plain is, and cells whose
  * triangles cross. Contours join crossings below and above. Loops, their first vertices and their order are
  * those of trace.c. */
-#include "section/slab_fill.h"
+#include "section/trace.h"
 
 enum { PLAIN_ABOVE = 4, PLAIN_OVER = 8, PLAIN_PLACES = 12, PLAIN_NONE = 0xff, PLAIN_OPEN = 0xfe };
 

@@ -1,15 +1,31 @@
-/* section_field.h - the field over one slab: distances at grid points of both planes, the surface's crossings
- * of the lines between them.
- *
- * Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those
- * between are blends. */
+/* section_field.h - what a signed distance is between two sections, from it on these and on the ones
+ * beyond; the field over one slab: distances at grid points of both planes, the surface's crossings of the
+ * lines between them. Not installed. */
 #ifndef BVXI_SECTION_FIELD_H
 #define BVXI_SECTION_FIELD_H
 
-#include "section/blend.h"
+#include "bits/bits.h"
 #include "section/slab.h"
 
-#include "bits/bits.h"
+/* ---- What a signed distance is between two sections, from it on these and on the ones beyond ---- */
+
+/* Sections that a blend looks at: the two it lies between, and those beyond them. */
+enum { BVXI_BLEND_BELOW, BVXI_BLEND_ABOVE, BVXI_BLEND_FAR_BELOW, BVXI_BLEND_FAR_ABOVE, BVXI_BLEND_SECTIONS };
+
+/* Ways from section to section; 0: there is none beyond. */
+typedef struct bvxi_blend {
+    double height, below, above;
+} bvxi_blend;
+
+/* Between the sections: t 0 is the one below, 1 the one above. */
+double bvxi_blend_value(const bvxi_blend *blend, const double value[BVXI_BLEND_SECTIONS], double t);
+/* Where it is 0, when the values on the two sections are of different signs. */
+double bvxi_blend_zero(const bvxi_blend *blend, const double value[BVXI_BLEND_SECTIONS]);
+
+/* ---- The field over one slab ---- */
+
+/* Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those
+ * between are blends. */
 
 /* Vertices by a key; a lookup only, so the order of keys does not matter. */
 typedef struct bvxi_vertex_map {

@@ -3,7 +3,7 @@
  *
  * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one
  * after the other. */
-#include "section/slab_fill.h"
+#include "section/trace.h"
 
 static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
 {

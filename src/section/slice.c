@@ -8,7 +8,7 @@
 
 #include "mesh/radix.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 
 #include <math.h>
 

@@ -18,7 +18,7 @@
  * the mesh given was, without crossing triangles; sequential, doubles with + - x / sqrt alone: the same mesh
  * everywhere. */
 #include "simplify/room.h"
-#include "bits/curve.h"
+#include "bits/sort.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"

@@ -4,7 +4,7 @@
  * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and levels do
  * not depend on the order in which the mesh comes. */
 #include "simplify/room.h"
-#include "bits/curve.h"
+#include "bits/sort.h"
 #include "mesh/mesh.h"
 #include "mesh/radix.h"
 #include "mesh/view.h"

@@ -7,7 +7,7 @@
  * value at x, and with it the cost is a quadric of x alone: the sum of (g x + d)^2 less the squared sum of g
  * x + d by the area. So a vertex slides for free along a border of colours and where there is one colour, and
  * not across. Sums are additive, as plane quadrics are. */
-#include "simplify/colours.h"
+#include "simplify/collapse_state.h"
 #include "mesh/facet.h"
 #include "core/vec3.h"
 

@@ -3,7 +3,7 @@
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
 #include "simplify/room.h"
-#include "core/angle.h"
+#include "core/vec3.h"
 #include "mesh/mesh.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef BVXI_SIMPLIFY_ROOM_H
 #define BVXI_SIMPLIFY_ROOM_H
 
-#include "nearest/distance.h"
+#include "nearest/closest.h"
 
 typedef struct bvxi_collapse bvxi_collapse;
 

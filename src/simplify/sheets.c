@@ -1,7 +1,6 @@
 /* sheets.c - triangles as files have them made ready to be simplified as sheets: each once, and those of a
  * patch turned one way. What is oriented already is left alone. */
-#include "mesh/patches.h"
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 #include "simplify/room.h"
 

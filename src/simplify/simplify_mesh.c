@@ -1,7 +1,7 @@
 /* simplify_mesh.c - levels of a mesh as it is, with its borders where it has some: bvx_mesh_simplify. */
 #include "mesh/mesh.h"
 #include "mesh/view.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 #include "simplify/room.h"
 
 static const char simplify_name[] = "bvx_mesh_simplify";

@@ -17,7 +17,7 @@
  * from outside the edge gets in at the later of its two crossings; where both lie in front, at the earlier.
  * That is exact for one and for two flat facets, and nearer than a chord on what is curved. Where A and B
  * disagree, the line's place is taken, s kept between A and B. */
-#include "surface/edge_vector.h"
+#include "surface/field_surface.h"
 
 /* Squares of lengths in edge lengths. Vectors of f32 hold 2^-22 of an edge in a band of a few voxels. */
 #define SAME_POINT2 (1.0 / 1099511627776.0) /* 2^-40: closest points this near are one */

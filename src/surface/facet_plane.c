@@ -7,7 +7,6 @@
  * plane is square to the vector of an end: inside a facet that is the facet's own, and on an edge or corner
  * of the mesh it is one of the planes that touch it there, so it too runs through the edge or corner. All in
  * units of the largest spacing, from the edge's low end. */
-#include "surface/edge_vector.h"
 #include "surface/field_surface.h"
 #include "core/vec3.h"
 #include "nearest/closest.h"

@@ -7,7 +7,6 @@
  * body changed, edges on which the body's side does not change are cut at a distance from it, or in the
  * middle. */
 #include "surface/cells.h"
-#include "surface/edge_vector.h"
 #include "surface/field_surface.h"
 
 #include <math.h>

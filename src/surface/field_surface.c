@@ -6,10 +6,10 @@
  * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the
  * edges, so the result is closed, manifold and free of crossings whatever the field holds; sharp.c adds
  * vertices inside cells and keeps that. */
-#include "surface/edge_vector.h"
+#include "surface/field_surface.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
-#include "mesh/sharp_edges.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 
 static const bvx_field_surface_options field_surface_defaults = {

@@ -22,7 +22,7 @@
  *    sides do.
  *  - All that holds for coordinates as written: apexes are rounded first and compared with the rounded faces.
  * What is done to a loop or side depends on nothing else that is done, so order and threads do not show. */
-#include "surface/sharp_walk.h"
+#include "surface/sharp.h"
 #include "mesh/mesh.h"
 
 /* ---- the new surface ---- */

@@ -1,5 +1,5 @@
 /* sharp_cells.c - which loops are sharp, and where their apexes lie: see sharp.c. */
-#include "surface/sharp_walk.h"
+#include "surface/sharp.h"
 
 /* Facets meet in a point when it lies this near to all their planes. [Units: largest spacings] */
 #define SAME_PLACE (1.0 / 32.0)

@@ -1,5 +1,5 @@
 /* sharp_turn.c - which sides between two fans run better from apex to apex: see sharp.c. */
-#include "surface/sharp_walk.h"
+#include "surface/sharp.h"
 
 /* A turned side must follow its facets better by this, or flat places would
  * turn by rounding. [Units: cosines] */

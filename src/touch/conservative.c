@@ -12,8 +12,7 @@
  *   without branches (touch_cells.h); along two axes one projection decides, along three all and the plane;
  *   larger: runs by divisions (touch_rows.c).
  * Guarantee: exact, closed sets, for every triangle, also without area. */
-#include "touch/touch_rows.h"
-#include "touch/touch_batch.h"
+#include "touch/surface_voxels.h"
 #include "touch/touch_cells.h"
 
 /* What is done with a triangle. TWO and THREE: up to so many voxels along

@@ -10,7 +10,7 @@
  * Bit budget: k <= 2^28 and k 2^F < 2^32, so coordinates times k stay below 2^60.
  * Guarantee: exact; 26-connected on connected meshes, not 6-separating. Cost: (k + 1)(k + 2) / 2 points a
  * triangle, less those outside the window, but at least k. */
-#include "touch/touch_batch.h"
+#include "touch/touch_cells.h"
 
 #include <math.h>
 

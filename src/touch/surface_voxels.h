@@ -1,7 +1,5 @@
-/* surface_voxels.h - a mesh's surface as voxels: what the three definitions of it share. Not installed.
- *
- * Triangles are sorted by tile of rows, ascending within each. A tile is one task: it alone writes its rows,
- * so nothing is atomic and lists of attached triangles come out ascending. */
+/* surface_voxels.h - a mesh's surface as voxels: what the three definitions of it share; the exact runs of
+ * voxels that one triangle of any size touches. Not installed. */
 #ifndef BVXI_SURFACE_VOXELS_H
 #define BVXI_SURFACE_VOXELS_H
 
@@ -10,6 +8,11 @@
 #include "grid/grid.h"
 #include "solid/covered_rows.h"
 #include "solid/tiles.h"
+
+/* ---- A mesh's surface as voxels: what the three definitions of it share ---- */
+
+/* Triangles are sorted by tile of rows, ascending within each. A tile is one task: it alone writes its rows,
+ * so nothing is atomic and lists of attached triangles come out ascending. */
 
 enum { BVXI_SURFACE_TILES = 64 };
 
@@ -119,5 +122,11 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
                            bvx_grid *shell, uint64_t *voxels);
 void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);
+
+/* ---- The exact runs of voxels that one triangle of any size touches ---- */
+
+/* Hand the runs within the tile's rows and the window to bvxi_touch_run.
+ * Corners are relative to the window's low corner. */
+void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32_t triangle);
 
 #endif

@@ -14,7 +14,7 @@
  * With job->solid only crossings are marked that the solid does not show: neither of the two centres beside
  * them is in it.
  * Guarantee: exact; 6-separating. */
-#include "touch/touch_batch.h"
+#include "touch/touch_cells.h"
 
 enum { THIN_FEW = 4 }; /* lines of a row that are tried one by one */
 

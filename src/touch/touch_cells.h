@@ -1,7 +1,15 @@
-/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by three,
- * a triangle misses: loops without branches, in doubles that hold every number. Not installed.
- *
- * Voxels are bits: octants s_x + 2 s_y + 4 s_z, cells x + 3 y + 9 z. The triangle's box reaches all of them
+/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by
+ * three, a triangle misses: loops without branches, in doubles that hold every number; triangles taken
+ * some hundred at a time: their corners and boxes as arrays. Not installed. */
+#ifndef BVXI_TOUCH_CELLS_H
+#define BVXI_TOUCH_CELLS_H
+
+#include "core/core.h"
+#include "touch/surface_voxels.h"
+
+/* ---- Which of the two by two by two voxels about a lattice point ---- */
+
+/* Voxels are bits: octants s_x + 2 s_y + 4 s_z, cells x + 3 y + 9 z. The triangle's box reaches all of them
  * along the axes that are looked at, so the projections and the plane alone decide. The edges of a projection
  * without area run to and fro, so they bound it on both sides.
  *
@@ -12,10 +20,6 @@
  * of two at most S^3 < 2^53, and the sum of three is a determinant of numbers up to S / 2: below S^3 / 2.
  * What is added from cell to cell is a multiple of 2^F below S^3 and exact; the last sum may be rounded,
  * which leaves its sign. */
-#ifndef BVXI_TOUCH_CELLS_H
-#define BVXI_TOUCH_CELLS_H
-
-#include "core/core.h"
 
 /* Voxels in the halves and thirds along x, y, z. */
 static const int64_t bvxi_octant_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f, 0xf0}};
@@ -141,6 +145,63 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_cells(const double a[3], const double b[3]
     double const reach = 0.5 * ((sx < 0 ? -sx : sx) + (sy < 0 ? -sy : sy) + (sz < 0 ? -sz : sz));
     return bvxi_plane_layer(at, sx, sy, -sz, reach, 0) | bvxi_plane_layer(at, sx, sy, 0.0, reach, 1) |
            bvxi_plane_layer(at, sx, sy, sz, reach, 2);
+}
+
+/* ---- Triangles taken some hundred at a time: their corners and boxes as arrays ---- */
+
+enum { BVXI_TOUCH_BATCH = 128 };
+
+typedef struct bvxi_touch_batch {
+    uint32_t triangle[BVXI_TOUCH_BATCH];
+    /* corner, axis: relative to the window's low corner */
+    int32_t p[3][3][BVXI_TOUCH_BATCH];
+    /* of the box, not cut to the window [Units: voxels] */
+    int32_t low[3][BVXI_TOUCH_BATCH], high[3][BVXI_TOUCH_BATCH];
+} bvxi_touch_batch;
+
+/* Take triangles done .. done + n of those that a tile gets. */
+BVXI_VECTOR_INLINE void bvxi_batch_gather(const bvxi_surface_job *job, const uint32_t *id, uint64_t done,
+                                          uint32_t n, bvxi_touch_batch *b)
+{
+    const int32_t *const xyz = job->snapped.xyz;
+    int32_t const shift = job->fraction_bits;
+    int32_t const ox = job->low[0] * (1 << shift);
+    int32_t const oy = job->low[1] * (1 << shift);
+    int32_t const oz = job->low[2] * (1 << shift);
+    int const packed = bvxi_view_packed_u32(job->view);
+
+    /* Packed indices are copied; others go through the getter, which knows all types. */
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t corner[3];
+        uint32_t const t = id != NULL ? id[done + i] : job->first + (uint32_t)(done + i);
+        b->triangle[i] = t;
+        if (packed) memcpy(corner, (const unsigned char *)job->view->indices + (size_t)t * 12, sizeof corner);
+        else bvxi_view_triangle(job->view, t, corner);
+        for (int c = 0; c < 3; c++) {
+            const int32_t *const v = xyz + 3 * (size_t)corner[c];
+            b->p[c][0][i] = v[0] - ox;
+            b->p[c][1][i] = v[1] - oy;
+            b->p[c][2][i] = v[2] - oz;
+        }
+    }
+}
+
+/* low = floor((least + below) / 2^F), high = floor((greatest + above) / 2^F), along each axis. */
+BVXI_VECTOR_INLINE void bvxi_batch_boxes(bvxi_touch_batch *b, uint32_t n, int32_t f, int32_t below,
+                                         int32_t above)
+{
+    for (int a = 0; a < 3; a++) {
+        const int32_t *BVXI_RESTRICT const p = b->p[0][a], *BVXI_RESTRICT const q = b->p[1][a],
+                                           *BVXI_RESTRICT const r = b->p[2][a];
+        int32_t *BVXI_RESTRICT const low = b->low[a], *BVXI_RESTRICT const high = b->high[a];
+        for (uint32_t i = 0; i < n; i++) {
+            int32_t const pq = p[i] < q[i] ? p[i] : q[i], PQ = p[i] < q[i] ? q[i] : p[i];
+            int32_t const least = (pq < r[i] ? pq : r[i]) + below, most = (PQ > r[i] ? PQ : r[i]) + above;
+            /* The shift of a negative number is not defined in C; its complement is not negative. */
+            low[i] = least < 0 ? ~(~least >> f) : least >> f;
+            high[i] = most < 0 ? ~(~most >> f) : most >> f;
+        }
+    }
 }
 
 #endif

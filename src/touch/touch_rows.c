@@ -10,7 +10,7 @@
  * 2^31, indices times 2^F below 2^29: an edge's value stays below 4.5 * 2^60 + 2 * 2^60 < 2^63. The plane:
  * components of the normal < 2^63, values < 2^96 in 128 bits.
  * Guarantee: exact. */
-#include "touch/touch_rows.h"
+#include "touch/surface_voxels.h"
 
 #define TOUCH_FAR ((int64_t)1 << 32) /* beyond every index */
 

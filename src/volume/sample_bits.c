@@ -6,7 +6,7 @@
  * z is fastest, their runs lie side by side in the array, and so do their words in the grid. Guarantee: a task
  * writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "volume/room.h"
-#include "bits/transpose.h"
+#include "bits/bits.h"
 
 enum {
     TILE_F_WORDS = 8,

@@ -13,8 +13,7 @@
  * (4 pi (d - t)^3) for each edge, and for each dipole 3 t^2 A / (4 pi (d - r - t)^4) and its error. On which
  * side of a triangle a centre lies is decided in integers, ties as everywhere (covered_rows.h), as crossings
  * are. */
-#include "winding/sheet_tree.h"
-#include "core/angle.h"
+#include "winding/turns.h"
 #include "core/vec3.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
  * Guarantee: answers are right or none is given; where the way passes an edge or a triangle's edge by less
  * than rounding can tell, or ends in its plane, there is none. */
 #include "winding/sheet.h"
-#include "core/angle.h"
 #include "core/vec3.h"
 
 /* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b

@@ -1,6 +1,6 @@
 /* sheet_nodes.c - what the parts of a sheet over holes are from far off:
  * balls and areas; parts of loops, loops, groups of loops. */
-#include "winding/sheet_tree.h"
+#include "winding/turns.h"
 #include "mesh/radix.h"
 
 /* Half the cross product of b - a and c - a. */

@@ -2,7 +2,7 @@
  *
  * A task is a column of 32 x 32 rows, so that all of a row is filled by one worker, from low x to high.
  * Stretches without turns are handed over as one. */
-#include "winding/sheet_tree.h"
+#include "winding/turns.h"
 #include "bits/sort.h"
 
 typedef struct bvxi_turns_worker {

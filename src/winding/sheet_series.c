@@ -1,6 +1,6 @@
-/* sheet_series.c - sums over the terms of sheet_series.h. */
-#include "winding/sheet_series.h"
-#include "core/angle.h"
+/* sheet_series.c - sums over the terms of sheet.h. */
+#include "winding/sheet.h"
+#include "core/vec3.h"
 
 #include <math.h>
 

@@ -9,7 +9,7 @@
  * Where all triangles of a mesh hang loose each is a hole of its own, and the sheet is these triangles once
  * more: its loops have nothing to tell then, and groups of them are many. The bits are the same with a tree
  * and without. */
-#include "winding/sheet_tree.h"
+#include "winding/turns.h"
 #include "mesh/radix.h"
 
 #include <math.h>

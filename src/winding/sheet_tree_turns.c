@@ -3,15 +3,14 @@
  *
  * Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987: what is far from a brick
  * becomes a polynomial about its middle, which its eighths take over; they look only at what was too near
- * (sheet_series.h).
+ * (sheet.h).
  *
  * A brick whose polynomial, with its bound and with all that is near, leaves no doubt has one whole number.
  * Else small bricks sum the near triangles for each centre. Where the bound is too wide for that a centre
  * asks the tree, and at last all triangles.
  * Guarantee: as sheet_turns.c, what each centre would say by itself. */
-#include "winding/sheet_tree.h"
-#include "winding/turns_brick.h"
-#include "core/angle.h"
+#include "winding/turns.h"
+#include "core/vec3.h"
 
 #include <math.h>
 

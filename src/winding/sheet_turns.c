@@ -11,8 +11,7 @@
  * the linear angle, what near edges sweep on the way from the middle, and which near triangles that way
  * crosses (sheet_near.c). Centres nearer than the bound to a half are evaluated by themselves.
  * Guarantee: what each centre would say by itself, so where bricks lie does not matter. */
-#include "winding/sheet_tree.h"
-#include "winding/turns_brick.h"
+#include "winding/turns.h"
 
 enum { TURNS_STACK = 160, TURNS_SMALL = 4, TURNS_PLAIN = 8, TURNS_LANES = 4 };
 

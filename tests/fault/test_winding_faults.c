@@ -2,7 +2,7 @@
  * cancelled at every progress call and under every memory limit. */
 #include "fault/context.h"
 #include "tools/mesh_maker.h"
-#include "winding/winding.h"
+#include "winding/holes.h"
 
 /* holes: triangles missing, turned and twice there; loose: each with corners of its own */
 static maker_mesh closed, holes, loose;

@@ -18,12 +18,12 @@ echo 'int main(void) { return 0; }' | clang-19 -fprofile-instr-generate -x c - -
 }
 
 files='src/core/exact.c src/lattice/lattice.c src/lattice/lattice.h src/lattice/wide.h
-    src/mesh/polygon_ears.c src/mesh/polygon_ring.h src/mesh/polygon_side.c src/mesh/topology.c
-    src/refine/children.c src/refine/children.h src/refine/children_batch.c
+    src/mesh/polygon_ears.c src/mesh/polygon.h src/mesh/polygon_side.c src/mesh/topology.c
+    src/refine/children.c src/refine/cubes.h src/refine/children_batch.c
     src/section/section.h src/section/simple.c src/section/simple_quick.c
     src/surface/disjoint_triangles.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
     src/touch/conservative.c src/solid/covered_rows.h src/solid/crossings.c src/touch/sampled.c
-    src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_batch.h src/touch/touch_cells.h src/touch/touch_rows.c'
+    src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_cells.h src/touch/touch_cells.h src/touch/touch_rows.c'
 tests='below boolean check cut_triangle edge_vector faces lattice lod memory merge polygon refine refine_children refine_parts section_parts sections
     sharp sharp_parts solid solid_exact solid_same surface surface_sampled surface_thin surface_voxels tables vote weld winding'
 
@@ -37,7 +37,7 @@ src/section/simple.c | if (status == BVX_OK) status | failures are made to happe
 src/touch/sampled.c | while (k * k > longest) | a rounded root is right already; kept so that the answer does not rest on it
 src/touch/sampled.c | while ((k + 1) * (k + 1) | a rounded root is right already; kept so that the answer does not rest on it
 src/solid/solid_rows.c | bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST | failures are made to happen in tests/fault
-src/touch/touch_batch.h | id != NULL | lists of triangles are for several tiles, which a build without threads has not
+src/touch/touch_cells.h | id != NULL | lists of triangles are for several tiles, which a build without threads has not
 '
 
 out=$(cd "$BUILD/mcdc" && pwd)

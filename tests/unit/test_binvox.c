@@ -1,6 +1,6 @@
 /* test_binvox.c - .binvox files: against a plain writer, files of other makers, windows, damage. */
 #include "bits/runs.h"
-#include "bits/transpose.h"
+#include "bits/bits.h"
 #include "packed_support.h"
 
 static bvx_lattice cubes(int32_t nx, int32_t ny, int32_t nz, double origin, double spacing)

@@ -1,7 +1,6 @@
 /* test_closest_query.c - nearest points against looking at every triangle; features against exact
  * integers. */
 #include "nearest/closest.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"

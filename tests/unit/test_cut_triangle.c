@@ -2,7 +2,7 @@
  * bit, and the same points on an edge for both its triangles. */
 #include "render_support.h"
 
-#include "render/cut_triangle.h"
+#include "render/raster.h"
 
 static const double inf = (double)INFINITY;
 

@@ -2,7 +2,6 @@
  * the C library where it is trusted. */
 #include "core/core.h"
 #include "core/decimal.h"
-#include "core/decimal_big.h"
 
 #include "comma_locale.h"
 #include "unity.h"

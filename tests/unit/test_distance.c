@@ -1,6 +1,5 @@
 /* test_distance.c - closest points against looking at every triangle, distances of shapes that are known. */
 #include "nearest/closest.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"

@@ -1,6 +1,6 @@
 /* test_edge_vector.c - where an edge is cut: the formula's special cases,
  * and the formula against lines in general place. */
-#include "surface/edge_vector.h"
+#include "surface/field_surface.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* test_hash_floods.c - triangles, edges and places whose hashes were made to collide: the answers are those
  * of any others, and a tree, which is one allocation more, takes the table's place. */
 #include "core/key_tree.h"
-#include "mesh/mesh_components.h"
+#include "mesh/topology.h"
 #include "tools/fault.h"
 #include "unity.h"
 #include "winding/holes.h"

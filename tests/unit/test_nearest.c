@@ -2,8 +2,6 @@
  * looked at, for meshes, lattices and widths of all kinds. */
 #include "nearest/nearest.h"
 #include "nearest/closest.h"
-#include "nearest/closest_query.h"
-#include "mesh/scale.h"
 #include "mesh/view.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"

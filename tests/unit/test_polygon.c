@@ -5,7 +5,6 @@
  * sum up to the polygon's, each side of the polygon belongs to one triangle and every other edge to two that
  * run along it in opposite directions. */
 #include "mesh/polygon.h"
-#include "mesh/polygon_ring.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"

@@ -1,6 +1,6 @@
 /* test_refine_children.c - octants that a triangle touches against separating axes in 192 bits. */
 #include "bitvox.h"
-#include "refine/children.h"
+#include "refine/cubes.h"
 #include "tools/exact.h"
 #include "tools/mesh_maker.h"
 

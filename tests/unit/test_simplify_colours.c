@@ -3,7 +3,7 @@
  * a weight not a bit changes. Quadrics against sums over all triangles. */
 #include "levels_support.h"
 
-#include "simplify/colours.h"
+#include "simplify/collapse_state.h"
 
 enum { COLOUR_RINGS = 70, COLOUR_TARGET = 400 };
 

@@ -1,7 +1,7 @@
 /* test_voxel_normal.c - normals from the voxels around, against a walk over the ball voxel by voxel. */
 #include "render_support.h"
 
-#include "render/voxel_normal.h"
+#include "render/raster.h"
 
 static int is_set(const bvx_grid *g, const bvx_grid *also, int32_t x, int32_t y, int32_t z)
 {

@@ -1,6 +1,6 @@
 /* test_weld.c - which vertices share a position, against comparing all pairs. */
 #include "core/key_tree.h"
-#include "mesh/weld.h"
+#include "mesh/topology.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"

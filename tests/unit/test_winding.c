@@ -3,7 +3,7 @@
 #include "solid_support.h"
 #include "tools/fill_oracle.h"
 #include "winding/turns.h"
-#include "winding/winding.h"
+#include "winding/holes.h"
 
 static const int32_t shapes[][3] = {{65, 9, 8},  {9, 66, 7},  {7, 8, 130},  {1, 12, 12},
                                     {12, 1, 11}, {13, 12, 1}, {20, 18, 22}, {34, 33, 35}};

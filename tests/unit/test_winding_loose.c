@@ -3,7 +3,7 @@
  * cells. */
 #include "solid_support.h"
 #include "tools/fill_oracle.h"
-#include "winding/sheet_tree.h"
+#include "winding/turns.h"
 
 typedef struct loose_sheet {
     bvxi_snapped snap;

@@ -1,0 +1,61 @@
+/* steps.h - the ends of lattice edges that a surface crosses: the only centres that need a distance; small
+ * parts of a solid that the meshes it was made from have no part for; the lattice that fits an operation
+ * on two boxes, and whether it is fine enough for them. Not installed. */
+#ifndef BVXI_STEPS_H
+#define BVXI_STEPS_H
+
+#include "core/core.h"
+#include "grid/grid.h"
+
+/* ---- The ends of lattice edges that a surface crosses: the only centres that need a distance ---- */
+
+/* Set the words of where, of inside's window: centres with a neighbour (across a
+ * face, in the window) that differs from them in inside, and in body too when
+ * that is not NULL. Beyond the window all is outside along x; y and z stop there. */
+bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_grid *body, bvx_grid *where);
+
+/* ---- Small parts of a solid that the meshes it was made from have no part for ---- */
+
+/* A mesh that the solid was made from. piece: of each vertex, as bvxi_pieces fills it. */
+typedef struct bvxi_crumb_source {
+    const bvx_mesh_view *mesh;
+    const uint32_t *piece;
+} bvxi_crumb_source;
+
+enum { BVXI_CRUMB_SOURCES = 2 };
+
+/* Drop the crumbs of a solid (empty 0), or fill the pockets that are crumbs of what is empty (1); *dropped
+ * becomes their number. A crumb is a small part without a voxel whose six neighbours are of the part too, and
+ * not the one that a piece of a mesh has for itself. sources: checked meshes with triangles. Scratch: the
+ * parts' runs, a grid, for small parts 12 bytes a vertex and, where the meshes have several pieces, what
+ * bvx_closest_create needs. */
+bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty,
+                            const bvxi_crumb_source *source, int32_t sources, uint64_t *dropped);
+
+/* ---- The lattice that fits an operation on two boxes, and whether it is fine enough for them ---- */
+
+typedef struct bvxi_body_box {
+    double low[3], high[3];
+} bvxi_body_box;
+
+/* Around what can be left: of a difference the box of a, of an intersection what both have in common, else
+ * both. An empty voxel on every side. Boxes that stick out take fraction bits, down to 4. */
+bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
+                                const bvxi_body_box box[2], bvx_lattice *lattice);
+
+/* Of the part of a box that lies on the lattice: its longest and its
+ * shortest side, 0 when there is none. [Units: voxels] */
+typedef struct bvxi_box_sides {
+    double longest, shortest;
+    int32_t whole; /* 1: all of the box lies on the lattice */
+} bvxi_box_sides;
+
+bvxi_box_sides bvxi_sides_on_lattice(const bvxi_body_box *box, const bvx_lattice *lattice);
+
+/* Seen in fewer voxels than FEW along its longest side a body is coarse: FEW_WANTED would show it. */
+enum { BVXI_BOOLEAN_FEW = 16, BVXI_BOOLEAN_WANTED = 64 };
+
+/* The resolution at which so many voxels become wanted, at most 2^24. */
+int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, double wanted);
+
+#endif
