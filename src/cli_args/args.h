@@ -33,7 +33,12 @@ struct cli_command {
     const char *does;    /* one line */
     const char *details; /* lines for its help */
     const char *example; /* command lines that work in the project's folder, one a line */
-    int (*run)(cli_run *run);
+    size_t job;          /* bytes of what it works with: run->job */
+    /* Check, open, read, call the library: all but writing. */
+    int (*make)(cli_run *run, void *job, cli_made *made);
+    /* After writing, what is to be said of it; may be NULL, as the next. */
+    void (*tell)(const cli_run *run, const void *job, cli_made *made);
+    void (*free)(cli_run *run, void *job);
 };
 
 /* ---- option_table.c, option_values.c, arguments.c: what the command line says ---- */
@@ -198,6 +203,8 @@ extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli
 /* The names of a list of the header, in the order of their numbers. */
 #define CLI_NAME_OF(name, value, text) text,
 
+/* By the place of a connectivity among its names: 6, 18, 26. */
+extern const int32_t cli_neighbours[];
 /* By BVX_SAMPLE_..., from BVX_SAMPLE_U8. */
 extern const char *const cli_sample_names[];
 /* By BVX_SIGN_... */

@@ -99,6 +99,7 @@ static const char *const value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 static const char *const axis_names[] = {"x", "y", "z", NULL};
 static const char *const state_names[] = {BVX_STATE_LIST(CLI_NAME_OF) NULL};
 static const char *const connectivity_names[] = {"6", "18", "26", NULL};
+const int32_t cli_neighbours[] = {6, 18, 26};
 static const char *const side_names[] = {BVX_SIDE_LIST(CLI_NAME_OF) NULL};
 static const char *const distance_names[] = {BVX_DISTANCE_LIST(CLI_NAME_OF) NULL};
 static const char *const beyond_names[] = {BVX_BEYOND_LIST(CLI_NAME_OF) NULL};

@@ -164,11 +164,12 @@ static int run_file(cli_run *run, batch *b, int i)
 
     begin_file(run, b, i);
     status = cli_check_options(run);
-    if (status == CLI_DONE) status = run->command->run(run);
+    if (status == CLI_DONE) status = cli_perform(run);
     cli_progress_end(run, status);
     cli_note_peak(run, 0);
     cli_drop_outputs(run);
     keep_report(run, b, status);
+    cli_release(run);
     bvx_context_destroy(run->context);
     run->context = NULL;
 

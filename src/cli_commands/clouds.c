@@ -36,12 +36,12 @@ void cli_tell_cloud(const cli_options *o, const bvx_points_report *r, cli_made *
     cli_json_count(t, "pockets", r->pockets);
     cli_text_add(t, "}");
 
-    if (made->set == 0) cli_text_add(&made->warnings, "no voxel is set: none holds so many points\n");
+    if (made->set == 0) cli_advise(made, "no voxel is set: none holds so many points");
     else if (o->body && r->pockets == 0)
-        cli_text_add(
-            &made->warnings,
+        cli_advise(
+            made,
             "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
-            ", or larger voxels\n",
+            ", or larger voxels",
             o->close_gaps);
 }
 

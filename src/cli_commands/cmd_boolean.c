@@ -158,8 +158,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     b->solid[1] = b->report.solid_b;
     b->voxels[0] = b->report.voxels_a;
     b->voxels[1] = b->report.voxels_b;
-    run->report.set = b->report.voxels;
-    run->report.lattice = lattice;
+    cli_note_voxels(run, &lattice, b->report.voxels);
     return CLI_DONE;
 }
 
@@ -221,6 +220,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_extract_options e;
     bvx_status status;
+    uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
     cli_stage_calls(run,
@@ -231,52 +231,36 @@ static int combine_grids(cli_run *run, boolean_run *b)
         status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
     if (status == BVX_OK)
         status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &run->report.set);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     if (status == BVX_OK && b->kind == CLI_MESH)
         status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
-    run->report.lattice = b->grid.lattice;
+    cli_note_voxels(run, &b->grid.lattice, set);
     return CLI_DONE;
 }
 
 /* ---- What goes out ---- */
 
-static int check_boolean_mesh(cli_run *run, boolean_run *b)
+static int write_boolean(cli_run *run, void *work)
 {
-    cli_mesh_entry *const entry = &run->report.mesh[0];
-    bvx_mesh_view view;
-    bvx_status status;
-    int result;
+    boolean_run *const b = work;
+    int status;
 
+    if (b->kind == CLI_GRID) {
+        status = cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size);
+        return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
+    }
     if (b->mesh.triangle_count == 0)
         return cli_fail(run, "%s and %s: nothing remains after %s, so there is no mesh to write",
                         cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
                         operation_names[b->operation]);
 
-    result = cli_reduce(run, &b->mesh, &b->reduction);
-    if (result != CLI_DONE) return result;
-    bvx_mesh_view_of(&b->mesh, &view);
-    cli_stage_begin(run, "check");
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
-    entry->path = run->options->output;
-    run->report.meshes = 1;
-    return CLI_DONE;
-}
-
-static int write_boolean(cli_run *run, boolean_run *b)
-{
-    int status;
-    if (b->kind == CLI_MESH) {
-        status = check_boolean_mesh(run, b);
-        return status == CLI_DONE ? cli_write_mesh(run, &b->mesh) : status;
-    }
-    status = cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size);
-    return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
+    status = cli_reduce(run, &b->mesh, &b->reduction);
+    if (status == CLI_DONE) status = cli_check_mesh(run, &b->mesh, 0, run->options->output, "check");
+    return status == CLI_DONE ? cli_write_mesh(run, &b->mesh) : status;
 }
 
 /* Walls of an input too thin for the voxels that are in the result all the same. */
@@ -286,9 +270,9 @@ static int is_thin_kept(const boolean_run *b, int i)
 }
 
 /* How an input that is a mesh was filled. */
-static void report_operand(cli_run *run, const boolean_run *b, int i)
+static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     const bvx_solid_report *const r = &b->solid[i];
 
     if (!b->is_mesh[i]) return;
@@ -303,7 +287,7 @@ static void report_operand(cli_run *run, const boolean_run *b, int i)
 }
 
 /* A union has no more parts than its meshes have together. They are counted only where that is in question. */
-static void warn_of_broken_union(cli_run *run, const boolean_run *b)
+static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_made *made)
 {
     uint64_t const parts = run->report.mesh[0].certificate.components;
     uint64_t own = 0;
@@ -318,113 +302,105 @@ static void warn_of_broken_union(cli_run *run, const boolean_run *b)
         own += c.components;
     }
     if (parts > own)
-        cli_warn(run,
-                 "the result has %" PRIu64 " parts, the meshes %" PRIu64
-                 ": what is thinner than voxels came apart; take a higher --resolution, or --thin drop",
-                 parts, own);
+        cli_advise(made,
+                   "the result has %" PRIu64 " parts, the meshes %" PRIu64
+                   ": what is thinner than voxels came apart; take a higher --resolution, or --thin drop",
+                   parts, own);
 }
 
-static void warn_of_boolean(cli_run *run, const boolean_run *b)
+static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *made)
 {
     static const char *const what[3] = {"A", "B", "the result"};
-    cli_text lost = {0};
     char of[600];
 
     for (int i = 0; i < 2; i++) {
         if (!b->is_mesh[i]) continue;
         if (b->solid[i].unbalanced_rows != 0)
-            cli_warn(run,
-                     "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there",
-                     cli_input_name(b->in[i].path), b->solid[i].unbalanced_rows);
+            cli_advise(made,
+                       "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there",
+                       cli_input_name(b->in[i].path), b->solid[i].unbalanced_rows);
         if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
-            cli_warn(
-                run,
+            cli_advise(
+                made,
                 "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
                 "has it solid",
                 cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
-        for (char *p = of; *p != 0; p++) /* warnings are parted by lines */
-            if (*p == '\n') *p = '?';
-        if (!is_thin_kept(b, i)) cli_tell_losses(&lost, of, "", &run->report.lattice, &b->solid[i]);
-        cli_warn_lines(run, &lost);
+        if (!is_thin_kept(b, i)) cli_tell_losses(&made->warnings, of, "", &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0)
-            cli_warn(run, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+            cli_advise(made, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
     for (int i = 0; i < 3; i++)
         if ((b->few >> i & 1) != 0)
-            cli_warn(run, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
-                     i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
-    warn_of_broken_union(run, b);
+            cli_advise(made, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
+                       i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
+    warn_of_broken_union(run, b, made);
 }
 
-static void tell_boolean(cli_run *run, const boolean_run *b)
+static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
 {
-    const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_text *const t = &run->report.more;
+    const boolean_run *const b = work;
+    cli_text *const t = &made->members;
     const int32_t *const n = run->report.lattice.dims;
-    cli_text fills = {0};
 
     cli_text_add(t, ", \"boolean\": {\"operation\": \"%s\"", operation_names[b->operation]);
     cli_json_count(t, "voxels_a", b->voxels[0]);
     cli_json_count(t, "voxels_b", b->voxels[1]);
     cli_json_count(t, "voxels", run->report.set);
     cli_json_truth(t, "surfaces_kept", b->by_mesh);
-    for (int i = 0; i < 2; i++) report_operand(run, b, i);
+    for (int i = 0; i < 2; i++) report_operand(run, b, i, made);
     if (b->by_mesh) {
         cli_json_truth(t, "sharp", b->report.sharp);
         cli_json_count(t, "crumbs", b->report.crumbs);
         cli_json_count(t, "parts_dropped", b->report.parts_dropped);
     }
     cli_text_add(t, "}");
-    cli_say(run, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path),
-            cli_input_name(b->in[1].path), run->options->output);
-    cli_say(run, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
-    cli_say(run, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1],
-            run->report.set);
+    cli_tell(made, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path),
+             cli_input_name(b->in[1].path), run->options->output);
+    cli_tell(made, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
+    cli_tell(made, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1],
+             run->report.set);
     if (b->report.crumbs != 0)
-        cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n",
-                b->report.crumbs);
+        cli_tell(made, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n",
+                 b->report.crumbs);
     if (b->report.parts_dropped != 0)
-        cli_say(run, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
+        cli_tell(made, "  dropped     %" PRIu64 " parts\n", b->report.parts_dropped);
     for (int i = 0; i < 2; i++)
-        if (b->is_mesh[i]) cli_tell_fill(&fills, &b->solid[i]);
-    cli_say_lines(run, &fills);
+        if (b->is_mesh[i]) cli_tell_fill(&made->text, &b->solid[i]);
     for (int i = 0; i < 2; i++)
         if (is_thin_kept(b, i))
-            cli_say(run, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",
-                    b->solid[i].thin_voxels, i == 0 ? "A" : "B");
-    warn_of_boolean(run, b);
+            cli_tell(made, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",
+                     b->solid[i].thin_voxels, i == 0 ? "A" : "B");
+    warn_of_boolean(run, b, made);
     if (b->kind != CLI_MESH) return;
-    cli_tell_reduction(run, &b->reduction);
-    cli_say(run,
-            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
-            " components, volume %.6g\n",
-            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
-            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
-            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+    cli_tell_reduction(run, &b->reduction, made);
+    cli_tell_result(&run->report.mesh[0].certificate, made);
 }
 
-static int run_boolean(cli_run *run)
+static int make_boolean(cli_run *run, void *work, cli_made *made)
 {
-    boolean_run b;
-    int status;
+    boolean_run *const b = work;
+    const char *const output = run->options->output;
+    int status = check_boolean_options(run, b);
 
-    memset(&b, 0, sizeof b);
-    status = check_boolean_options(run, &b);
     if (status == CLI_DONE)
-        status = b.kind == CLI_GRID ? cli_open_grid_output(run, run->options->output)
-                                    : cli_open_output(run, run->options->output);
+        status = b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output);
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
-        status = cli_read_input(run, run->options->input[1 + i], &b.in[i]);
-    if (status == CLI_DONE) status = b.by_mesh ? combine_meshes(run, &b) : combine_grids(run, &b);
-    if (status == CLI_DONE) run->report.has_lattice = run->report.has_set = 1;
-    if (status == CLI_DONE) status = write_boolean(run, &b);
-    if (status == CLI_DONE) tell_boolean(run, &b);
-    bvx_mesh_free(run->context, &b.mesh);
-    bvx_grid_free(run->context, &b.grid);
-    for (int i = 0; i < 2; i++) cli_free_input(run, &b.in[i]);
+        status = cli_read_input(run, run->options->input[1 + i], &b->in[i]);
+    if (status == CLI_DONE) status = b->by_mesh ? combine_meshes(run, b) : combine_grids(run, b);
+    made->write = write_boolean;
+    made->untitled = 1;
     return status;
+}
+
+static void free_boolean(cli_run *run, void *work)
+{
+    boolean_run *const b = work;
+
+    bvx_mesh_free(run->context, &b->mesh);
+    bvx_grid_free(run->context, &b->grid);
+    for (int i = 0; i < 2; i++) cli_free_input(run, &b->in[i]);
 }
 
 const cli_command cli_boolean = {
@@ -445,4 +421,7 @@ const cli_command cli_boolean = {
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
     "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
     "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
-    run_boolean};
+    sizeof(boolean_run),
+    make_boolean,
+    tell_boolean,
+    free_boolean};

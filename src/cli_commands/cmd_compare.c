@@ -19,49 +19,50 @@ static const char *pieces_text(uint64_t count, uint64_t largest, char *text, siz
     return text;
 }
 
-static void say_only(cli_run *run, const char *name, uint64_t voxels, uint64_t count, uint64_t largest)
+static void tell_only(cli_made *made, const char *name, uint64_t voxels, uint64_t count, uint64_t largest)
 {
     char text[96];
-    if (voxels == 0) cli_say(run, "  only in %s   none\n", name);
+    if (voxels == 0) cli_tell(made, "  only in %s   none\n", name);
     else
-        cli_say(run, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels,
-                pieces_text(count, largest, text, sizeof text));
+        cli_tell(made, "  only in %s   %" PRIu64 " voxels, %s\n", name, voxels,
+                 pieces_text(count, largest, text, sizeof text));
 }
 
-static void say_grid_difference(cli_run *run, const bvx_grid *g, const bvx_grid_difference *d)
+static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bvx_grid_difference *d,
+                                 cli_made *made)
 {
     double const either = (double)d->both + (double)d->only_a + (double)d->only_b;
     double low[3], high[3];
 
-    cli_say(run, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n",
-            cli_input_name(run->options->input[0]), d->set_a, cli_input_name(run->options->input[1]),
-            d->set_b);
-    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
-            g->size[2]);
-    cli_say(run, "  both        %" PRIu64 " voxels", d->both);
-    if (either > 0.0) cli_say(run, ", %.6g %% of what either has", 100.0 * (double)d->both / either);
-    cli_say(run, "\n");
-    say_only(run, "A", d->only_a, d->components_only_a, d->largest_only_a);
-    say_only(run, "B", d->only_b, d->components_only_b, d->largest_only_b);
+    cli_tell(made, "A  %s: %" PRIu64 " voxels\nB  %s: %" PRIu64 " voxels\n",
+             cli_input_name(run->options->input[0]), d->set_a, cli_input_name(run->options->input[1]),
+             d->set_b);
+    cli_tell(made, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
+             g->size[2]);
+    cli_tell(made, "  both        %" PRIu64 " voxels", d->both);
+    if (either > 0.0) cli_tell(made, ", %.6g %% of what either has", 100.0 * (double)d->both / either);
+    cli_tell(made, "\n");
+    tell_only(made, "A", d->only_a, d->components_only_a, d->largest_only_a);
+    tell_only(made, "B", d->only_b, d->components_only_b, d->largest_only_b);
     if (d->only_a + d->only_b == 0) {
-        cli_say(run, "  the same\n");
+        cli_tell(made, "  the same\n");
         return;
     }
     for (int a = 0; a < 3; a++) {
         low[a] = g->lattice.origin[a] + ((double)g->low[a] + d->low[a]) * g->lattice.spacing[a];
         high[a] = low[a] + d->size[a] * g->lattice.spacing[a];
     }
-    cli_say(run,
-            "  box         of what differs: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32
-            ",%" PRId32 ",%" PRId32 ",\n"
-            "              %.9g, %.9g, %.9g to %.9g, %.9g, %.9g\n",
-            d->size[0], d->size[1], d->size[2], d->low[0], d->low[1], d->low[2], low[0], low[1], low[2],
-            high[0], high[1], high[2]);
+    cli_tell(made,
+             "  box         of what differs: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32
+             ",%" PRId32 ",%" PRId32 ",\n"
+             "              %.9g, %.9g, %.9g to %.9g, %.9g, %.9g\n",
+             d->size[0], d->size[1], d->size[2], d->low[0], d->low[1], d->low[2], low[0], low[1], low[2],
+             high[0], high[1], high[2]);
 }
 
-static void report_grid_difference(cli_run *run, const bvx_grid_difference *d)
+static void report_grid_difference(const cli_run *run, const bvx_grid_difference *d, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"difference\": {\"same\": %s, \"paths\": [",
                  d->only_a + d->only_b == 0 ? "true" : "false");
@@ -96,7 +97,7 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
     return cli_fail_status(run, status, more);
 }
 
-static int compare_grids(cli_run *run, const cli_input in[2])
+static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
 {
     bvx_grid_difference d;
     int status;
@@ -107,8 +108,8 @@ static int compare_grids(cli_run *run, const cli_input in[2])
     if (status != CLI_DONE) return status;
     run->report.lattice = in[0].grid.lattice;
     run->report.has_lattice = 1;
-    report_grid_difference(run, &d);
-    say_grid_difference(run, &in[0].grid, &d);
+    report_grid_difference(run, &d, made);
+    tell_grid_difference(run, &in[0].grid, &d, made);
     return CLI_DONE;
 }
 
@@ -133,40 +134,40 @@ static int check_mesh(cli_run *run, const cli_input *in)
     return CLI_DONE;
 }
 
-static void say_mesh(cli_run *run, const char *name, const cli_mesh_entry *m)
+static void tell_mesh(cli_made *made, const char *name, const cli_mesh_entry *m)
 {
     const bvx_certificate *const c = &m->certificate;
-    cli_say(run, "%s  %s\n", name, cli_input_name(m->path));
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices, %" PRIu64 " components\n", c->triangles,
-            c->vertices, c->components);
-    cli_say(run, "  surface     %s, %s, %s\n", c->closed ? "closed" : "not closed",
-            c->edge_manifold && c->vertex_manifold ? "manifold" : "not manifold",
-            c->oriented ? "oriented" : "not oriented");
-    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
-            c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
+    cli_tell(made, "%s  %s\n", name, cli_input_name(m->path));
+    cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices, %" PRIu64 " components\n",
+             c->triangles, c->vertices, c->components);
+    cli_tell(made, "  surface     %s, %s, %s\n", c->closed ? "closed" : "not closed",
+             c->edge_manifold && c->vertex_manifold ? "manifold" : "not manifold",
+             c->oriented ? "oriented" : "not oriented");
+    cli_tell(made, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
+             c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
 }
 
-static void say_way(cli_run *run, const char *way, double mean, double most, double diagonal)
+static void tell_way(cli_made *made, const char *way, double mean, double most, double diagonal)
 {
     double const part = diagonal > 0.0 ? 100.0 / diagonal : 0.0;
-    cli_say(run, "  %-10s %11.4g %8.4f%% %13.4g %8.4f%%\n", way, mean, mean * part, most, most * part);
+    cli_tell(made, "  %-10s %11.4g %8.4f%% %13.4g %8.4f%%\n", way, mean, mean * part, most, most * part);
 }
 
-static void say_distance(cli_run *run, const bvx_distance_report *d, double diagonal)
+static void tell_distance_of(cli_made *made, const bvx_distance_report *d, double diagonal)
 {
-    cli_say(run,
-            "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
-            " random points on each mesh, seed %" PRIu64 "\n",
-            diagonal, d->samples, d->seed);
-    cli_say(run, "  %22s%24s\n", "mean", "max");
-    say_way(run, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
-    say_way(run, "B to A", d->mean_b_to_a, d->max_b_to_a, diagonal);
-    say_way(run, "both ways", d->mean, d->max, diagonal);
+    cli_tell(made,
+             "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
+             " random points on each mesh, seed %" PRIu64 "\n",
+             diagonal, d->samples, d->seed);
+    cli_tell(made, "  %22s%24s\n", "mean", "max");
+    tell_way(made, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
+    tell_way(made, "B to A", d->mean_b_to_a, d->max_b_to_a, diagonal);
+    tell_way(made, "both ways", d->mean, d->max, diagonal);
 }
 
-static void report_distance(cli_run *run, const bvx_distance_report *d, double diagonal)
+static void report_distance(cli_made *made, const bvx_distance_report *d, double diagonal)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);
@@ -182,7 +183,7 @@ static void report_distance(cli_run *run, const bvx_distance_report *d, double d
     cli_text_add(t, "}");
 }
 
-static int compare_meshes(cli_run *run, const cli_input in[2])
+static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
 {
     const cli_options *const o = run->options;
     uint64_t const samples = o->samples < 0 ? COMPARE_SAMPLES : (uint64_t)o->samples;
@@ -203,11 +204,11 @@ static int compare_meshes(cli_run *run, const cli_input in[2])
     }
     if (status != CLI_DONE) return status;
     diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
-    say_mesh(run, "A", &run->report.mesh[0]);
-    say_mesh(run, "B", &run->report.mesh[1]);
+    tell_mesh(made, "A", &run->report.mesh[0]);
+    tell_mesh(made, "B", &run->report.mesh[1]);
     if (samples == 0) return CLI_DONE;
-    say_distance(run, &d, diagonal);
-    report_distance(run, &d, diagonal);
+    tell_distance_of(made, &d, diagonal);
+    report_distance(made, &d, diagonal);
     return CLI_DONE;
 }
 
@@ -233,16 +234,22 @@ static int check_compare_options(cli_run *run)
     return CLI_DONE;
 }
 
-static int run_compare(cli_run *run)
+/* Two inputs. */
+static int make_compare(cli_run *run, void *work, cli_made *made)
 {
-    static cli_input in[2]; /* zeroed */
+    cli_input *const in = work;
     int status = check_compare_options(run);
+
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_read_input(run, run->options->input[i], &in[i]);
-    if (status == CLI_DONE)
-        status = in[0].kind == CLI_MESH ? compare_meshes(run, in) : compare_grids(run, in);
-    for (int i = 0; i < 2; i++) cli_free_input(run, &in[i]);
-    return status;
+    made->untitled = 1;
+    if (status != CLI_DONE) return status;
+    return in[0].kind == CLI_MESH ? compare_meshes(run, in, made) : compare_grids(run, in, made);
+}
+
+static void free_compare(cli_run *run, void *work)
+{
+    for (int i = 0; i < 2; i++) cli_free_input(run, (cli_input *)work + i);
 }
 
 const cli_command cli_compare = {
@@ -258,4 +265,7 @@ const cli_command cli_compare = {
     "--json reports it to programs.",
     "bitvox convert fixtures/knot.ply -o knot.stl\n"
     "bitvox compare fixtures/knot.ply knot.stl",
-    run_compare};
+    sizeof(cli_input[2]),
+    make_compare,
+    NULL,
+    free_compare};

@@ -16,7 +16,7 @@ typedef struct components_job {
     bvx_keep_report kept;
     uint64_t filled;
     bvx_component *parts; /* of what remains; the largest first once they were reported */
-    uint64_t count;
+    uint64_t count, set;  /* of parts, of voxels */
     bvx_topology topology;
     uint32_t *labels;
     cli_voxels voxels; /* the output */
@@ -101,13 +101,11 @@ static int list_components(cli_run *run, components_job *job)
         status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
     if (status == BVX_OK && job->connectivity != 18)
         status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, g, &run->report.set);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, g, &job->set);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
     qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
-    run->report.lattice = g->lattice;
-    run->report.has_lattice = run->report.has_set = 1;
     return CLI_DONE;
 }
 
@@ -119,42 +117,38 @@ static void first_of(const bvx_grid *g, const bvx_component *p, int32_t v[3])
     v[2] = (int32_t)(p->first / nx / ny);
 }
 
-static void say_components(cli_run *run, const components_job *job)
+static void tell_parts(const cli_options *o, const components_job *job, cli_made *made)
 {
     const bvx_grid *const g = &job->in.grid;
-    const cli_options *const o = run->options;
 
-    if (o->output != NULL) cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), o->output);
-    else cli_say(run, "%s\n", cli_input_name(job->in.path));
-    cli_say_grid(run, g, run->report.set, job->in.placed);
     if (job->kept.dropped != 0)
-        cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n",
-                job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
-    if (o->fill_cavities) cli_say(run, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
-    cli_say(run, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
+        cli_tell(made, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n",
+                 job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
+    if (o->fill_cavities) cli_tell(made, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
+    cli_tell(made, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
     if (job->connectivity != 18)
-        cli_say(run, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
-                job->topology.cavities, job->topology.tunnels, job->topology.euler);
+        cli_tell(made, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
+                 job->topology.cavities, job->topology.tunnels, job->topology.euler);
     if (job->count != 0)
-        cli_say(run, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
+        cli_tell(made, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
     for (uint64_t i = 0; i < job->count && i < PARTS_SAID; i++) {
         const bvx_component *const p = &job->parts[i];
         char first[48];
         int32_t v[3];
         first_of(g, p, v);
         snprintf(first, sizeof first, "%" PRId32 ",%" PRId32 ",%" PRId32, v[0], v[1], v[2]);
-        cli_say(run,
-                "  %8" PRIu64 " %14" PRIu64 " %8.3f%%   %-18s %" PRId32 " x %" PRId32 " x %" PRId32
-                " from %" PRId32 ",%" PRId32 ",%" PRId32 "\n",
-                p->reserved, p->voxels, 100.0 * (double)p->voxels / (double)run->report.set, first,
-                p->size[0], p->size[1], p->size[2], p->low[0], p->low[1], p->low[2]);
+        cli_tell(made,
+                 "  %8" PRIu64 " %14" PRIu64 " %8.3f%%   %-18s %" PRId32 " x %" PRId32 " x %" PRId32
+                 " from %" PRId32 ",%" PRId32 ",%" PRId32 "\n",
+                 p->reserved, p->voxels, 100.0 * (double)p->voxels / (double)job->set, first, p->size[0],
+                 p->size[1], p->size[2], p->low[0], p->low[1], p->low[2]);
     }
-    if (job->count > PARTS_SAID) cli_say(run, "           and %" PRIu64 " more\n", job->count - PARTS_SAID);
+    if (job->count > PARTS_SAID) cli_tell(made, "           and %" PRIu64 " more\n", job->count - PARTS_SAID);
 }
 
-static void report_components(cli_run *run, const components_job *job)
+static void report_parts(const components_job *job, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"components\": {\"connectivity\": %" PRId32, job->connectivity);
     cli_json_count(t, "count", job->count);
@@ -243,44 +237,56 @@ static int write_labels(cli_run *run, components_job *job, int number)
     return result;
 }
 
-static int write_components(cli_run *run, components_job *job)
+/* The numbers first, since the grid keeps all outputs. */
+static int write_components(cli_run *run, void *work)
 {
+    components_job *const job = work;
     const char *const output = run->options->output;
     int const taken = output == NULL ? 0 : cli_needs_sidecar(bvx_format_of_name(output)) ? 2 : 1;
     int status = labels_of(run) != NULL ? write_labels(run, job, taken) : CLI_DONE;
+
     if (status == CLI_DONE && output != NULL) return cli_write_voxels(run, &job->voxels);
     return status == CLI_DONE && labels_of(run) != NULL ? cli_keep_outputs(run) : status;
 }
 
-static int run_components(cli_run *run)
+static int make_components(cli_run *run, void *work, cli_made *made)
 {
-    static const int32_t neighbours[3] = {6, 18, 26}; /* by the place of --connectivity among its names */
-    components_job job;
-    int status;
+    components_job *const job = work;
+    const char *const output = run->options->output;
+    int status = check_components_options(run);
 
-    memset(&job, 0, sizeof job);
-    job.connectivity = neighbours[run->options->connectivity];
-    status = check_components_options(run);
+    job->connectivity = cli_neighbours[run->options->connectivity];
     if (status == CLI_DONE) status = open_components_outputs(run);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job.in);
-    if (status == CLI_DONE && run->options->output != NULL && !cli_makes_mesh(run))
-        status = cli_check_grid_format(run, run->options->output, &job.in.grid.lattice, job.in.grid.size);
-    job.voxels.name = run->options->input[0];
-    job.voxels.grid = &job.in.grid;
-    if (status == CLI_DONE) status = keep_components(run, &job);
-    if (status == CLI_DONE) status = list_components(run, &job);
-    if (status == CLI_DONE) status = write_components(run, &job);
-    if (status == CLI_DONE) {
-        say_components(run, &job);
-        report_components(run, &job);
-        if (run->options->output != NULL) cli_tell_voxels(run, &job.voxels);
-    }
-    cli_free_voxels(run, &job.voxels);
-    free(job.labels);
-    free(job.parts);
-    free(job.seeds);
-    cli_free_input(run, &job.in);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
+    if (status == CLI_DONE && output != NULL && !cli_makes_mesh(run))
+        status = cli_check_grid_format(run, output, &job->in.grid.lattice, job->in.grid.size);
+    if (status == CLI_DONE) status = keep_components(run, job);
+    if (status == CLI_DONE) status = list_components(run, job);
+
+    job->voxels.name = run->options->input[0];
+    job->voxels.grid = made->shown = &job->in.grid;
+    if (output != NULL) made->voxels = &job->voxels;
+    made->write = write_components;
+    made->set = job->set;
+    made->placed = job->in.placed;
     return status;
+}
+
+static void tell_components(const cli_run *run, const void *work, cli_made *made)
+{
+    tell_parts(run->options, work, made);
+    report_parts(work, made);
+}
+
+static void free_components(cli_run *run, void *work)
+{
+    components_job *const job = work;
+
+    cli_free_voxels(run, &job->voxels);
+    free(job->labels);
+    free(job->parts);
+    free(job->seeds);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_components = {
@@ -297,4 +303,7 @@ const cli_command cli_components = {
     "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
     "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
     "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
-    run_components};
+    sizeof(components_job),
+    make_components,
+    tell_components,
+    free_components};

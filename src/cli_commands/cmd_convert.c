@@ -36,84 +36,92 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
 }
 
-static int convert_mesh(cli_run *run)
-{
-    const char *const out = run->options->output;
-    bvx_mesh mesh = {0};
-    int result = cli_open_output(run, out);
+typedef struct convert_job {
+    cli_input in;
+    cli_tree tree;
+    cli_voxels voxels;
+} convert_job;
 
-    if (result == CLI_DONE) result = cli_read_mesh(run, run->options->input[0], &mesh);
-    if (result == CLI_DONE) result = cli_write_mesh(run, &mesh);
-    if (result == CLI_DONE) {
-        cli_warn_of_lost(run, out, &mesh);
-        cli_say(run, "%s -> %s\n  triangles   %" PRIu64 " of %" PRIu64 " vertices\n",
-                cli_input_name(run->options->input[0]), out, mesh.triangle_count, mesh.vertex_count);
-    }
-    bvx_mesh_free(run->context, &mesh);
-    return result;
+static int convert_mesh(cli_run *run, convert_job *job, cli_made *made)
+{
+    int const status = cli_open_output(run, run->options->output);
+
+    made->mesh = &job->in.mesh;
+    return status == CLI_DONE ? cli_read_mesh(run, run->options->input[0], &job->in.mesh) : status;
 }
 
-static int write_tree(cli_run *run, cli_input *in, cli_tree *t)
+static int write_tree(cli_run *run, void *work)
 {
-    int status = cli_take_tree(run, in->tree, t);
+    convert_job *const job = work;
 
-    in->tree = NULL;
+    return cli_write_tree(run, &job->tree);
+}
+
+static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
+{
+    cli_tree *const t = &job->tree;
+    int status = cli_take_tree(run, job->in.tree, t);
+
+    job->in.tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
     if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
         status = cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
-    if (status == CLI_DONE) status = cli_write_tree(run, t);
-    if (status != CLI_DONE) return status;
-    cli_say(run, "%s -> %s\n\n", cli_input_name(in->path), run->options->output);
-    cli_say_levels(run, t);
-    cli_say_tree_output(run, t);
-    cli_report_tree(run, t);
-    return CLI_DONE;
+    made->write = write_tree;
+    return status;
 }
 
-static int write_grid(cli_run *run, const cli_input *in)
+static int convert_grid(cli_run *run, convert_job *job, cli_made *made)
 {
-    const bvx_grid *const grid = &in->grid;
-    const char *const out = run->options->output;
-    cli_voxels voxels = {.name = in->path, .grid = grid};
-    int status = CLI_DONE;
-
-    if (bvx_format_of_name(out) == BVX_FORMAT_VTU || cli_given(run, "--expand") || cli_given(run, "--states"))
+    if (bvx_format_of_name(run->options->output) == BVX_FORMAT_VTU || cli_given(run, "--expand") ||
+        cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",
-                         cli_input_name(in->path));
-    status = cli_write_voxels(run, &voxels);
-    cli_free_voxels(run, &voxels);
-    if (status != CLI_DONE) return status;
-    run->report.lattice = grid->lattice;
-    run->report.has_lattice = run->report.has_set = 1;
-    bvx_grid_count(run->context, grid, &run->report.set);
-    cli_say(run, "%s -> %s\n", cli_input_name(in->path), out);
-    cli_say_grid(run, grid, run->report.set, in->placed);
-    cli_tell_voxels(run, &voxels);
+                         cli_input_name(job->in.path));
+    job->voxels.name = job->in.path;
+    job->voxels.grid = &job->in.grid;
+    made->voxels = &job->voxels;
+    made->placed = job->in.placed;
+    bvx_grid_count(run->context, &job->in.grid, &made->set);
     return CLI_DONE;
 }
 
-static int convert_voxels(cli_run *run, cli_tree *t)
+static int make_convert(cli_run *run, void *work, cli_made *made)
 {
+    convert_job *const job = work;
     const char *const out = run->options->output;
-    cli_input in;
-    int status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run);
+    int kind, status = check_convert_options(run, &kind, &job->tree);
 
-    memset(&in, 0, sizeof in);
-    if (status == CLI_DONE) status = cli_read_grid_or_tree(run, run->options->input[0], &t->window, &in);
-    if (status == CLI_DONE) status = in.kind == CLI_TREE ? write_tree(run, &in, t) : write_grid(run, &in);
-    cli_free_input(run, &in);
-    return status;
+    if (status != CLI_DONE) return status;
+    if (kind == CLI_MESH) return convert_mesh(run, job, made);
+    status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run);
+    if (status == CLI_DONE)
+        status = cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in);
+    if (status != CLI_DONE) return status;
+    return job->in.kind == CLI_TREE ? convert_tree(run, job, made) : convert_grid(run, job, made);
 }
 
-static int run_convert(cli_run *run)
+static void tell_convert(const cli_run *run, const void *work, cli_made *made)
 {
-    cli_tree t;
-    int kind, status;
-    memset(&t, 0, sizeof t);
-    status = check_convert_options(run, &kind, &t);
-    if (status == CLI_DONE) status = kind == CLI_MESH ? convert_mesh(run) : convert_voxels(run, &t);
-    cli_free_tree(run, &t);
-    return status;
+    const convert_job *const job = work;
+    const bvx_mesh *const mesh = made->mesh;
+
+    if (job->tree.tree != NULL) {
+        cli_tell(made, "\n");
+        cli_tell_levels(run, &job->tree, made);
+        cli_tell_tree_output(run, &job->tree, made);
+    }
+    if (mesh == NULL) return;
+    cli_tell_lost(run->options->output, mesh, made);
+    cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", mesh->triangle_count,
+             mesh->vertex_count);
+}
+
+static void free_convert(cli_run *run, void *work)
+{
+    convert_job *const job = work;
+
+    cli_free_voxels(run, &job->voxels);
+    cli_free_tree(run, &job->tree);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_convert = {
@@ -131,4 +139,7 @@ const cli_command cli_convert = {
     "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
     "bitvox convert fixtures/knot.ply -o knot.glb\n"
     "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
-    run_convert};
+    sizeof(convert_job),
+    make_convert,
+    tell_convert,
+    free_convert};

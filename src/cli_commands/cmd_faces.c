@@ -28,57 +28,57 @@ static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
     return bvx_extract_faces(run->context, grid, &f, mesh);
 }
 
-static int make_faces(cli_run *run, const cli_input *in, bvx_mesh *mesh)
+static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
 {
     cli_mesh_entry *const entry = &run->report.mesh[0];
-    bvx_mesh_view view;
+    uint64_t set = 0;
     bvx_status status;
 
-    bvx_grid_count(run->context, &in->grid, &run->report.set);
-    run->report.lattice = in->grid.lattice;
-    run->report.has_lattice = run->report.has_set = 1;
-    if (run->report.set == 0)
-        return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
+    bvx_grid_count(run->context, &in->grid, &set);
+    cli_note_voxels(run, &in->grid.lattice, set);
+    if (set == 0) return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
     cli_stage_begin(run, "faces");
     status = extract(run, &in->grid, mesh);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
-    cli_stage_begin(run, "check");
-    bvx_mesh_view_of(mesh, &view);
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
-    entry->path = run->options->output;
-    run->report.meshes = 1;
-    return CLI_DONE;
+    return cli_check_mesh(run, mesh, 0, run->options->output, "check");
 }
 
-static void say_faces(cli_run *run, const cli_input *in)
-{
-    const bvx_certificate *const c = &run->report.mesh[0].certificate;
-    cli_say(run, "%s -> %s\n", cli_input_name(in->path), run->options->output);
-    cli_say(run, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
-            run->options->merge ? "rectangles" : "faces     ", c->triangles / 2);
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles,
-            c->vertices, c->volume);
-}
-
-static int run_faces(cli_run *run)
-{
+typedef struct faces_job {
     cli_input in;
-    bvx_mesh mesh = {0};
+    bvx_mesh mesh;
+} faces_job;
+
+static int make_faces(cli_run *run, void *work, cli_made *made)
+{
+    faces_job *const job = work;
     int status = check_faces_options(run);
 
-    memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &in);
-    if (status == CLI_DONE && in.kind == CLI_MESH) status = cli_fill_input(run, &in);
-    if (status == CLI_DONE) status = make_faces(run, &in, &mesh);
-    if (status == CLI_DONE) status = cli_write_mesh(run, &mesh);
-    if (status == CLI_DONE) say_faces(run, &in);
-    bvx_mesh_free(run->context, &mesh);
-    cli_free_input(run, &in);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
+    if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);
+    if (status == CLI_DONE) status = extract_mesh(run, &job->in, &job->mesh);
+    made->mesh = &job->mesh;
     return status;
+}
+
+static void tell_faces(const cli_run *run, const void *work, cli_made *made)
+{
+    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+
+    (void)work;
+    cli_tell(made, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
+             run->options->merge ? "rectangles" : "faces     ", c->triangles / 2);
+    cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles,
+             c->vertices, c->volume);
+}
+
+static void free_faces(cli_run *run, void *work)
+{
+    faces_job *const job = work;
+
+    bvx_mesh_free(run->context, &job->mesh);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_faces = {
@@ -93,4 +93,7 @@ const cli_command cli_faces = {
     ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
     "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
     "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
-    run_faces};
+    sizeof(faces_job),
+    make_faces,
+    tell_faces,
+    free_faces};

@@ -104,62 +104,41 @@ static int find_seeds(cli_run *run, fill_job *job)
 
 /* ---- filling ---- */
 
-static int grid_reaches_side(const bvx_grid *g)
-{
-    size_t const row = (size_t)g->words_per_row;
-
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t y = 0; y < g->size[1]; y++) {
-            const uint64_t *const words = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * row;
-            int const side = z == 0 || y == 0 || z == g->size[2] - 1 || y == g->size[1] - 1;
-            for (size_t i = 0; i < row && side; i++)
-                if (words[i] != 0) return 1;
-            if (bvx_grid_get(g, 0, y, z) || bvx_grid_get(g, g->size[0] - 1, y, z)) return 1;
-        }
-    return 0;
-}
-
 static int fill_from_seeds(cli_run *run, fill_job *job)
 {
-    static const int32_t neighbours[3] = {6, 18, 26}; /* by the place of --connectivity among its names */
     const bvx_grid *const walls = &job->in.grid;
     bvx_status status;
 
     cli_stage_begin(run, "fill");
     status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
-                           neighbours[run->options->connectivity], &job->out);
+                           cli_neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
-    job->reaches_side = grid_reaches_side(&job->out);
+    job->reaches_side = cli_touches_side(&job->out);
     size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
     for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
-    bvx_grid_count(run->context, &job->out, &run->report.set);
-    run->report.lattice = job->out.lattice;
-    run->report.has_lattice = run->report.has_set = 1;
     return CLI_DONE;
 }
 
 /* ---- what is reported ---- */
 
-static void say_fill(cli_run *run, const fill_job *job)
+static void tell_seeds(const fill_job *job, cli_made *made)
 {
     const bvx_seed *const s = &job->search;
 
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
-    cli_say_grid(run, &job->out, run->report.set, job->in.placed);
-    if (job->given) cli_say(run, "  seeds       %" PRIu64 "\n", job->count);
-    else cli_say(run, "  pockets     %" PRIu64 "\n", job->count);
+    if (job->given) cli_tell(made, "  seeds       %" PRIu64 "\n", job->count);
+    else cli_tell(made, "  pockets     %" PRIu64 "\n", job->count);
     for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
-        cli_say(run, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i],
-                job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
-    if (job->count > FILL_SEEDS_SAID) cli_say(run, "              and more\n");
-    cli_say(run, "  filled      %" PRIu64 "\n", job->filled);
+        cli_tell(made, "              %" PRId32 ",%" PRId32 ",%" PRId32 "\n", job->seeds[3 * i],
+                 job->seeds[3 * i + 1], job->seeds[3 * i + 2]);
+    if (job->count > FILL_SEEDS_SAID) cli_tell(made, "              and more\n");
+    cli_tell(made, "  filled      %" PRIu64 "\n", job->filled);
     if (job->given) return;
-    cli_say(run, "  search      %s", s->found ? "" : "no seed");
-    if (s->found) cli_say(run, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
-    cli_say(run, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
-            s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
+    cli_tell(made, "  search      %s", s->found ? "" : "no seed");
+    if (s->found) cli_tell(made, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
+    cli_tell(made, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
+             s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
 }
 
 static void add_voxel(cli_text *t, const int32_t v[3])
@@ -167,10 +146,10 @@ static void add_voxel(cli_text *t, const int32_t v[3])
     cli_text_add(t, "[%" PRId32 ", %" PRId32 ", %" PRId32 "]", v[0], v[1], v[2]);
 }
 
-static void report_fill(cli_run *run, const fill_job *job)
+static void report_fill(const fill_job *job, cli_made *made)
 {
     const bvx_seed *const s = &job->search;
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"fill\": {\"filled\": %" PRIu64, job->filled);
     cli_json_truth(t, "reaches_side", job->reaches_side);
@@ -196,35 +175,47 @@ static void report_fill(cli_run *run, const fill_job *job)
     cli_text_add(t, "}");
 }
 
-static int run_fill(cli_run *run)
+static void tell_fill(const cli_run *run, const void *work, cli_made *made)
 {
-    fill_job job;
-    int kind, status;
+    const fill_job *const job = work;
 
-    memset(&job, 0, sizeof job);
-    status = check_fill_options(run, &kind);
+    (void)run;
+    tell_seeds(job, made);
+    report_fill(job, made);
+    if (job->reaches_side)
+        cli_advise(made, "%s: the fill reaches the window's sides: these voxels do not hold it",
+                   cli_input_name(job->in.path));
+}
+
+static int make_fill(cli_run *run, void *work, cli_made *made)
+{
+    fill_job *const job = work;
+    int kind, status = check_fill_options(run, &kind);
+
     if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = read_fill_inputs(run, &job);
+    if (status == CLI_DONE) status = read_fill_inputs(run, job);
     if (status == CLI_DONE)
-        status = run->options->seeds.count != 0 ? take_given_seeds(run, &job) : find_seeds(run, &job);
-    if (status == CLI_DONE) status = fill_from_seeds(run, &job);
-    job.voxels.name = run->options->input[0];
-    job.voxels.grid = &job.out;
-    if (status == CLI_DONE) status = cli_write_voxels(run, &job.voxels);
-    if (status == CLI_DONE && job.reaches_side)
-        cli_warn(run, "%s: the fill reaches the window's sides: these voxels do not hold it",
-                 cli_input_name(job.in.path));
-    if (status == CLI_DONE) {
-        say_fill(run, &job);
-        report_fill(run, &job);
-        cli_tell_voxels(run, &job.voxels);
-    }
-    cli_free_voxels(run, &job.voxels);
-    free(job.seeds);
-    bvx_grid_free(run->context, &job.out);
-    bvx_mesh_free(run->context, &job.mesh);
-    cli_free_input(run, &job.in);
-    return status;
+        status = run->options->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job);
+    if (status == CLI_DONE) status = fill_from_seeds(run, job);
+    if (status != CLI_DONE) return status;
+
+    job->voxels.name = job->in.path;
+    job->voxels.grid = &job->out;
+    made->voxels = &job->voxels;
+    made->placed = job->in.placed;
+    bvx_grid_count(run->context, &job->out, &made->set);
+    return CLI_DONE;
+}
+
+static void free_fill(cli_run *run, void *work)
+{
+    fill_job *const job = work;
+
+    cli_free_voxels(run, &job->voxels);
+    free(job->seeds);
+    bvx_grid_free(run->context, &job->out);
+    bvx_mesh_free(run->context, &job->mesh);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_fill = {
@@ -241,4 +232,7 @@ const cli_command cli_fill = {
     "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
     "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
     "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
-    run_fill};
+    sizeof(fill_job),
+    make_fill,
+    tell_fill,
+    free_fill};

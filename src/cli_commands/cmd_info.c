@@ -6,39 +6,44 @@
 #include <stdio.h>
 #include <string.h>
 
+typedef struct info_job {
+    cli_input in;
+    bvx_certificate certificate, welded;
+} info_job;
+
 static const char *yes_or_no(int v)
 {
     return v ? "yes" : "no";
 }
 
-static void say_certificate(cli_run *run, const bvx_certificate *c)
+static void tell_certificate(cli_made *made, const bvx_certificate *c)
 {
     static const char axis[] = "xyz";
 
-    cli_say(run, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
-            c->vertices, c->edges);
-    if (c->unused_vertices != 0) cli_say(run, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
+    cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
+             c->vertices, c->edges);
+    if (c->unused_vertices != 0) cli_tell(made, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
     if (c->collapsed + c->degenerate + c->duplicates != 0)
-        cli_say(run,
-                "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
-                " duplicate triangles\n",
-                c->collapsed, c->degenerate, c->duplicates);
+        cli_tell(made,
+                 "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
+                 " duplicate triangles\n",
+                 c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
-        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
-                c->high[a] - c->low[a]);
-    cli_say(run, "  closed      %s", yes_or_no(c->closed));
-    if (c->boundary_edges != 0) cli_say(run, ", %" PRIu64 " boundary edges", c->boundary_edges);
-    cli_say(run, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
+                 c->high[a] - c->low[a]);
+    cli_tell(made, "  closed      %s", yes_or_no(c->closed));
+    if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
+    cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
     if (c->nonmanifold_edges + c->nonmanifold_vertices != 0)
-        cli_say(run, ", %" PRIu64 " edges and %" PRIu64 " vertices are not", c->nonmanifold_edges,
-                c->nonmanifold_vertices);
-    cli_say(run, "\n  oriented    %s", yes_or_no(c->oriented));
+        cli_tell(made, ", %" PRIu64 " edges and %" PRIu64 " vertices are not", c->nonmanifold_edges,
+                 c->nonmanifold_vertices);
+    cli_tell(made, "\n  oriented    %s", yes_or_no(c->oriented));
     if (c->flipped_edges != 0)
-        cli_say(run, ", %" PRIu64 " edges between triangles of opposite sense", c->flipped_edges);
-    if (c->closed && c->oriented && c->volume < 0) cli_say(run, ", inside out");
-    cli_say(run, "\n  components  %" PRIu64 ", Euler number %" PRId64 "\n", c->components, c->euler);
-    cli_say(run, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
-            c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
+        cli_tell(made, ", %" PRIu64 " edges between triangles of opposite sense", c->flipped_edges);
+    if (c->closed && c->oriented && c->volume < 0) cli_tell(made, ", inside out");
+    cli_tell(made, "\n  components  %" PRIu64 ", Euler number %" PRId64 "\n", c->components, c->euler);
+    cli_tell(made, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
+             c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
 }
 
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
@@ -68,12 +73,12 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
-static void say_attributes(cli_run *run, const bvx_mesh *mesh)
+static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
 {
-    if (mesh->colours != NULL) cli_say(run, "  colours     of vertices\n");
+    if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
     if (mesh->uvs != NULL)
-        cli_say(run, "  texture     coordinates of %s\n",
-                mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
+        cli_tell(made, "  texture     coordinates of %s\n",
+                 mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
 }
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
@@ -93,29 +98,28 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-static int info_of_mesh(cli_run *run, const bvx_mesh *mesh)
+static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
 {
-    static bvx_certificate certificate, welded; /* the report points at them until the program ends */
+    const bvx_mesh *const mesh = &job->in.mesh;
     cli_mesh_entry *const entry = &run->report.mesh[0];
-    int differs, status = check_both(run, mesh, &certificate, &welded, &differs);
+    int differs, status = check_both(run, mesh, &job->certificate, &job->welded, &differs);
 
     if (status == CLI_DONE) status = count_crossings(run, mesh, entry);
     if (status != CLI_DONE) return status;
     entry->path = run->options->input[0];
-    entry->certificate = certificate;
-    entry->welded = differs ? &welded : NULL;
+    entry->certificate = job->certificate;
+    entry->welded = differs ? &job->welded : NULL;
     entry->colours = mesh->colours != NULL;
     entry->uvs = mesh->uvs != NULL;
     run->report.meshes = 1;
-    cli_say(run, "%s\n", cli_input_name(entry->path));
-    say_certificate(run, &certificate);
-    say_attributes(run, mesh);
+    tell_certificate(made, &job->certificate);
+    tell_attributes(made, mesh);
     if (differs) {
-        cli_say(run, "the same with vertices at equal positions joined\n");
-        say_certificate(run, &welded);
+        cli_tell(made, "the same with vertices at equal positions joined\n");
+        tell_certificate(made, &job->welded);
     }
     if (entry->has_crossings)
-        cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
+        cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
     return CLI_DONE;
 }
 
@@ -165,28 +169,26 @@ static void find_box(const bvx_grid *g, grid_facts *f)
     }
 }
 
-static void say_facts(cli_run *run, const cli_input *in, const grid_facts *f)
+static void tell_facts_of_grid(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
 {
     double centre[3];
 
     cli_grid_corner(&in->grid, 0.5, centre);
-    cli_say(run, "%s\n", cli_input_name(in->path));
-    cli_say(run, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
-    cli_say_grid(run, &in->grid, run->report.set, in->placed);
-    cli_say(run, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
-    if (run->report.set == 0) cli_say(run, "  box         empty\n");
+    cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
+    cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
+    if (made->set == 0) cli_tell(made, "  box         empty\n");
     else
-        cli_say(run,
-                "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32
-                ",%" PRId32 "\n",
-                f->size[0], f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
-    cli_say(run, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f->volume, f->hash);
+        cli_tell(made,
+                 "  box         %" PRId32 " x %" PRId32 " x %" PRId32 " voxels from %" PRId32 ",%" PRId32
+                 ",%" PRId32 "\n",
+                 f->size[0], f->size[1], f->size[2], f->low[0], f->low[1], f->low[2]);
+    cli_tell(made, "  volume      %.9g\n  hash        %016" PRIx64 "\n", f->volume, f->hash);
 }
 
-static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
+static void report_facts(const cli_run *run, const cli_input *in, const grid_facts *f, cli_made *made)
 {
     const bvx_grid *const g = &in->grid;
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     double corner[3], centre[3];
 
     cli_grid_corner(g, 0.0, corner);
@@ -199,7 +201,7 @@ static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
     cli_json_ints(t, "size", g->size);
     cli_json_triple(t, "corner", corner);
     cli_json_triple(t, "center0", centre);
-    cli_json_value(t, "share", (double)run->report.set / ((double)g->size[0] * g->size[1] * g->size[2]));
+    cli_json_value(t, "share", (double)made->set / ((double)g->size[0] * g->size[1] * g->size[2]));
     cli_text_add(t, ", \"box\": {\"low\": [%" PRId32 ", %" PRId32 ", %" PRId32 "]", f->low[0], f->low[1],
                  f->low[2]);
     cli_json_ints(t, "size", f->size);
@@ -208,30 +210,29 @@ static void report_facts(cli_run *run, const cli_input *in, const grid_facts *f)
     cli_text_add(t, ", \"hash\": \"%016" PRIx64 "\"}", f->hash);
 }
 
-static int info_of_grid(cli_run *run, const cli_input *in)
+static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
 {
     const bvx_grid *const g = &in->grid;
     grid_facts f;
     bvx_status status;
 
     cli_stage_begin(run, "check");
-    status = bvx_grid_count(run->context, g, &run->report.set);
+    status = bvx_grid_count(run->context, g, &made->set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
-    f.volume = (double)run->report.set * g->lattice.spacing[0] * g->lattice.spacing[1] *
-               g->lattice.spacing[2];
-    run->report.lattice = g->lattice;
-    run->report.has_lattice = run->report.has_set = 1;
-    report_facts(run, in, &f);
-    say_facts(run, in, &f);
+    f.volume = (double)made->set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
+    made->shown = g;
+    made->placed = in->placed;
+    report_facts(run, in, &f, made);
+    tell_facts_of_grid(run, in, &f, made);
     return CLI_DONE;
 }
 
 /* ---- octrees ---- */
 
-static int info_of_tree(cli_run *run, cli_input *in)
+static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 {
     const bvx_lattice *const l = &run->report.lattice;
     cli_tree t;
@@ -241,14 +242,12 @@ static int info_of_tree(cli_run *run, cli_input *in)
     status = cli_take_tree(run, in->tree, &t);
     in->tree = NULL;
     if (status == CLI_DONE) {
-        cli_say(run, "%s\n  format      octree, %" PRId32 " levels above the last\n",
-                cli_input_name(in->path), t.levels);
-        cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 " at the last level\n", l->dims[0],
-                l->dims[1], l->dims[2]);
-        cli_say(run, "  spacing     %.9g, %.9g, %.9g\n", l->spacing[0], l->spacing[1], l->spacing[2]);
-        cli_say(run, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
-        cli_say_levels(run, &t);
-        cli_report_tree(run, &t);
+        cli_tell(made, "  format      octree, %" PRId32 " levels above the last\n", t.levels);
+        cli_tell(made, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 " at the last level\n",
+                 l->dims[0], l->dims[1], l->dims[2]);
+        cli_tell(made, "  spacing     %.9g, %.9g, %.9g\n", l->spacing[0], l->spacing[1], l->spacing[2]);
+        cli_tell(made, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
+        cli_tell_levels(run, &t, made);
     }
     cli_free_tree(run, &t);
     return status;
@@ -256,10 +255,10 @@ static int info_of_tree(cli_run *run, cli_input *in)
 
 /* ---- clouds ---- */
 
-static int info_of_cloud(cli_run *run, const bvx_mesh *points, const char *path)
+static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *made)
 {
     static const char axis[] = "xyz";
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     double low[3], high[3];
 
     for (int a = 0; a < 3; a++) {
@@ -280,9 +279,9 @@ static int info_of_cloud(cli_run *run, const bvx_mesh *points, const char *path)
     cli_json_triple(t, "low", low);
     cli_json_triple(t, "high", high);
     cli_text_add(t, "}");
-    cli_say(run, "%s\n  points      %" PRIu64 ", no triangles\n", cli_input_name(path), points->vertex_count);
+    cli_tell(made, "  points      %" PRIu64 ", no triangles\n", points->vertex_count);
     for (int a = 0; a < 3; a++)
-        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], low[a], high[a], high[a] - low[a]);
     return CLI_DONE;
 }
 
@@ -291,7 +290,7 @@ static int holds_samples(int32_t format)
     return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI;
 }
 
-static int read_for_info(cli_run *run, cli_input *in, int *cloud)
+static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made)
 {
     const char *const path = run->options->input[0];
     int const points = cli_input_format(run, path) == BVX_FORMAT_XYZ;
@@ -305,33 +304,41 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud)
     if (run->options->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
-        status = cli_tell_samples(run, path);
+        status = cli_tell_samples(run, path, made);
         if (status != CLI_DONE) return status;
     }
     return kind == CLI_GRID ? cli_read_grid_or_tree(run, path, NULL, in)
                             : cli_read_mesh_or_cloud(run, path, &in->mesh, cloud);
 }
 
-static int run_info(cli_run *run)
+static int make_info(cli_run *run, void *work, cli_made *made)
 {
+    info_job *const job = work;
+    cli_input *const in = &job->in;
     const char *const path = run->options->input[0];
-    cli_input in;
+    int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
     int cloud, status;
 
+    made->untitled = 1; /* samples come before the name */
+    if (raw || cli_is_contours(run, path)) cli_text_add(&made->head, "%s\n", cli_input_name(path));
     if (cli_is_contours(run, path)) {
         if (run->options->count_crossings)
             return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
-        return cli_tell_sections(run, path);
+        return cli_tell_sections(run, path, made);
     }
-    if (cli_input_format(run, path) == BVX_FORMAT_RAW) return cli_tell_samples(run, path);
-    status = read_for_info(run, &in, &cloud);
-    if (status == CLI_DONE && cloud) status = info_of_cloud(run, &in.mesh, in.path);
-    else if (status == CLI_DONE)
-        status = in.kind == CLI_MESH   ? info_of_mesh(run, &in.mesh)
-                 : in.kind == CLI_TREE ? info_of_tree(run, &in)
-                                       : info_of_grid(run, &in);
-    cli_free_input(run, &in);
-    return status;
+    if (raw) return cli_tell_samples(run, path, made);
+    status = read_for_info(run, in, &cloud, made);
+    if (status != CLI_DONE) return status;
+    cli_text_add(&made->head, "%s\n", cli_input_name(path));
+    return cloud                  ? info_of_cloud(&in->mesh, in->path, made)
+           : in->kind == CLI_MESH ? info_of_mesh(run, job, made)
+           : in->kind == CLI_TREE ? info_of_tree(run, in, made)
+                                  : info_of_grid(run, in, made);
+}
+
+static void free_info(cli_run *run, void *work)
+{
+    cli_free_input(run, &((info_job *)work)->in);
 }
 
 const cli_command cli_info = {
@@ -350,4 +357,7 @@ const cli_command cli_info = {
     "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json lists them.",
     "bitvox info fixtures/knot.ply\n"
     "bitvox info fixtures/knot.ply --crossings --json",
-    run_info};
+    sizeof(info_job),
+    make_info,
+    NULL,
+    free_info};

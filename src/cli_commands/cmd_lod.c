@@ -13,6 +13,13 @@
 
 enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
+/* By one of two ways. */
+typedef struct lod_job {
+    cli_lod_collapse collapse; /* first, as cli_write_collapse needs it */
+    cli_chain chain;
+    int collapses;
+} lod_job;
+
 /* ---- what is requested ---- */
 
 /* Options of the methods that sample a solid, and of the one that collapses
@@ -94,22 +101,25 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
 /* Samples coarser than what they see break it. That the solid has the mesh's walls is reported with the
  * solid. */
-static void warn_of_broken_level(cli_run *run, const cli_chain *c, int i)
+static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, cli_made *made)
 {
     const bvx_certificate *const level = &run->report.mesh[i].certificate;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
+    if (c->lod[i].exceeds_source)
+        cli_advise(made, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i,
+                   c->mesh[i].triangle_count, c->input_triangles);
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
-        cli_warn(run,
-                 "level %d has %" PRIu64 " parts, the mesh %" PRIu64
-                 ": what is thinner than its samples broke; take more samples, or "
-                 "--method collapse",
-                 i, level->components, c->certificate.components);
+        cli_advise(made,
+                   "level %d has %" PRIu64 " parts, the mesh %" PRIu64
+                   ": what is thinner than its samples broke; take more samples, or "
+                   "--method collapse",
+                   i, level->components, c->certificate.components);
     else if (off > 0.05 * volume || -off > 0.05 * volume)
-        cli_warn(run,
-                 "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
-                 i, level->volume, volume);
+        cli_advise(
+            made, "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
+            i, level->volume, volume);
 }
 
 static int make_level(cli_run *run, cli_chain *c, int i)
@@ -118,9 +128,9 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     cli_mesh_entry *const entry = &run->report.mesh[i];
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
     uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
-    bvx_mesh_view view;
     bvx_lod_options l;
     bvx_status status;
+    int result;
 
     bvx_lod_options_init(&l, sizeof l);
     if (o->method != 0) l.method = o->method;
@@ -150,18 +160,10 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     }
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
-    bvx_mesh_view_of(&c->mesh[i], &view);
-    cli_stage_begin(run, "check %d", i);
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
-    entry->path = c->path[i];
+    result = cli_check_mesh(run, &c->mesh[i], i, c->path[i], "check %d");
+    if (result != CLI_DONE) return result;
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
-    run->report.meshes = i + 1;
-    if (c->lod[i].exceeds_source)
-        cli_warn(run, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i,
-                 c->mesh[i].triangle_count, c->input_triangles);
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -183,32 +185,32 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 
 /* ---- the table ---- */
 
-static void say_head(cli_run *run, const cli_chain *c)
+static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *made)
 {
     const bvx_lattice *const l = &run->report.lattice;
 
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
-        cli_say(run,
-                "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64
-                " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
-                cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set, c->input_triangles,
-                c->diagonal);
+        cli_tell(made,
+                 "%s: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64
+                 " set; their surface has %" PRIu64 " triangles; diagonal %.6g\n\n",
+                 cli_input_name(run->options->input[0]), n[0], n[1], n[2], run->report.set,
+                 c->input_triangles, c->diagonal);
         return;
     }
-    cli_say_input(run, c->input.triangle_count, &c->certificate, c->diagonal);
-    cli_say(run,
-            "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64
-            " set by %s, %.1f ms\n\n",
-            l->dims[0], l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set,
-            cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
-    cli_report_solid(&run->report.more, run->options, l, &c->solid_report);
+    cli_tell_input(run, c->input.triangle_count, &c->certificate, c->diagonal, made);
+    cli_tell(made,
+             "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64
+             " set by %s, %.1f ms\n\n",
+             l->dims[0], l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set,
+             cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
+    cli_report_solid(&made->members, run->options, l, &c->solid_report);
 }
 
-static void say_levels(cli_run *run, const cli_chain *c)
+static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *made)
 {
-    cli_say(
-        run,
+    cli_tell(
+        made,
         "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, oriented\n");
     for (int i = 0; i < c->count; i++) {
         const bvx_lod_report *const l = &c->lod[i];
@@ -216,55 +218,74 @@ static void say_levels(cli_run *run, const cli_chain *c)
         char size[48];
         snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
                  l->resolution[2]);
-        cli_say(run, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0],
-                m->certificate.triangles, m->rate * 100.0, m->milliseconds,
-                cli_is_sound(&m->certificate) ? "yes" : "NO");
+        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0],
+                 m->certificate.triangles, m->rate * 100.0, m->milliseconds,
+                 cli_is_sound(&m->certificate) ? "yes" : "NO");
     }
 }
 
-static int make_chain(cli_run *run, cli_chain *c)
+static int write_chain(cli_run *run, void *work)
 {
-    int status = cli_open_chain(run, c);
+    const cli_chain *const c = &((lod_job *)work)->chain;
 
+    return cli_write_levels(run, c->mesh, c->count, c->path);
+}
+
+static int lod_by_solid(cli_run *run, cli_chain *c, cli_made *made)
+{
+    int status = check_lod_options(run, c);
+
+    run->progress.made = run->progress.measured = c->count;
+    if (status == CLI_DONE) status = cli_open_levels(run, c->count, c->path);
+    if (status == CLI_DONE) status = cli_open_chain(run, c);
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = make_level(run, c, i);
-    for (int i = 0; i < c->count && status == CLI_DONE; i++) {
-        warn_of_broken_level(run, c, i);
-        status = measure_level(run, c, i);
-    }
-    if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
-    if (status != CLI_DONE) return status;
-    if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
-    say_head(run, c);
-    say_levels(run, c);
-    cli_say_distances(run, c->count, c->diagonal, 3, c->kind == CLI_GRID ? "to the voxels' surface, " : "",
-                      c->kind == CLI_GRID ? "grid" : "mesh");
-    cli_say_written(run, c->count);
-    return CLI_DONE;
-}
-
-static int lod_by_solid(cli_run *run, int kind)
-{
-    static cli_chain c; /* zeroed; the report points into it until the program ends */
-    int status;
-
-    c.kind = kind;
-    status = check_lod_options(run, &c);
-    run->progress.made = run->progress.measured = c.count;
-    if (status == CLI_DONE) status = cli_open_levels(run, c.count, c.path);
-    if (status == CLI_DONE) status = make_chain(run, &c);
-    for (int i = 0; i < c.count; i++) bvx_mesh_free(run->context, &c.mesh[i]);
-    bvx_grid_free(run->context, &c.solid);
-    bvx_mesh_free(run->context, &c.input);
+    for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
+    made->write = write_chain;
     return status;
 }
 
-static int run_lod(cli_run *run)
+static void tell_chain(const cli_run *run, const cli_chain *c, cli_made *made)
 {
-    int kind, collapse = 0, status = cli_input_kind(run, run->options->input[0], &kind);
+    int const grid = c->kind == CLI_GRID;
 
-    if (status == CLI_DONE) status = choose_method(run, kind, &collapse);
+    for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
+    if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
+    tell_chain_head(run, c, made);
+    tell_chain_levels(run, c, made);
+    cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",
+                       grid ? "grid" : "mesh", made);
+    cli_tell_written(run, c->count, made);
+}
+
+static int make_lod(cli_run *run, void *work, cli_made *made)
+{
+    lod_job *const job = work;
+    int status = cli_input_kind(run, run->options->input[0], &job->chain.kind);
+
+    if (status == CLI_DONE) status = choose_method(run, job->chain.kind, &job->collapses);
+    made->untitled = 1;
     if (status != CLI_DONE) return status;
-    return collapse ? cli_lod_by_collapse(run) : lod_by_solid(run, kind);
+    return job->collapses ? cli_lod_by_collapse(run, &job->collapse, made)
+                          : lod_by_solid(run, &job->chain, made);
+}
+
+static void tell_lod(const cli_run *run, const void *work, cli_made *made)
+{
+    const lod_job *const job = work;
+
+    if (job->collapses) cli_tell_lod_collapse(run, &job->collapse, made);
+    else tell_chain(run, &job->chain, made);
+}
+
+static void free_lod(cli_run *run, void *work)
+{
+    lod_job *const job = work;
+    cli_chain *const c = &job->chain;
+
+    cli_free_collapse(run, &job->collapse.run);
+    for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
+    bvx_grid_free(run->context, &c->solid);
+    bvx_mesh_free(run->context, &c->input);
 }
 
 const cli_command cli_lod = {
@@ -289,4 +310,7 @@ const cli_command cli_lod = {
     "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
     "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
     "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
-    run_lod};
+    sizeof(lod_job),
+    make_lod,
+    tell_lod,
+    free_lod};

@@ -18,6 +18,7 @@ typedef struct morph_job {
     bvx_grid out;
     bvx_hollow_report hollow;
     bvx_field field;   /* of a mesh whose walls move */
+    bvx_field apart;   /* distances of voxels; its arrays are malloc's */
     bvx_grid hole;     /* that is drilled into it */
     cli_voxels voxels; /* the output */
 } morph_job;
@@ -140,7 +141,6 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
     static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *,
                                             bvx_grid *) = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open,
                                                            bvx_grid_close};
-    static const int32_t neighbourhoods[3] = {6, 18, 26};
     const cli_options *const o = run->options;
     bvx_morph_options m;
 
@@ -149,7 +149,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
         m.neighbourhood = 0;
         m.radius = o->radius;
     } else {
-        m.neighbourhood = neighbourhoods[o->neighbourhood];
+        m.neighbourhood = cli_neighbours[o->neighbourhood];
         m.steps = o->steps != 0 ? o->steps : 1;
     }
     m.beyond = o->beyond == BVX_BEYOND_SET;
@@ -270,51 +270,36 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
     return BVX_OK;
 }
 
-static int touches_side(const bvx_grid *g)
+static void tell_changed(const cli_run *run, const morph_job *job, cli_made *made)
 {
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t y = 0; y < g->size[1]; y++) {
-            int const side = z == 0 || y == 0 || z == g->size[2] - 1 || y == g->size[1] - 1;
-            for (int32_t k = 0; k < g->words_per_row && side; k++)
-                if (g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
-                             (size_t)k] != 0)
-                    return 1;
-            if (bvx_grid_get(g, 0, y, z) || bvx_grid_get(g, g->size[0] - 1, y, z)) return 1;
-        }
-    return 0;
-}
+    cli_text *const t = &made->members;
 
-static void tell_morph(cli_run *run, const morph_job *job)
-{
-    cli_text *const t = &run->report.more;
-
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
-    cli_say_grid(run, &job->out, run->report.set, job->in.kind == CLI_MESH || job->in.placed);
-    cli_say(run, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
+    cli_tell(made, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
     cli_text_add(t, ", \"morph\": {\"action\": \"%s\"", action_names[job->action]);
     cli_json_count(t, "before", job->before);
-    cli_json_count(t, "after", run->report.set);
+    cli_json_count(t, "after", made->set);
     if (job->action == HOLLOW) {
         const bvx_hollow_report *const h = &job->hollow;
-        cli_say(run, "  hollow      %" PRIu64 " voxels\n", h->hollowed);
+        cli_tell(made, "  hollow      %" PRIu64 " voxels\n", h->hollowed);
         if (h->drained != 0)
-            cli_say(run, "  drain hole  %" PRIu64 " voxels, to %.9g, %.9g, %.9g\n", h->drained, h->drain[0],
-                    h->drain[1], h->drain[2]);
+            cli_tell(made, "  drain hole  %" PRIu64 " voxels, to %.9g, %.9g, %.9g\n", h->drained, h->drain[0],
+                     h->drain[1], h->drain[2]);
         cli_json_count(t, "hollowed", h->hollowed);
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
         if (h->hollowed == 0)
-            cli_warn(run, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
+            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
     }
     cli_text_add(t, "}");
-    if (job->action == DILATE && !job->roomy && touches_side(&job->out) && !touches_side(&job->in.grid))
-        cli_warn(
-            run,
+    if (job->action == DILATE && !job->roomy && cli_touches_side(&job->out) &&
+        !cli_touches_side(&job->in.grid))
+        cli_advise(
+            made,
             "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
-    if (run->report.set == 0) cli_warn(run, "no voxel is set");
+    if (made->set == 0) cli_advise(made, "no voxel is set");
 }
 
-static int write_changed(cli_run *run, morph_job *job)
+static int make_changed(cli_run *run, morph_job *job, cli_made *made)
 {
     bvx_status status;
 
@@ -322,19 +307,16 @@ static int write_changed(cli_run *run, morph_job *job)
     status = moves_walls(run, job)   ? move_walls(run, job)
              : job->action == HOLLOW ? hollow_voxels(run, job)
                                      : change_voxels(run, job);
-    if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &run->report.set);
+    if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
     cli_stage_end(run);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
-    run->report.lattice = job->out.lattice;
-    run->report.has_lattice = run->report.has_set = 1;
+
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
     job->voxels.source = job->in.kind == CLI_MESH ? &job->in.mesh : NULL;
     job->voxels.solid = &job->in.grid;
-    int const result = cli_write_voxels(run, &job->voxels);
-    if (result == CLI_DONE) tell_morph(run, job);
-    if (result == CLI_DONE) cli_tell_voxels(run, &job->voxels);
-    return result;
+    made->voxels = &job->voxels;
+    return CLI_DONE;
 }
 
 /* ---- distances ---- */
@@ -382,10 +364,11 @@ static double value_at(const bvx_field *f, uint64_t i)
                                     : (double)((const float *)f->distances)[i];
 }
 
-static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *f)
+static void tell_distances(const cli_run *run, const morph_job *job, cli_made *made)
 {
+    const bvx_field *const f = &job->apart;
     static const char *const sides[] = {BVX_DISTANCE_LIST(CLI_NAME_OF)};
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     double least = value_at(f, 0), greatest = least;
 
     for (uint64_t i = 1; i < f->value_count; i++) {
@@ -393,68 +376,74 @@ static void tell_distances(cli_run *run, const morph_job *job, const bvx_field *
         if (v < least) least = v;
         if (v > greatest) greatest = v;
     }
-    cli_say(run, "%s -> %s\n", cli_input_name(job->in.path), run->options->output);
-    cli_say_grid(run, &job->in.grid, run->report.set, job->in.kind == CLI_MESH || job->in.placed);
-    cli_say(run, "  distances   %s, %.9g to %.9g\n", sides[run->options->side], least, greatest);
+    cli_tell(made, "  distances   %s, %.9g to %.9g\n", sides[run->options->side], least, greatest);
     cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[run->options->side]);
     cli_json_value(t, "least", least);
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
     if (least - least != 0.0 || greatest - greatest != 0.0)
-        cli_warn(run, "%s: some distances are infinite, since there is no %s voxel",
-                 cli_input_name(job->in.path), run->report.set == 0 ? "set" : "empty");
+        cli_advise(made, "%s: some distances are infinite, since there is no %s voxel",
+                   cli_input_name(job->in.path), made->set == 0 ? "set" : "empty");
 }
 
-static int write_distances(cli_run *run, morph_job *job)
+static int make_distances(cli_run *run, morph_job *job, cli_made *made)
 {
-    bvx_field field;
+    bvx_field *const field = &job->apart;
     bvx_status status;
-    int result;
 
-    memset(&field, 0, sizeof field);
-    field.value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
-    field.half_width = (double)INFINITY;
-    field.sign = BVX_SIGN_NONE;
-    run->report.lattice = job->in.grid.lattice;
-    run->report.set = job->before;
-    run->report.has_lattice = run->report.has_set = 1;
+    field->value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
+    field->half_width = (double)INFINITY;
+    field->sign = BVX_SIGN_NONE;
     cli_stage_begin(run, "distance");
-    status = measure(run, &job->in.grid, &field);
+    status = measure(run, &job->in.grid, field);
     cli_stage_end(run);
-    if (field.row_values == NULL || field.distances == NULL)
-        result = cli_fail(run, "no memory for %" PRIu64 " distances", field.value_count);
-    else if (status != BVX_OK) result = cli_fail_status(run, status, cli_input_name(job->in.path));
-    else result = cli_write_field(run, &field);
-    if (result == CLI_DONE) tell_distances(run, job, &field);
-    free(field.distances);
-    free(field.row_values);
-    bvx_grid_free(run->context, &field.band);
-    return result;
+    if (field->row_values == NULL || field->distances == NULL)
+        return cli_fail(run, "no memory for %" PRIu64 " distances", field->value_count);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+
+    made->field = field;
+    made->set = job->before;
+    return CLI_DONE;
 }
 
-static int run_morph(cli_run *run)
+static int make_morph(cli_run *run, void *work, cli_made *made)
 {
-    morph_job job;
-    int status;
+    morph_job *const job = work;
+    int status = check_morph_options(run, job);
 
-    memset(&job, 0, sizeof job);
-    status = check_morph_options(run, &job);
     if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[1], &job.in);
-    if (status == CLI_DONE && job.in.kind == CLI_MESH) {
-        status = make_room(run, &job);
-        if (status == CLI_DONE) status = cli_fill_input(run, &job.in);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[1], &job->in);
+    if (status == CLI_DONE && job->in.kind == CLI_MESH) {
+        status = make_room(run, job);
+        if (status == CLI_DONE) status = cli_fill_input(run, &job->in);
     }
-    if (status == CLI_DONE) {
-        bvx_grid_count(run->context, &job.in.grid, &job.before);
-        status = job.action == DISTANCE ? write_distances(run, &job) : write_changed(run, &job);
-    }
-    cli_free_voxels(run, &job.voxels);
-    bvx_grid_free(run->context, &job.hole);
-    bvx_field_free(run->context, &job.field);
-    bvx_grid_free(run->context, &job.out);
-    cli_free_input(run, &job.in);
-    return status;
+    if (status != CLI_DONE) return status;
+
+    made->placed = job->in.kind == CLI_MESH || job->in.placed;
+    bvx_grid_count(run->context, &job->in.grid, &job->before);
+    return job->action == DISTANCE ? make_distances(run, job, made) : make_changed(run, job, made);
+}
+
+static void tell_morph(const cli_run *run, const void *work, cli_made *made)
+{
+    const morph_job *const job = work;
+
+    if (job->action == DISTANCE) tell_distances(run, job, made);
+    else tell_changed(run, job, made);
+}
+
+static void free_morph(cli_run *run, void *work)
+{
+    morph_job *const job = work;
+
+    free(job->apart.distances);
+    free(job->apart.row_values);
+    bvx_grid_free(run->context, &job->apart.band);
+    cli_free_voxels(run, &job->voxels);
+    bvx_grid_free(run->context, &job->hole);
+    bvx_field_free(run->context, &job->field);
+    bvx_grid_free(run->context, &job->out);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_morph = {
@@ -474,4 +463,7 @@ const cli_command cli_morph = {
     "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
     "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
     "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
-    run_morph};
+    sizeof(morph_job),
+    make_morph,
+    tell_morph,
+    free_morph};

@@ -122,33 +122,39 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
     return status;
 }
 
-static void say_refined(cli_run *run, const cli_tree *t)
+static int write_refined(cli_run *run, void *work)
 {
-    const char *const path = cli_input_name(run->options->input[0]);
-    if (t->triangles == 0) cli_say(run, "%s\n\n", path);
-    else
-        cli_say(run, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,
-                t->seconds * 1e3);
-    cli_say_levels(run, t);
-    cli_say_tree_output(run, t);
+    return cli_write_tree(run, work);
 }
 
-static int run_refine(cli_run *run)
+static int make_refine(cli_run *run, void *work, cli_made *made)
 {
-    cli_tree t;
-    int kind, status;
+    cli_tree *const t = work;
+    int kind, status = check_refine_options(run, t, &kind);
 
-    memset(&t, 0, sizeof t);
-    status = check_refine_options(run, &t, &kind);
-    if (status == CLI_DONE) status = cli_open_tree_output(run, &t);
-    if (status == CLI_DONE) status = make_tree(run, kind, &t);
-    if (status == CLI_DONE) status = cli_write_tree(run, &t);
-    if (status == CLI_DONE) {
-        say_refined(run, &t);
-        cli_report_tree(run, &t);
-    }
-    cli_free_tree(run, &t);
+    if (status == CLI_DONE) status = cli_open_tree_output(run, t);
+    if (status == CLI_DONE) status = make_tree(run, kind, t);
+    made->write = write_refined;
+    made->untitled = 1;
     return status;
+}
+
+static void tell_refine(const cli_run *run, const void *work, cli_made *made)
+{
+    const cli_tree *const t = work;
+    const char *const path = cli_input_name(run->options->input[0]);
+
+    if (t->triangles == 0) cli_tell(made, "%s\n\n", path);
+    else
+        cli_tell(made, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,
+                 t->seconds * 1e3);
+    cli_tell_levels(run, t, made);
+    cli_tell_tree_output(run, t, made);
+}
+
+static void free_refine(cli_run *run, void *work)
+{
+    cli_free_tree(run, work);
 }
 
 const cli_command cli_refine = {
@@ -167,4 +173,7 @@ const cli_command cli_refine = {
     "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
     "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
     "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
-    run_refine};
+    sizeof(cli_tree),
+    make_refine,
+    tell_refine,
+    free_refine};

@@ -13,6 +13,11 @@ typedef struct sheet {
     int32_t columns, rows;
 } sheet;
 
+typedef struct render_job {
+    cli_scene scene;
+    sheet sheet;
+} render_job;
+
 /* ---- sheets ---- */
 
 static void choose_size(const cli_run *run, int pictures, sheet *s)
@@ -61,23 +66,23 @@ static int write_image(cli_run *run, int number, const bvx_image *image)
 
 /* ---- what is said ---- */
 
-static void report_pictures(cli_run *run, int32_t width, int32_t height, int32_t count)
+static void report_pictures(const cli_run *run, int32_t width, int32_t height, int32_t count, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     cli_text_add(t, ", \"pictures\": {\"path\": ");
     cli_json_string(t, run->options->output);
     cli_text_add(t, ", \"count\": %" PRId32 ", \"width\": %" PRId32 ", \"height\": %" PRId32 "}", count,
                  width, height);
 }
 
-static void say_compared(cli_run *run, const cli_scene *s)
+static void tell_compared(const cli_scene *s, cli_made *made)
 {
     const bvx_grid_difference *const d = &s->difference;
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     if (!s->compared) return;
-    cli_say(
-        run, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
+    cli_tell(
+        made, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
         cli_input_name(s->input[0].path), cli_input_name(s->input[1].path), d->both, d->only_b, d->only_a);
     cli_text_add(t, ", \"difference\": {\"both\": %" PRIu64, d->both);
     cli_json_count(t, "added", d->only_b);
@@ -98,42 +103,26 @@ static int draw_stage(cli_run *run, const cli_scene *scene, const sheet *s, cons
 }
 
 /* One picture, or several on a sheet; inputs are held one after the other. */
-static int render_sheet(cli_run *run)
+static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 {
     const cli_options *const o = run->options;
     int const pictures = o->difference ? 1 : o->inputs;
     static const double all_of_it[2] = {0.0, 0.0};
     double direction[3], up[3];
-    cli_scene scene;
-    sheet s;
     int status = cli_open_output(run, o->output);
 
-    memset(&s, 0, sizeof s);
-    memset(&scene, 0, sizeof scene);
     cli_scene_view(o, direction, up);
-    choose_size(run, pictures, &s);
-    if (status == CLI_DONE) status = open_sheet(run, &s);
+    choose_size(run, pictures, s);
+    if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
         bvx_image picture = {0};
-        status = cli_open_scene(run, i, &scene);
-        if (status == CLI_DONE) status = draw_stage(run, &scene, &s, direction, all_of_it, &picture);
-        if (status == CLI_DONE) place_picture(&s, i, &picture);
+        status = cli_open_scene(run, i, scene);
+        if (status == CLI_DONE) status = draw_stage(run, scene, s, direction, all_of_it, &picture);
+        if (status == CLI_DONE) place_picture(s, i, &picture);
         bvx_image_free(run->context, &picture);
-        cli_free_scene(run, &scene);
+        cli_free_scene(run, scene);
     }
-    if (status == CLI_DONE) {
-        cli_stage_begin(run, "write");
-        cli_stage_calls(run, 2);
-        status = write_image(run, 0, &s.image);
-        if (status == CLI_DONE) status = cli_keep_outputs(run);
-        cli_stage_end(run);
-    }
-    free(s.image.pixels);
-    if (status != CLI_DONE) return status;
-    say_compared(run, &scene);
-    report_pictures(run, s.image.width, s.image.height, 1);
-    cli_say(run, "%s: %" PRId32 " x %" PRId32 " pixels\n", o->output, s.image.width, s.image.height);
-    return CLI_DONE;
+    return status;
 }
 
 /* The name of frame i: %d replaced, with zeros before it so that names are
@@ -155,38 +144,59 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
     return status;
 }
 
-static int render_turntable(cli_run *run)
+/* Frame after frame, each in its output. */
+static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 {
     const cli_options *const o = run->options;
     int32_t const count = o->turntable;
     double direction[3], up[3], turned[3], show[2];
-    cli_scene scene;
-    sheet s;
     int status = CLI_DONE;
 
-    memset(&s, 0, sizeof s);
-    memset(&scene, 0, sizeof scene);
     cli_scene_view(o, direction, up);
-    choose_size(run, 1, &s);
+    choose_size(run, 1, s);
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) status = open_frame(run, i, count);
-    if (status == CLI_DONE) status = cli_open_scene(run, 0, &scene);
-    if (status == CLI_DONE) cli_turntable_room(run, &scene, show);
+    if (status == CLI_DONE) status = cli_open_scene(run, 0, scene);
+    if (status == CLI_DONE) cli_turntable_room(run, scene, show);
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) {
         bvx_image picture = {0};
         cli_turn(direction, up, i, count, turned);
-        status = draw_stage(run, &scene, &s, turned, show, &picture);
+        status = draw_stage(run, scene, s, turned, show, &picture);
         if (status == CLI_DONE) status = write_image(run, i, &picture);
         bvx_image_free(run->context, &picture);
     }
-    if (status == CLI_DONE) status = cli_keep_outputs(run);
-    if (status == CLI_DONE) {
-        say_compared(run, &scene);
-        report_pictures(run, s.width, s.height, count);
-        cli_say(run, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
-                run->output[count - 1].path, s.width, s.height);
-    }
-    cli_free_scene(run, &scene);
     return status;
+}
+
+static int write_pictures(cli_run *run, void *work)
+{
+    const sheet *const s = &((render_job *)work)->sheet;
+    int status;
+
+    if (run->options->turntable != 0) return cli_keep_outputs(run);
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    status = write_image(run, 0, &s->image);
+    if (status == CLI_DONE) status = cli_keep_outputs(run);
+    cli_stage_end(run);
+    return status;
+}
+
+static void tell_render(const cli_run *run, const void *work, cli_made *made)
+{
+    const render_job *const job = work;
+    const sheet *const s = &job->sheet;
+    int32_t const count = run->options->turntable;
+
+    tell_compared(&job->scene, made);
+    if (count != 0) {
+        report_pictures(run, s->width, s->height, count, made);
+        cli_tell(made, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
+                 run->output[count - 1].path, s->width, s->height);
+        return;
+    }
+    report_pictures(run, s->image.width, s->image.height, 1, made);
+    cli_tell(made, "%s: %" PRId32 " x %" PRId32 " pixels\n", run->options->output, s->image.width,
+             s->image.height);
 }
 
 /* ---- what is requested ---- */
@@ -280,11 +290,24 @@ static int check_render_options(cli_run *run)
     return status == CLI_DONE ? check_turntable(run) : status;
 }
 
-static int run_render(cli_run *run)
+static int make_render(cli_run *run, void *work, cli_made *made)
 {
+    render_job *const job = work;
     int const status = check_render_options(run);
+
+    made->write = write_pictures;
+    made->untitled = 1;
     if (status != CLI_DONE) return status;
-    return run->options->turntable != 0 ? render_turntable(run) : render_sheet(run);
+    return run->options->turntable != 0 ? render_turntable(run, &job->scene, &job->sheet)
+                                        : render_sheet(run, &job->scene, &job->sheet);
+}
+
+static void free_render(cli_run *run, void *work)
+{
+    render_job *const job = work;
+
+    free(job->sheet.image.pixels);
+    cli_free_scene(run, &job->scene);
 }
 
 const cli_command cli_render = {
@@ -300,4 +323,7 @@ const cli_command cli_render = {
     "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",
     "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
     "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
-    run_render};
+    sizeof(render_job),
+    make_render,
+    tell_render,
+    free_render};

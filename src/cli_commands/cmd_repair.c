@@ -27,10 +27,8 @@ static void json_thin_box(cli_text *t, const bvx_repair_report *r)
                  box[3], box[4], box[5]);
 }
 
-void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
+void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
 {
-    cli_text *const t = &run->report.more;
-
     cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
     cli_json_count(t, "holes", r->holes);
     cli_json_value(t, "hole_length", r->hole_length);
@@ -73,63 +71,64 @@ void cli_report_repair(cli_run *run, const bvx_repair_report *r, int measured)
     cli_text_add(t, "}");
 }
 
-static void say_found(cli_run *run, const bvx_repair_report *r)
+static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made *made)
 {
     const bvx_certificate *const c = &r->before;
 
-    cli_say(run, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n", c->closed ? "closed" : "open",
-            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold",
-            c->oriented ? ", oriented" : ", not oriented", c->components, c->volume);
+    cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
+             c->closed ? "closed" : "open",
+             c->edge_manifold && c->vertex_manifold ? ", manifold" : ", not manifold",
+             c->oriented ? ", oriented" : ", not oriented", c->components, c->volume);
     if (r->needs == BVX_NEEDS_NOTHING)
-        cli_say(run, "  needs       nothing: it does not cross itself%s\n",
-                r->copied ? "; copied" : " (--if-needed copies it)");
-    if (r->crossings != 0) cli_say(run, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
+        cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
+                 r->copied ? "; copied" : " (--if-needed copies it)");
+    if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0)
-        cli_say(run, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
-                r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
+        cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
+                 r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
     if (c->flipped_edges != 0)
-        cli_say(run,
-                "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
-                " triangles reversed\n",
-                c->flipped_edges, r->turned);
+        cli_tell(made,
+                 "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
+                 " triangles reversed\n",
+                 c->flipped_edges, r->turned);
     if (c->nonmanifold_edges != 0)
-        cli_say(run, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
+        cli_tell(made, "  junctions   %" PRIu64 " edges of three triangles or more\n", c->nonmanifold_edges);
     if (c->duplicates + c->degenerate + c->collapsed != 0)
-        cli_say(run, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
-                c->degenerate + c->collapsed);
+        cli_tell(made, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
+                 c->degenerate + c->collapsed);
     if (run->options->measure && r->overlaps != 0)
-        cli_say(run, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
+        cli_tell(made, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
 }
 
-static void say_thin(cli_run *run, const bvx_repair_report *r)
+static void tell_thin(const bvx_repair_report *r, cli_made *made)
 {
     double box[6];
 
     if (r->thin_voxels == 0) return;
     thin_box(r, box);
-    cli_say(run,
-            "  thin        %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64
-            " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s\n",
-            r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
-            r->thin_kept ? ": kept" : "");
+    cli_tell(made,
+             "  thin        %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64
+             " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s\n",
+             r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
+             r->thin_kept ? ": kept" : "");
 }
 
 /* Handles where walls, or gaps, thinner than voxels have met. A mesh that crosses itself has none of its own
  * to compare. */
-static void warn_of_handles(cli_run *run, const bvx_repair_report *r, const char *remedy)
+static void warn_of_handles(const bvx_repair_report *r, const char *remedy, cli_made *made)
 {
     int64_t const had = cli_count_handles(&r->before), has = cli_count_handles(&r->after);
 
     if (!cli_is_sound(&r->before) || r->crossings != 0 || has <= had) return;
-    cli_warn(run,
-             "the result has %" PRId64 " handles, the mesh %" PRId64
-             ": what is thinner than voxels, or less than one apart, has met; %s",
-             has, had, remedy);
+    cli_advise(made,
+               "the result has %" PRId64 " handles, the mesh %" PRId64
+               ": what is thinner than voxels, or less than one apart, has met; %s",
+               has, had, remedy);
 }
 
 /* Dropped walls, parts and handles that the mesh does not have, and a size that has changed without
  * overlaps. */
-static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
+static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *reduction, cli_made *made)
 {
     const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error"
                                                : "take a higher --resolution";
@@ -142,60 +141,57 @@ static void warn_of_repair(cli_run *run, const bvx_repair_report *r, const cli_r
         snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
                  (int)r->thin_resolution);
     if (r->thin_voxels != 0 && !r->thin_kept)
-        cli_warn(run,
-                 "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64
-                 " voxels of %" PRIu64 " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s",
-                 r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5], advice);
+        cli_advise(made,
+                   "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64
+                   " voxels of %" PRIu64 " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s",
+                   r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
+                   advice);
     if (r->after.components > r->before.components)
-        cli_warn(run,
-                 "the result has %" PRIu64 " parts, the mesh %" PRIu64
-                 ": what is thinner than a voxel broke, or cavities closed; take a "
-                 "higher --resolution, or --least-part",
-                 r->after.components, r->before.components);
+        cli_advise(made,
+                   "the result has %" PRIu64 " parts, the mesh %" PRIu64
+                   ": what is thinner than a voxel broke, or cavities closed; take a "
+                   "higher --resolution, or --least-part",
+                   r->after.components, r->before.components);
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
-    warn_of_handles(run, r, remedy);
+    warn_of_handles(r, remedy, made);
     if (fabs(r->after.volume - volume) > 0.05 * volume)
-        cli_warn(run, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
-                 r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);
+        cli_advise(made, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
+                   r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);
     else if (fabs(r->after.area - area) > 0.05 * area)
-        cli_warn(run, "the result's area is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
-                 r->after.area, area, (r->after.area / area - 1.0) * 100.0, remedy);
+        cli_advise(made, "the result's area is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
+                   r->after.area, area, (r->after.area / area - 1.0) * 100.0, remedy);
 }
 
-static void say_repaired(cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction)
+static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
+                          cli_made *made)
 {
     const bvx_lattice *const l = &r->lattice;
-    const bvx_certificate *const c = &r->after;
 
     if (!r->copied)
-        cli_say(run, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
-                (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
+        cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
+                 (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
     if (r->shelled)
-        cli_say(run, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n",
-                r->shelled_triangles);
+        cli_tell(made, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n",
+                 r->shelled_triangles);
     if (r->crumbs != 0)
-        cli_say(run, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n",
-                r->crumbs);
-    say_thin(run, r);
+        cli_tell(made, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n",
+                 r->crumbs);
+    tell_thin(r, made);
     if (r->parts_dropped != 0)
-        cli_say(run, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
-                r->parts_dropped + r->parts_kept);
+        cli_tell(made, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
+                 r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
-        cli_say(run, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
-                r->cavities_dropped + r->cavities_kept);
-    cli_tell_reduction(run, reduction);
-    cli_say(run,
-            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
-            " components, volume %.6g\n",
-            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
-            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
-            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+        cli_tell(made, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
+                 r->cavities_dropped + r->cavities_kept);
+    cli_tell_reduction(run, reduction, made);
+    cli_tell_result(&r->after, made);
     if (!run->options->measure) return;
-    cli_say(run, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
-            r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a, r->distance.max_b_to_a);
+    cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
+             r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a,
+             r->distance.max_b_to_a);
     if (!r->copied && r->mean_off_caps < HUGE_VAL)
-        cli_say(run, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
-    cli_say(run, "\n");
+        cli_tell(made, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
+    cli_tell(made, "\n");
 }
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
@@ -276,49 +272,63 @@ static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repa
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
+typedef struct repair_job {
+    bvx_mesh source, repaired;
+    bvx_repair_report report;
+    cli_reduction reduction;
+} repair_job;
+
 /* The report's certificate becomes that of the file. */
-static int write_repaired(cli_run *run, const bvx_mesh *repaired, bvx_repair_report *report,
-                          const cli_reduction *reduction)
+static int write_repaired(cli_run *run, void *work)
 {
-    cli_mesh_entry *const entry = &run->report.mesh[0];
-    int result;
+    repair_job *const job = work;
+    int const result = cli_write_mesh(run, &job->repaired);
 
-    run->report.lattice = report->lattice;
-    run->report.has_lattice = !report->copied;
-    entry->path = run->options->output;
-    entry->certificate = report->after;
-    if (run->options->measure) entry->distance = &report->distance;
-    run->report.meshes = 1;
-
-    result = cli_write_mesh(run, repaired);
-    report->after = entry->certificate;
-    cli_report_repair(run, report, run->options->measure);
-    warn_of_repair(run, report, reduction);
+    job->report.after = run->report.mesh[0].certificate;
     return result;
 }
 
-static int run_repair(cli_run *run)
+static int make_repair(cli_run *run, void *work, cli_made *made)
 {
-    static bvx_repair_report report; /* the run's report points into it */
-    cli_reduction reduction = {0};
-    bvx_mesh source = {0}, repaired = {0};
+    repair_job *const job = work;
+    bvx_repair_report *const r = &job->report;
+    cli_mesh_entry *const entry = &run->report.mesh[0];
     int status = check_repair_options(run);
 
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &source);
-    if (status == CLI_DONE) status = cli_check_carry(run, &source);
-    if (status == CLI_DONE) status = repair_mesh(run, &source, &repaired, &report);
-    if (status == CLI_DONE) status = reduce_repaired(run, &source, &repaired, &report, &reduction);
-    if (status == CLI_DONE) status = carry_attributes(run, &source, &repaired);
-    if (status == CLI_DONE) status = write_repaired(run, &repaired, &report, &reduction);
-    if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
-        say_found(run, &report);
-        say_repaired(run, &report, &reduction);
-    }
-    bvx_mesh_free(run->context, &repaired);
-    bvx_mesh_free(run->context, &source);
-    return status;
+    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &job->source);
+    if (status == CLI_DONE) status = cli_check_carry(run, &job->source);
+    if (status == CLI_DONE) status = repair_mesh(run, &job->source, &job->repaired, r);
+    if (status == CLI_DONE) status = reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction);
+    if (status == CLI_DONE) status = carry_attributes(run, &job->source, &job->repaired);
+    if (status != CLI_DONE) return status;
+
+    run->report.lattice = r->lattice;
+    run->report.has_lattice = !r->copied;
+    entry->path = run->options->output;
+    entry->certificate = r->after;
+    if (run->options->measure) entry->distance = &r->distance;
+    run->report.meshes = 1;
+    made->write = write_repaired;
+    return CLI_DONE;
+}
+
+static void tell_repair(const cli_run *run, const void *work, cli_made *made)
+{
+    const repair_job *const job = work;
+
+    cli_report_repair(&made->members, &job->report, run->options->measure);
+    warn_of_repair(&job->report, &job->reduction, made);
+    tell_found(run, &job->report, made);
+    tell_repaired(run, &job->report, &job->reduction, made);
+}
+
+static void free_repair(cli_run *run, void *work)
+{
+    repair_job *const job = work;
+
+    bvx_mesh_free(run->context, &job->repaired);
+    bvx_mesh_free(run->context, &job->source);
 }
 
 const cli_command cli_repair = {
@@ -335,4 +345,7 @@ const cli_command cli_repair = {
     "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner than\n"
     "voxels are kept. With --triangles or --error the result's edges then collapse.",
     "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
-    run_repair};
+    sizeof(repair_job),
+    make_repair,
+    tell_repair,
+    free_repair};

@@ -21,6 +21,7 @@ typedef struct sections_job {
     double volume; /* of the body as it is made */
     uint64_t blocks;
     cli_reduction reduction;
+    cli_text text; /* of the block model */
 } sections_job;
 
 /* Facts of the line. */
@@ -70,11 +71,10 @@ static const cli_rule sections_rules[] = {
 static int build_body(cli_run *run, sections_job *job)
 {
     const cli_options *const o = run->options;
-    cli_mesh_entry *const entry = &run->report.mesh[0];
     bvx_sections_options s;
-    bvx_mesh_view view;
     bvx_status status;
     int32_t reason;
+    int result;
 
     bvx_sections_options_init(&s, sizeof s);
     if (cli_given(run, "--grid"))
@@ -101,15 +101,9 @@ static int build_body(cli_run *run, sections_job *job)
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !o->mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
-    bvx_mesh_view_of(&job->mesh, &view);
-    cli_stage_begin(run, "check");
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, o->output);
-    job->volume = entry->certificate.volume;
-    entry->path = o->output;
-    run->report.meshes = 1;
-    return CLI_DONE;
+    result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
+    job->volume = run->report.mesh[0].certificate.volume;
+    return result;
 }
 
 /* Edges of the body collapse after its blocks are counted, which are those of the contours. */
@@ -159,8 +153,9 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
 
 /* Corners of blocks at whole multiples of their sides, as block models are
  * laid out; a layer of blocks at a time. */
-static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
+static int make_blocks(cli_run *run, sections_job *job)
 {
+    cli_text *const text = &job->text;
     const double *const side = run->options->block.value;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     double origin[3], spacing[3];
@@ -201,16 +196,15 @@ static int make_blocks(cli_run *run, sections_job *job, cli_text *text)
 
 /* ---- out ---- */
 
-static int write_outputs(cli_run *run, sections_job *job, const cli_text *blocks)
+static int write_body(cli_run *run, void *work)
 {
+    const sections_job *const job = work;
+    bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
 
-    if (result == CLI_DONE && run->options->block_model != NULL) {
-        bvx_buffer text = {0};
-        text.bytes = (uint8_t *)blocks->bytes;
-        text.size = blocks->size;
-        result = cli_write_output(run, 1, &text);
-    }
+    text.bytes = (uint8_t *)job->text.bytes;
+    text.size = job->text.size;
+    if (result == CLI_DONE && run->options->block_model != NULL) result = cli_write_output(run, 1, &text);
     return result == CLI_DONE ? cli_keep_outputs(run) : result;
 }
 
@@ -223,70 +217,70 @@ static const char *verdict(const bvx_certificate *c)
 }
 
 /* What there is to say of planes that are not parallel, from the end of the sections' line on. */
-static void say_planes(cli_run *run, const sections_job *job)
+static void tell_planes(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
-    cli_say(run, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
-    cli_say(run,
-            "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
-            " gaps left, %g apart at most\n",
-            r->settled, r->gaps, r->largest_gap);
-    cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges, r->unkept_points);
-    cli_tell_reduction(run, &job->reduction);
-    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
-            c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
-    cli_say(run, "  volume      %g by the mesh\n  time        %.1f ms\n", c->volume, job->seconds * 1e3);
+    cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
+    cli_tell(made,
+             "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
+             " gaps left, %g apart at most\n",
+             r->settled, r->gaps, r->largest_gap);
+    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
+             r->unkept_points);
+    cli_tell_reduction(run, &job->reduction, made);
+    cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
+             c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
+    cli_tell(made, "  volume      %g by the mesh\n  time        %.1f ms\n", c->volume, job->seconds * 1e3);
 }
 
-static void say_body(cli_run *run, const sections_job *job)
+static void tell_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
-    cli_say(run, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
-            r->sections, r->loops, r->holes, r->points);
-    if (r->empty_sections != 0) cli_say(run, ", %" PRIu64 " empty", r->empty_sections);
-    if (r->mended_loops != 0) cli_say(run, "; %" PRIu64 " loops mended", r->mended_loops);
+    cli_tell(made, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
+             r->sections, r->loops, r->holes, r->points);
+    if (r->empty_sections != 0) cli_tell(made, ", %" PRIu64 " empty", r->empty_sections);
+    if (r->mended_loops != 0) cli_tell(made, "; %" PRIu64 " loops mended", r->mended_loops);
     if (r->planes != 0) {
-        say_planes(run, job);
+        tell_planes(run, job, made);
         return;
     }
-    cli_say(run, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
-            r->cell[0], r->cell[1]);
-    cli_say(run,
-            "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64
-            " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
-            r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
-    cli_say(run, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n", r->unkept_edges,
-            r->unkept_loops, r->unkept_points);
+    cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
+             r->cell[0], r->cell[1]);
+    cli_tell(made,
+             "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64
+             " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
+             r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
+    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
+             r->unkept_edges, r->unkept_loops, r->unkept_points);
     for (uint64_t i = 0; i < r->located && i < 4; i++)
-        cli_say(run, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
+        cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
     if (r->crossed_cells != 0)
-        cli_say(run, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
+        cli_tell(made, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
     if (r->nested_slabs + r->joined_slabs != 0)
-        cli_say(run,
-                "  levels      %" PRIu64
-                " pairs of sections, outlines and holes each for themselves; %" PRIu64
-                " as a whole, where these would cross\n",
-                r->nested_slabs, r->joined_slabs);
-    cli_say(run, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
-            r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
-    cli_tell_reduction(run, &job->reduction);
-    cli_say(run, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
-            c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
-    cli_say(run, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
+        cli_tell(made,
+                 "  levels      %" PRIu64
+                 " pairs of sections, outlines and holes each for themselves; %" PRIu64
+                 " as a whole, where these would cross\n",
+                 r->nested_slabs, r->joined_slabs);
+    cli_tell(made, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
+             r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
+    cli_tell_reduction(run, &job->reduction, made);
+    cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
+             c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
+    cli_tell(made, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
     if (run->options->block_model != NULL)
-        cli_say(run, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
-    cli_say(run, "\n  time        %.1f ms\n", job->seconds * 1e3);
+        cli_tell(made, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
+    cli_tell(made, "\n  time        %.1f ms\n", job->seconds * 1e3);
 }
 
-static void report_body(cli_run *run, const sections_job *job)
+static void report_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const bvx_sections_report *const r = &job->report;
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"sections\": {\"grid\": [%" PRId32 ", %" PRId32 "], \"cell\": [", r->grid[0],
                  r->grid[1]);
@@ -342,66 +336,74 @@ static void report_body(cli_run *run, const sections_job *job)
 
 /* A finer grid cuts contours in more places; halving cells where two of
  * them run close together is what helps. */
-static void warn_of_body(cli_run *run, const sections_job *job)
+static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const bvx_sections_report *const r = &job->report;
     int32_t const depth = cli_given(run, "--subdivide") ? run->options->subdivide : USUAL_DEPTH;
 
     if (r->planes != 0) {
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
-            cli_warn(
-                run,
+            cli_advise(
+                made,
                 "at %" PRIu64 " points, %" PRIu64 " edges and %" PRIu64
                 " gaps where planes cross the surface does not follow the contours, which contradict each other",
                 r->unkept_points, r->unkept_edges, r->gaps);
         return;
     }
     if (r->unkept_edges + r->unkept_loops != 0)
-        cli_warn(run,
-                 "%" PRIu64 " edges and %" PRIu64
-                 " loops are too fine for the cells: what joins them to the next section is a "
-                 "guess%s",
-                 r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
+        cli_advise(made,
+                   "%" PRIu64 " edges and %" PRIu64
+                   " loops are too fine for the cells: what joins them to the next section is a "
+                   "guess%s",
+                   r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
     if (r->joined_slabs != 0)
-        cli_warn(
-            run,
+        cli_advise(
+            made,
             "between %" PRIu64
             " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
             r->joined_slabs);
     if (run->options->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
-        cli_warn(
-            run,
+        cli_advise(
+            made,
             "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
             "the next section do not join it; sections that lie closer together do",
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 
-static int run_sections(cli_run *run)
+static int make_sections(cli_run *run, void *work, cli_made *made)
 {
-    sections_job job;
-    cli_text blocks = {NULL, 0, 0, 0};
-    int status = cli_check_rules(run, sections_rules, facts_of_sections(run), run->options->block_model);
+    sections_job *const job = work;
+    const char *const model = run->options->block_model;
+    int status = cli_check_rules(run, sections_rules, facts_of_sections(run), model);
 
-    memset(&job, 0, sizeof job);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE && run->options->block_model != NULL)
-        status = cli_open_output(run, run->options->block_model);
-    if (status == CLI_DONE) status = cli_read_sections(run, run->options->input[0], &job.sections);
-    if (status == CLI_DONE) status = build_body(run, &job);
-    if (status == CLI_DONE && run->options->block_model != NULL) status = make_blocks(run, &job, &blocks);
-    if (status == CLI_DONE) status = reduce_body(run, &job);
-    if (status == CLI_DONE) status = write_outputs(run, &job, &blocks);
-    if (status == CLI_DONE) {
-        warn_of_body(run, &job);
-        if (job.report.repeated_points != 0)
-            cli_warn(run, "%" PRIu64 " repeated points were left out", job.report.repeated_points);
-        say_body(run, &job);
-        report_body(run, &job);
-    }
-    cli_text_free(&blocks);
-    bvx_mesh_free(run->context, &job.mesh);
-    bvx_sections_free(run->context, &job.sections);
+    if (status == CLI_DONE && model != NULL) status = cli_open_output(run, model);
+    if (status == CLI_DONE) status = cli_read_sections(run, run->options->input[0], &job->sections);
+    if (status == CLI_DONE) status = build_body(run, job);
+    if (status == CLI_DONE && model != NULL) status = make_blocks(run, job);
+    if (status == CLI_DONE) status = reduce_body(run, job);
+    made->write = write_body;
     return status;
+}
+
+static void tell_sections(const cli_run *run, const void *work, cli_made *made)
+{
+    const sections_job *const job = work;
+
+    warn_of_body(run, job, made);
+    if (job->report.repeated_points != 0)
+        cli_advise(made, "%" PRIu64 " repeated points were left out", job->report.repeated_points);
+    tell_body(run, job, made);
+    report_body(run, job, made);
+}
+
+static void free_sections(cli_run *run, void *work)
+{
+    sections_job *const job = work;
+
+    cli_text_free(&job->text);
+    bvx_mesh_free(run->context, &job->mesh);
+    bvx_sections_free(run->context, &job->sections);
 }
 
 const cli_command cli_sections = {
@@ -420,4 +422,7 @@ const cli_command cli_sections = {
     "edges collapse in the end, and points of contours are no longer vertices.",
     "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
     "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
-    run_sections};
+    sizeof(sections_job),
+    make_sections,
+    tell_sections,
+    free_sections};

@@ -73,47 +73,57 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-static void say_head(cli_run *run, const cli_collapse_run *c)
+static void tell_head(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
-    cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
-    cli_say(run, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
-            c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
+    cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
+    cli_tell(made, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
+             c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
 }
 
 /* What the library mends of a mesh that is not oriented, or has triangles twice. */
-static void warn_of_input(cli_run *run, const cli_collapse_run *c)
+static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
     const char *const in = cli_input_name(run->options->input[0]);
 
     if (c->before.duplicates != 0)
-        cli_warn(run, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
-                 c->before.duplicates == 1 ? " is" : "s are");
+        cli_advise(made, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
+                   c->before.duplicates == 1 ? " is" : "s are");
     if (c->before.flipped_edges != 0)
-        cli_warn(run,
-                 "%s: at %" PRIu64
-                 " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned",
-                 in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
+        cli_advise(made,
+                   "%s: at %" PRIu64
+                   " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned",
+                   in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
 }
 
-static int run_simplify(cli_run *run)
+static int make_simplify(cli_run *run, void *work, cli_made *made)
 {
-    static cli_collapse_run c; /* the report points into it until the program ends */
+    cli_collapse_run *const c = work;
     int kind, status = cli_input_kind(run, run->options->input[0], &kind);
-
-    memset(&c, 0, sizeof c);
 
     if (status == CLI_DONE && kind != CLI_MESH)
         status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
                            cli_input_name(run->options->input[0]));
-    c.usual_count = 1;
-    if (status == CLI_DONE) status = cli_check_collapse(run, &c);
-    if (status == CLI_DONE) status = cli_open_collapse(run, &c);
-    if (status == CLI_DONE) status = check_input(run, &c);
-    if (status == CLI_DONE) status = simplify_input(run, &c);
-    if (status == CLI_DONE) status = cli_finish_collapse(run, &c, say_head);
-    if (status == CLI_DONE) warn_of_input(run, &c);
-    cli_free_collapse(run, &c);
+    c->usual_count = 1;
+    if (status == CLI_DONE) status = cli_check_collapse(run, c);
+    if (status == CLI_DONE) status = cli_open_collapse(run, c);
+    if (status == CLI_DONE) status = check_input(run, c);
+    if (status == CLI_DONE) status = simplify_input(run, c);
+    if (status == CLI_DONE) status = cli_finish_collapse(run, c);
+    made->write = cli_write_collapse;
+    made->untitled = 1;
     return status;
+}
+
+static void tell_simplify(const cli_run *run, const void *work, cli_made *made)
+{
+    tell_head(run, work, made);
+    cli_tell_collapse(run, work, made);
+    warn_of_input(run, work, made);
+}
+
+static void free_simplify(cli_run *run, void *work)
+{
+    cli_free_collapse(run, work);
 }
 
 const cli_command cli_simplify = {
@@ -134,5 +144,8 @@ const cli_command cli_simplify = {
         "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
-    .run = run_simplify,
+    .job = sizeof(cli_collapse_run),
+    .make = make_simplify,
+    .tell = tell_simplify,
+    .free = free_simplify,
 };

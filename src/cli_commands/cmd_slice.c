@@ -53,8 +53,14 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
-static int write_contours(cli_run *run, const bvx_sections *sections)
+typedef struct slice_job {
+    cli_input in;
+    bvx_sections sections;
+} slice_job;
+
+static int write_contours(cli_run *run, void *work)
 {
+    const slice_job *const job = work;
     const char *const path = run->options->output;
     bvx_buffer file = {0};
     bvx_status status;
@@ -62,7 +68,7 @@ static int write_contours(cli_run *run, const bvx_sections *sections)
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = bvx_write_sections(run->context, sections, bvx_format_of_name(path), &file);
+    status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
     result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
@@ -70,31 +76,38 @@ static int write_contours(cli_run *run, const bvx_sections *sections)
     return result;
 }
 
-static int run_slice(cli_run *run)
+static int make_slice(cli_run *run, void *work, cli_made *made)
 {
-    bvx_sections sections;
-    cli_input in;
+    slice_job *const job = work;
     int status = check_slice_options(run);
 
-    memset(&sections, 0, sizeof sections);
-    memset(&in, 0, sizeof in);
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &in);
-    if (status == CLI_DONE) status = slice_surface(run, &in);
-    if (status == CLI_DONE) status = slice_mesh(run, &in.mesh, &sections);
-    if (status == CLI_DONE) status = write_contours(run, &sections);
-    if (status == CLI_DONE) {
-        cli_say(run, "%s -> %s\n  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n",
-                cli_input_name(run->options->input[0]), run->options->output, sections.section_count,
-                sections.loop_count, sections.point_count);
-        cli_text_add(&run->report.more, ", \"slice\": {\"planes\": %" PRIu64, sections.section_count);
-        cli_json_count(&run->report.more, "loops", sections.loop_count);
-        cli_json_count(&run->report.more, "points", sections.point_count);
-        cli_text_add(&run->report.more, "}");
-    }
-    bvx_sections_free(run->context, &sections);
-    cli_free_input(run, &in);
+    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
+    if (status == CLI_DONE) status = slice_surface(run, &job->in);
+    if (status == CLI_DONE) status = slice_mesh(run, &job->in.mesh, &job->sections);
+    made->write = write_contours;
     return status;
+}
+
+static void tell_slice(const cli_run *run, const void *work, cli_made *made)
+{
+    const bvx_sections *const s = &((const slice_job *)work)->sections;
+
+    (void)run;
+    cli_tell(made, "  %" PRIu64 " planes, %" PRIu64 " loops, %" PRIu64 " points\n", s->section_count,
+             s->loop_count, s->point_count);
+    cli_text_add(&made->members, ", \"slice\": {\"planes\": %" PRIu64, s->section_count);
+    cli_json_count(&made->members, "loops", s->loop_count);
+    cli_json_count(&made->members, "points", s->point_count);
+    cli_text_add(&made->members, "}");
+}
+
+static void free_slice(cli_run *run, void *work)
+{
+    slice_job *const job = work;
+
+    bvx_sections_free(run->context, &job->sections);
+    cli_free_input(run, &job->in);
 }
 
 const cli_command cli_slice = {
@@ -110,4 +123,7 @@ const cli_command cli_slice = {
     "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
     "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
     "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
-    run_slice};
+    sizeof(slice_job),
+    make_slice,
+    tell_slice,
+    free_slice};

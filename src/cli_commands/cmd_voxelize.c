@@ -15,6 +15,8 @@ typedef struct voxel_job {
     bvx_field field;           /* of --mode field */
     bvx_fill_comparison fills; /* of --compare-fills */
     int cloud;                 /* 1: mesh holds points only */
+    cli_voxels voxels;         /* the output, where it is neither a field */
+    cli_volume_job volume;     /* nor made of a volume */
 } voxel_job;
 
 /* ---- what is requested ---- */
@@ -247,7 +249,6 @@ static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *repor
     if (job->cloud) status = cli_make_cloud(run, &job->view, l, &job->window, &reports->cloud, &job->grid);
     else if (run->options->mode != CLI_MODE_SOLID) status = make_surface(run, job, &reports->surface);
     else status = make_solid_voxels(run, job, &reports->solid);
-    made->grid = &job->grid;
     return status;
 }
 
@@ -270,44 +271,37 @@ static void tell_voxels(const cli_options *o, const voxel_job *job, const voxel_
     if (solid && o->compare_fills) cli_tell_fills(&job->fills, made);
 
     if (made->set == 0 && !job->cloud)
-        cli_text_add(&made->warnings, solid ? "no voxel is set: no centre lies inside the mesh\n"
-                                            : "no voxel is set: the surface meets none of the window's\n");
+        cli_advise(made, "no voxel is set: %s",
+                   solid ? "no centre lies inside the mesh" : "the surface meets none of the window's");
 }
 
-/* All calls of the library; what they made is written and told by the caller. */
+/* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
 static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 {
+    const cli_options *const o = run->options;
     voxel_reports reports;
+    bvx_status status;
     int result;
 
     memset(&reports, 0, sizeof reports);
     cli_stage_begin(run, "voxelize");
     result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
-    made->status = make_voxels(run, job, &reports, made);
+    status = make_voxels(run, job, &reports, made);
     cli_stage_end(run);
-    if (made->status == BVX_OK && made->field == NULL) made->status = keep_voxels(run, job, made);
-    if (made->status == BVX_OK && run->options->compare_fills)
+    if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
+    if (status == BVX_OK && o->compare_fills)
         result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
-    if (made->status == BVX_OK && made->field == NULL) tell_voxels(run->options, job, &reports, made);
-    return result;
-}
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    if (made->field != NULL || result != CLI_DONE) return result;
 
-/* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
-static int deliver_voxels(cli_run *run, voxel_job *job, cli_made *made)
-{
-    const cli_options *const o = run->options;
-    cli_voxels voxels = {.name = o->input[0], .grid = &job->grid, .solid = &job->grid};
-    int status;
-
+    tell_voxels(o, job, &reports, made);
+    job->voxels.name = o->input[0];
+    job->voxels.grid = job->voxels.solid = &job->grid;
     if (!job->cloud && o->mode == CLI_MODE_SOLID && !o->add_shell && o->second == NULL)
-        voxels.source = &job->mesh;
-    made->write = cli_write_voxels;
-    made->writer = &voxels;
-    status = cli_deliver(run, made);
-    if (status == CLI_DONE) cli_tell_voxels(run, &voxels);
-    cli_free_voxels(run, &voxels);
-    return status;
+        job->voxels.source = &job->mesh;
+    made->voxels = &job->voxels;
+    return CLI_DONE;
 }
 
 static int read_meshes(cli_run *run, voxel_job *job)
@@ -324,28 +318,31 @@ static int read_meshes(cli_run *run, voxel_job *job)
     return CLI_DONE;
 }
 
-static int run_voxelize(cli_run *run)
+static int make_voxelize(cli_run *run, void *work, cli_made *made)
 {
-    cli_made made = {.about = cli_input_name(run->options->input[0]), .placed = 1};
-    voxel_job job;
+    voxel_job *const job = work;
     uint32_t kind = 0;
-    int status;
+    int status = check_voxelize_options(run, &kind, &job->window);
 
-    memset(&job, 0, sizeof job);
-    status = check_voxelize_options(run, &kind, &job.window);
-    if (status == CLI_DONE && kind == CLI_OF_VOLUME) return cli_voxelize_volume(run, &job.window);
+    if (status == CLI_DONE && kind == CLI_OF_VOLUME)
+        return cli_voxelize_volume(run, &job->window, &job->volume, made);
     if (status == CLI_DONE && run->options->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
     else if (status == CLI_DONE) make_room_for_surface(run);
     if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = read_meshes(run, &job);
-    if (status == CLI_DONE) status = make_all(run, &job, &made);
-    if (status == CLI_DONE)
-        status = made.field != NULL ? cli_deliver(run, &made) : deliver_voxels(run, &job, &made);
-    bvx_field_free(run->context, &job.field);
-    bvx_grid_free(run->context, &job.grid);
-    bvx_mesh_free(run->context, &job.second);
-    bvx_mesh_free(run->context, &job.mesh);
-    return status;
+    if (status == CLI_DONE) status = read_meshes(run, job);
+    return status == CLI_DONE ? make_all(run, job, made) : status;
+}
+
+static void free_voxelize(cli_run *run, void *work)
+{
+    voxel_job *const job = work;
+
+    cli_free_volume_job(run, &job->volume);
+    cli_free_voxels(run, &job->voxels);
+    bvx_field_free(run->context, &job->field);
+    bvx_grid_free(run->context, &job->grid);
+    bvx_mesh_free(run->context, &job->second);
+    bvx_mesh_free(run->context, &job->mesh);
 }
 
 const cli_command cli_voxelize = {
@@ -374,4 +371,7 @@ const cli_command cli_voxelize = {
     "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
     "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
     "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
-    run_voxelize};
+    sizeof(voxel_job),
+    make_voxelize,
+    NULL,
+    free_voxelize};

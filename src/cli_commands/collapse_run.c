@@ -184,39 +184,39 @@ static double volume_change(double volume, double from)
     return fabs(from) > 0.0 ? fabs(volume) / fabs(from) - 1.0 : 0.0;
 }
 
-static void warn_of_volume(cli_run *run, const char *what, double change, const char *why)
+static void warn_of_volume(cli_made *made, const char *what, double change, const char *why)
 {
     if (fabs(change) > VOLUME_CHANGE)
-        cli_warn(run, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change),
-                 change < 0.0 ? "less" : "more", why);
+        cli_advise(made, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change),
+                   change < 0.0 ? "less" : "more", why);
 }
 
 /* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not
  * become more, and its volume means nothing. */
-static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
+static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
 {
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
 
     if (c->crumbs != 0)
-        cli_warn(run,
-                 "%" PRIu64
-                 " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
-                 "and a larger --resolution keeps more of it",
-                 c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
+        cli_advise(made,
+                   "%" PRIu64
+                   " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
+                   "and a larger --resolution keeps more of it",
+                   c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
     if (s->components > in->components)
-        cli_warn(run,
-                 "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
-                 ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
-                 s->components, in->components);
+        cli_advise(made,
+                   "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
+                   ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
+                   s->components, in->components);
     else if (cli_is_sound(in) && s->components < in->components)
-        cli_warn(run,
-                 "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
-                 ": parts that touch became one, and what is thinner than a voxel may be lost",
-                 s->components, s->components == 1 ? "" : "s", in->components);
+        cli_advise(made,
+                   "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
+                   ": parts that touch became one, and what is thinner than a voxel may be lost",
+                   s->components, s->components == 1 ? "" : "s", in->components);
     if (in->closed && in->oriented) {
         double const change = volume_change(s->volume, in->volume);
 
-        warn_of_volume(run, "the measured surface", change,
+        warn_of_volume(made, "the measured surface", change,
                        change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
                                       "voxel may be lost"
                                     : ": sheets became shells, or cavities are filled");
@@ -224,20 +224,20 @@ static void warn_of_surface(cli_run *run, const cli_collapse_run *c)
 }
 
 /* Handles never close, so many of them are what a level sticks at. */
-static void warn_of_count(cli_run *run, const bvx_level_report *l, const char *what)
+static void warn_of_count(cli_made *made, const bvx_level_report *l, const char *what)
 {
     int64_t const handles = cli_count_handles(&l->certificate);
     char kept[64] = "";
 
     if (handles > 0 && l->certificate.closed)
         snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
-    cli_warn(run,
-             "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
-             " are the fewest that collapsing edges leaves sound%s",
-             what, l->target, l->triangles, kept);
+    cli_advise(made,
+               "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
+               " are the fewest that collapsing edges leaves sound%s",
+               what, l->target, l->triangles, kept);
 }
 
-static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
+static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
 {
     const bvx_level_report *const l = &c->level[i];
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
@@ -246,27 +246,27 @@ static void warn_of_level(cli_run *run, const cli_collapse_run *c, int i)
 
     snprintf(what, sizeof what, "level %d", i);
     if (l->certificate.components != s->components)
-        cli_warn(run, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
-                 l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
+        cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
+                   l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
     if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
-        warn_of_volume(run, what, volume_change(l->certificate.volume, in->volume), "");
+        warn_of_volume(made, what, volume_change(l->certificate.volume, in->volume), "");
 
     if (l->crossings != 0)
-        cli_warn(run,
-                 "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
-                 "makes levels that do not",
-                 l->crossings, what);
+        cli_advise(made,
+                   "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
+                   "makes levels that do not",
+                   l->crossings, what);
     if (l->met) return;
     if (c->by_error)
-        cli_warn(run, "%s cannot keep its target: what it is made from lies further than %.4g from the input",
-                 what, l->target_error);
-    else warn_of_count(run, l, what);
+        cli_advise(made,
+                   "%s cannot keep its target: what it is made from lies further than %.4g from the input",
+                   what, l->target_error);
+    else warn_of_count(made, l, what);
 }
 
 /* ---- The end ---- */
 
-int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
-                        void (*head)(cli_run *run, const cli_collapse_run *c))
+int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 {
     int status = CLI_DONE;
 
@@ -275,18 +275,25 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
         if (status == CLI_DONE) report_level(run, c, i);
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
-    if (status == CLI_DONE) status = cli_write_levels(run, c->mesh, c->count, c->path);
-    if (status != CLI_DONE) return status;
+    return status;
+}
 
-    if (run->options->carry) cli_warn_of_lost(run, c->path[0], &c->mesh[0]);
-    if (strcmp(c->source, "measured") == 0) warn_of_surface(run, c);
-    for (int i = 0; i < c->count; i++) warn_of_level(run, c, i);
+int cli_write_collapse(cli_run *run, void *work)
+{
+    cli_collapse_run *const c = work; /* the first member of the job */
 
-    head(run, c);
-    cli_say_collapsed(run, c->count, c->diagonal);
-    cli_say_distances(run, c->count, c->diagonal, 4, "", "mesh");
-    cli_say_written(run, c->count);
-    return CLI_DONE;
+    return cli_write_levels(run, c->mesh, c->count, c->path);
+}
+
+void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
+{
+    if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
+    if (strcmp(c->source, "measured") == 0) warn_of_surface(made, c);
+    for (int i = 0; i < c->count; i++) warn_of_level(made, c, i);
+
+    cli_tell_collapsed(run, c->count, c->diagonal, made);
+    cli_tell_distances(run, c->count, c->diagonal, 4, "", "mesh", made);
+    cli_tell_written(run, c->count, made);
 }
 
 void cli_free_collapse(cli_run *run, cli_collapse_run *c)

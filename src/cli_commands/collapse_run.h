@@ -31,10 +31,12 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c);
 int cli_open_collapse(cli_run *run, cli_collapse_run *c);
 /* Points a side that the library shall measure each level with. */
 uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c);
-/* With levels, their reports, before, surface, source and seconds there: carry, measure, warn, write, tell.
- * head says the first lines. */
-int cli_finish_collapse(cli_run *run, cli_collapse_run *c,
-                        void (*head)(cli_run *run, const cli_collapse_run *c));
+/* With levels, their reports, before, surface, source and seconds there: carry, measure. */
+int cli_finish_collapse(cli_run *run, cli_collapse_run *c);
+/* Of a job that begins with a cli_collapse_run. */
+int cli_write_collapse(cli_run *run, void *job);
+/* All that is to be said but for the first lines. */
+void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made);
 void cli_free_collapse(cli_run *run, cli_collapse_run *c);
 
 #endif

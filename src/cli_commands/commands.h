@@ -11,7 +11,7 @@ extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_conver
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
 /* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
-void cli_report_repair(cli_run *run, const bvx_repair_report *repair, int measured);
+void cli_report_repair(cli_text *members, const bvx_repair_report *repair, int measured);
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
@@ -56,57 +56,17 @@ void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made);
 
 /* ---- volume_output.c: voxelize of a volume ---- */
 
+typedef struct cli_volume_job {
+    cli_volume volume;
+    bvx_volume_report report;
+    bvx_label *labels;
+    uint64_t label_count;
+    bvx_grid grid;
+} cli_volume_job;
+
 /* To a grid, or by the output's ending to one mesh or one a label. */
-int cli_voxelize_volume(cli_run *run, const bvx_window *window);
-
-/* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
-
-typedef struct cli_reduction {
-    int done;        /* fewer triangles were requested and made */
-    uint64_t before; /* triangles */
-    bvx_level_report level;
-} cli_reduction;
-
-/* The edges of a closed mesh collapse, where that is requested. */
-int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
-/* What became of it: a line of text, a member of the JSON report. */
-void cli_tell_reduction(cli_run *run, const cli_reduction *r);
-
-/* ---- voxel_output.c: voxels as a grid or as the mesh of their surface ---- */
-
-/* A round hole: its voxels, the axis that it runs along and a place on it. */
-typedef struct cli_drill {
-    const bvx_grid *hole; /* NULL: none */
-    int32_t axis;
-    double at[3], radius;
-} cli_drill;
-
-typedef struct cli_voxels {
-    const char *name; /* of the input */
-    const bvx_grid *grid;
-    const bvx_mesh *source; /* what they were made from, or NULL; and then */
-    const bvx_grid *solid;  /* its own voxels, on the grid's window */
-    const bvx_field *field; /* measured by cli_measure_source, or NULL */
-    double offset;          /* of walls from the mesh, negative inside; 0: none moved */
-    cli_drill drill;
-    bvx_mesh mesh; /* made by cli_write_voxels; zeroed */
-    cli_reduction reduction;
-    bvx_field_surface_report surface;
-} cli_voxels;
-
-/* 1 when the output is a mesh by its name. */
-int cli_makes_mesh(const cli_run *run);
-/* Refuse names of neither, and options of meshes for a grid. */
-int cli_check_voxel_name(cli_run *run);
-int cli_open_voxels(cli_run *run);
-/* Distances to a mesh as far as walls moved, with its voxels as the inside, which they borrow. */
-bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
-                              bvx_field *field);
-/* voxels: cli_voxels, as a cli_made has it. */
-int cli_write_voxels(cli_run *run, void *voxels);
-/* Of a mesh: lines of text, a member of the JSON report. */
-void cli_tell_voxels(cli_run *run, const cli_voxels *v);
-void cli_free_voxels(cli_run *run, cli_voxels *v);
+int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *job, cli_made *made);
+void cli_free_volume_job(cli_run *run, cli_volume_job *job);
 
 /* ---- turntable.c ---- */
 
@@ -119,10 +79,10 @@ void cli_turn_room(const double low[3], const double high[3], const double middl
 
 /* ---- section_info.c, volume_info.c: what info says ---- */
 
-/* Read contours and say what they are. */
-int cli_tell_sections(cli_run *run, const char *path);
+/* Read contours and tell what they are. */
+int cli_tell_sections(cli_run *run, const char *path, cli_made *made);
 /* The type, range and histogram of a volume's samples, where they are more than bits. */
-int cli_tell_samples(cli_run *run, const char *path);
+int cli_tell_samples(cli_run *run, const char *path, cli_made *made);
 
 /* ---- command_checks.c ---- */
 

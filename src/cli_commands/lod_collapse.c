@@ -1,15 +1,9 @@
 /* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were
  * made from what. */
 #include "cli_commands/lod_collapse.h"
-#include "cli_commands/collapse_run.h"
 
 #include <inttypes.h>
 #include <string.h>
-
-typedef struct lod_collapse {
-    cli_collapse_run run;
-    bvx_levels_report report;
-} lod_collapse;
 
 /* ---- Options ---- */
 
@@ -55,7 +49,7 @@ static int check_measured_options(cli_run *run)
     return CLI_DONE;
 }
 
-static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_options *b)
+static void take_levels_options(const cli_run *run, cli_lod_collapse *l, bvx_levels_options *b)
 {
     const cli_options *const o = run->options;
 
@@ -84,46 +78,47 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
 /* ---- Levels ---- */
 
 /* Borders that were to be kept, and why they are not. */
-static void warn_of_sheets(cli_run *run, const lod_collapse *l)
+static void warn_of_sheets(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
 {
     const bvx_levels_report *const r = &l->report;
     const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
 
     if (run->options->open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
     if (run->options->open == BVX_OPEN_CUT)
-        cli_warn(run,
-                 "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
-                 r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
+        cli_advise(
+            made, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
+            r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
     else
-        cli_warn(run,
-                 "sheets became shells: %" PRIu64
-                 " edge%s three triangles or more, or some that cannot agree, the "
-                 "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
-                 r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1],
-                 b[2]);
+        cli_advise(made,
+                   "sheets became shells: %" PRIu64
+                   " edge%s three triangles or more, or some that cannot agree, the "
+                   "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
+                   r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1],
+                   b[2]);
 }
 
-static void warn_of_lowered(cli_run *run, const lod_collapse *l)
+static void warn_of_lowered(const cli_lod_collapse *l, cli_made *made)
 {
     if (l->report.reason == BVX_MEASURED_MEMORY)
-        cli_warn(run,
-                 "the mesh itself exceeds the memory limit: its surface was measured with %" PRId32
-                 " voxels along the longest axis, and finer detail is lost; a larger --memory-limit keeps it",
-                 l->report.resolution);
+        cli_advise(
+            made,
+            "the mesh itself exceeds the memory limit: its surface was measured with %" PRId32
+            " voxels along the longest axis, and finer detail is lost; a larger --memory-limit keeps it",
+            l->report.resolution);
     else if (l->report.resolution < l->report.planned_resolution)
-        cli_warn(run,
-                 "the memory limit lowered the resolution from %" PRId32 " to %" PRId32
-                 " voxels along the longest axis; a larger "
-                 "--memory-limit keeps more detail",
-                 l->report.planned_resolution, l->report.resolution);
+        cli_advise(made,
+                   "the memory limit lowered the resolution from %" PRId32 " to %" PRId32
+                   " voxels along the longest axis; a larger "
+                   "--memory-limit keeps more detail",
+                   l->report.planned_resolution, l->report.resolution);
 }
 
-static int is_measured(const lod_collapse *l)
+static int is_measured(const cli_lod_collapse *l)
 {
     return l->report.source == BVX_LEVELS_MEASURED;
 }
 
-static int build_levels(cli_run *run, lod_collapse *l)
+static int build_levels(cli_run *run, cli_lod_collapse *l)
 {
     cli_collapse_run *const c = &l->run;
     bvx_levels_options b;
@@ -152,7 +147,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
 /* ---- What is reported ---- */
 
 /* Why the surface was measured. */
-static const char *reason_of(const cli_run *run, const lod_collapse *l)
+static const char *reason_of(const cli_run *run, const cli_lod_collapse *l)
 {
     static const char *const reason[] = {"",
                                          "as options ask",
@@ -167,51 +162,52 @@ static const char *reason_of(const cli_run *run, const lod_collapse *l)
     return run->options->source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }
 
-static void say_lod_head(cli_run *run, const cli_collapse_run *c)
+static void tell_lod_head(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
 {
-    const lod_collapse *const l = (const lod_collapse *)c; /* its first member */
+    const cli_collapse_run *const c = &l->run;
     const bvx_repair_report *const r = &l->report.repair;
     const bvx_lattice *const b = &r->lattice;
 
-    cli_say_input(run, c->input.triangle_count, &c->before, c->diagonal);
+    cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     if (!is_measured(l)) {
-        cli_say(run, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n", c->before.components,
-                c->before.components == 1 ? "" : "s", c->seconds * 1e3);
+        cli_tell(made, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n",
+                 c->before.components, c->before.components == 1 ? "" : "s", c->seconds * 1e3);
         return;
     }
 
-    cli_say(run, "levels from its measured surface, %s, in %.1f ms\n", reason_of(run, l), c->seconds * 1e3);
-    cli_say(run,
-            "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
-            " triangles, %" PRIu64 " piece%s\n",
-            b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
-            c->surface.components, c->surface.components == 1 ? "" : "s");
+    cli_tell(made, "levels from its measured surface, %s, in %.1f ms\n", reason_of(run, l), c->seconds * 1e3);
+    cli_tell(made,
+             "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
+             " triangles, %" PRIu64 " piece%s\n",
+             b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
+             c->surface.components, c->surface.components == 1 ? "" : "s");
     if (r->holes != 0)
-        cli_say(run, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
+        cli_tell(made, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
     if (r->shelled)
-        cli_say(run, "made into shells: %" PRIu64 " triangles that enclose nothing\n", r->shelled_triangles);
+        cli_tell(made, "made into shells: %" PRIu64 " triangles that enclose nothing\n",
+                 r->shelled_triangles);
     if (r->thin_voxels != 0)
-        cli_say(run,
-                "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
-                r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
-                r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
+        cli_tell(
+            made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
+            r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
+            r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
     if (l->report.crossings != 0)
-        cli_say(run, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
+        cli_tell(made, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
     if (c->crumbs != 0)
-        cli_say(run, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
-                c->crumbs == 1 ? "" : "s");
+        cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
+                 c->crumbs == 1 ? "" : "s");
     if (r->parts_dropped != 0)
-        cli_say(run, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
-                r->parts_dropped + r->parts_kept);
+        cli_tell(made, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
+                 r->parts_dropped + r->parts_kept);
     if (r->cavities_dropped != 0)
-        cli_say(run, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
-                r->cavities_dropped + r->cavities_kept);
-    cli_say(run, "\n");
+        cli_tell(made, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
+                 r->cavities_dropped + r->cavities_kept);
+    cli_tell(made, "\n");
 }
 
-static void report_levels(cli_run *run, const lod_collapse *l)
+static void report_levels(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"",
                  l->run.source, is_measured(l) ? reason_of(run, l) : "");
@@ -231,35 +227,38 @@ static void report_levels(cli_run *run, const lod_collapse *l)
     cli_json_value(t, "diagonal", l->run.diagonal);
     cli_json_value(t, "milliseconds", l->run.seconds * 1e3);
     cli_text_add(t, "}");
-    if (is_measured(l)) cli_report_repair(run, &l->report.repair, 0);
+    if (is_measured(l)) cli_report_repair(t, &l->report.repair, 0);
 }
 
-static void warn_of_unused(cli_run *run, const lod_collapse *l)
+static void warn_of_unused(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
 {
     const char *const unused = cli_given_of(run, "--sharp --no-sharp --shell");
 
     if (unused != NULL && !is_measured(l))
-        cli_warn(run,
-                 "%s had no use: the levels were made from the mesh itself; --source measured measures its "
-                 "surface",
-                 unused);
+        cli_advise(made,
+                   "%s had no use: the levels were made from the mesh itself; --source measured measures its "
+                   "surface",
+                   unused);
 }
 
-int cli_lod_by_collapse(cli_run *run)
+int cli_lod_by_collapse(cli_run *run, cli_lod_collapse *l, cli_made *made)
 {
-    static lod_collapse l; /* zeroed; the report points into it until the program ends */
     int status = check_measured_options(run);
 
-    if (status == CLI_DONE) status = cli_check_collapse(run, &l.run);
-    if (status == CLI_DONE) status = cli_open_collapse(run, &l.run);
-    if (status == CLI_DONE) status = build_levels(run, &l);
-    if (status == CLI_DONE) status = cli_finish_collapse(run, &l.run, say_lod_head);
-    if (status == CLI_DONE) {
-        warn_of_unused(run, &l);
-        warn_of_sheets(run, &l);
-        warn_of_lowered(run, &l);
-        report_levels(run, &l);
-    }
-    cli_free_collapse(run, &l.run);
+    if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
+    if (status == CLI_DONE) status = cli_open_collapse(run, &l->run);
+    if (status == CLI_DONE) status = build_levels(run, l);
+    if (status == CLI_DONE) status = cli_finish_collapse(run, &l->run);
+    made->write = cli_write_collapse;
     return status;
+}
+
+void cli_tell_lod_collapse(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+{
+    tell_lod_head(run, l, made);
+    cli_tell_collapse(run, &l->run, made);
+    warn_of_unused(run, l, made);
+    warn_of_sheets(run, l, made);
+    warn_of_lowered(l, made);
+    report_levels(run, l, made);
 }

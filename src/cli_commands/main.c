@@ -102,12 +102,13 @@ static int run_command(cli_run *run, int count, char **word)
         cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
             return cli_run_batch(run);
-        status = run->command->run(run);
+        status = cli_perform(run);
         cli_progress_end(run, status);
         cli_note_peak(run, 0);
         cli_drop_outputs(run);
     }
     status = cli_end_of_run(run, status);
+    cli_release(run);
     bvx_context_destroy(run->context);
     return status;
 }

@@ -98,33 +98,32 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
 
 /* ---- saying ---- */
 
-static void say_sections(cli_run *run, const char *path, const bvx_sections *s, const section_facts *f)
+static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f, cli_made *made)
 {
     static const char axis[] = "xyz";
     const double *const n = s->normal;
 
-    cli_say(run, "%s\n", cli_input_name(path));
-    cli_say(run, "  sections    %" PRIu64, s->section_count);
-    if (f->empty != 0) cli_say(run, ", %" PRIu64 " of them empty", f->empty);
-    cli_say(run, "\n  loops       %" PRIu64 " of %" PRIu64 " points\n", s->loop_count, s->point_count);
-    cli_say(run, "  labels      %" PRIu64, f->labels);
+    cli_tell(made, "  sections    %" PRIu64, s->section_count);
+    if (f->empty != 0) cli_tell(made, ", %" PRIu64 " of them empty", f->empty);
+    cli_tell(made, "\n  loops       %" PRIu64 " of %" PRIu64 " points\n", s->loop_count, s->point_count);
+    cli_tell(made, "  labels      %" PRIu64, f->labels);
     for (uint64_t i = 0; i < f->labels && i < LABELS_SAID; i++)
-        cli_say(run, "%s %" PRId32 " (%" PRIu64 " loop%s)", i == 0 ? ":" : ",", f->label[i].label,
-                f->label[i].loops, f->label[i].loops == 1 ? "" : "s");
-    cli_say(run, "%s\n", f->labels > LABELS_SAID ? ", ..." : "");
-    cli_say(run, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0,
-            n[2] + 0.0, f->first, f->last);
+        cli_tell(made, "%s %" PRId32 " (%" PRIu64 " loop%s)", i == 0 ? ":" : ",", f->label[i].label,
+                 f->label[i].loops, f->label[i].loops == 1 ? "" : "s");
+    cli_tell(made, "%s\n", f->labels > LABELS_SAID ? ", ..." : "");
+    cli_tell(made, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0,
+             n[2] + 0.0, f->first, f->last);
     if (s->section_count > 1)
-        cli_say(run, "  distance    %.9g from plane to plane%s\n", f->step,
-                f->even > 1e-6 * f->step ? " in the mean" : "");
+        cli_tell(made, "  distance    %.9g from plane to plane%s\n", f->step,
+                 f->even > 1e-6 * f->step ? " in the mean" : "");
     for (int a = 0; a < 3; a++)
-        cli_say(run, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], f->low[a], f->high[a],
-                f->high[a] - f->low[a]);
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], f->low[a], f->high[a],
+                 f->high[a] - f->low[a]);
 }
 
-static void report_sections(cli_run *run, const char *path, const bvx_sections *s, const section_facts *f)
+static void report_sections(const char *path, const bvx_sections *s, const section_facts *f, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"contours\": {\"path\": ");
     cli_json_string(t, path);
@@ -145,7 +144,7 @@ static void report_sections(cli_run *run, const char *path, const bvx_sections *
     cli_text_add(t, "]}");
 }
 
-int cli_tell_sections(cli_run *run, const char *path)
+int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
 {
     bvx_sections sections = {0};
     section_facts f;
@@ -156,8 +155,8 @@ int cli_tell_sections(cli_run *run, const char *path)
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);
     if (status == CLI_DONE) {
         find_section_box(&sections, &f);
-        say_sections(run, path, &sections, &f);
-        report_sections(run, path, &sections, &f);
+        tell_facts_of_sections(&sections, &f, made);
+        report_sections(path, &sections, &f, made);
     }
     free(f.label);
     bvx_sections_free(run->context, &sections);

@@ -52,14 +52,15 @@ void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, con
         snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
                  (int)r->thin_resolution);
     if (r->thin_voxels >= LEAST_WALL)
-        cli_text_add(warnings,
-                     "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
-                     " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s\n",
-                     of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice, remedy);
-    if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
-        cli_text_add(
+        cli_add_warning(
             warnings,
-            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution\n",
+            "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
+            " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
+            of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice, remedy);
+    if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
+        cli_add_warning(
+            warnings,
+            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
             of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
 }
 
@@ -84,33 +85,33 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *gri
     uint64_t const rows = rows_of(grid, r->fill);
 
     if (r->unbalanced_rows != 0 && r->dropped != 0)
-        cli_text_add(warnings,
-                     "%" PRIu64 " of %" PRIu64
-                     " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
-                     " crossings were dropped\n",
-                     r->unbalanced_rows, rows, r->dropped);
+        cli_add_warning(warnings,
+                        "%" PRIu64 " of %" PRIu64
+                        " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
+                        " crossings were dropped",
+                        r->unbalanced_rows, rows, r->dropped);
     else if (r->unbalanced_rows != 0)
-        cli_text_add(warnings,
-                     "%" PRIu64 " of %" PRIu64
-                     " rows do not balance: the mesh has holes or flipped triangles there\n",
-                     r->unbalanced_rows, rows);
+        cli_add_warning(warnings,
+                        "%" PRIu64 " of %" PRIu64
+                        " rows do not balance: the mesh has holes or flipped triangles there",
+                        r->unbalanced_rows, rows);
     if (r->fill_reason == BVX_FILL_REASON_NESTED)
-        cli_text_add(
+        cli_add_warning(
             warnings,
             "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
             "it solid");
     if (r->leaks != 0)
-        cli_text_add(warnings,
-                     "the flood came through a hole to %" PRIu64
-                     " voxels that are surely inside; a larger --close-gaps may hold it, "
-                     "--fill vote or regions does without\n",
-                     r->leaks);
+        cli_add_warning(warnings,
+                        "the flood came through a hole to %" PRIu64
+                        " voxels that are surely inside; a larger --close-gaps may hold it, "
+                        "--fill vote or regions does without",
+                        r->leaks);
     if (r->mixed_regions != 0)
-        cli_text_add(
+        cli_add_warning(
             warnings,
             "%" PRIu64 " of %" PRIu64
             " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
-            " voxels kept its own vote\n",
+            " voxels kept its own vote",
             r->mixed_regions, r->regions, r->mixed_voxels);
     cli_tell_losses(warnings, "", remedy, &grid->lattice, r);
 }

@@ -95,9 +95,9 @@ static void choose_bins(const bvx_volume_view *v, volume_facts *f)
     f->width = whole ? 1.0 : range / INFO_BINS;
 }
 
-static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_facts *f)
+static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volume_facts *f, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members, *const lines = &made->head;
 
     cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", cli_sample_names[v->sample_type - BVX_SAMPLE_U8]);
     cli_json_value(t, "least", f->least);
@@ -110,21 +110,21 @@ static void tell_facts(cli_run *run, const bvx_volume_view *v, const volume_fact
     for (int i = 0; i < f->bins; i++) cli_text_add(t, "%s%" PRIu64, i == 0 ? "" : ", ", f->bin[i]);
     cli_text_add(t, "]}");
 
-    cli_say(run, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0",
-            cli_sample_names[v->sample_type - BVX_SAMPLE_U8], f->least, f->greatest, f->zero);
+    cli_text_add(lines, "samples       %s, from %.9g to %.9g; %" PRIu64 " are 0",
+                 cli_sample_names[v->sample_type - BVX_SAMPLE_U8], f->least, f->greatest, f->zero);
     if (f->nan + f->infinite != 0)
-        cli_say(run, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
-    cli_say(run, "\n");
+        cli_text_add(lines, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
+    cli_text_add(lines, "\n");
     for (int i = 0; i < f->bins; i++) {
         int const bar = f->fullest == 0 ? 0 : (int)(f->bin[i] * INFO_BAR / f->fullest);
-        cli_say(run, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar,
-                "########################################", f->bin[i]);
+        cli_text_add(lines, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar,
+                     "########################################", f->bin[i]);
     }
     if (cli_input_format(run, run->options->input[0]) != BVX_FORMAT_RAW)
-        cli_say(run, "\nvoxels whose sample is not 0\n");
+        cli_text_add(lines, "\nvoxels whose sample is not 0\n");
 }
 
-int cli_tell_samples(cli_run *run, const char *path)
+int cli_tell_samples(cli_run *run, const char *path, cli_made *made)
 {
     cli_volume v;
     volume_facts f;
@@ -140,10 +140,8 @@ int cli_tell_samples(cli_run *run, const char *path)
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;
         cli_stage_end(run);
         /* else bits */
-        if (raw || v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0) {
-            if (raw) cli_say(run, "%s\n", cli_input_name(path));
-            tell_facts(run, &v.view, &f);
-        }
+        if (raw || v.view.sample_type != BVX_SAMPLE_U8 || f.greatest > 1.0)
+            tell_facts(run, &v.view, &f, made);
     }
     cli_free_volume(run, &v);
     return status;

@@ -6,14 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is made of a volume. */
-typedef struct volume_job {
-    cli_volume volume;
-    bvx_volume_report report;
-    bvx_label *labels;
-    uint64_t label_count;
-} volume_job;
-
 /* Facts of the output's name. */
 enum {
     HAS_NUMBER = 1 << CLI_FIRST_FACT, /* %d */
@@ -52,17 +44,10 @@ static void tell_samples(cli_text *lines, const bvx_volume_report *r)
     cli_text_add(lines, "\n");
 }
 
-static void note_set(cli_run *run, const volume_job *j)
-{
-    run->report.lattice = j->volume.view.lattice;
-    run->report.has_lattice = run->report.has_set = 1;
-    run->report.set = j->report.inside;
-}
-
 /* ---- parts ---- */
 
 /* kept may be the grid itself. */
-static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
+static bvx_status keep_chosen(cli_run *run, cli_volume_job *j, const bvx_grid *grid, bvx_grid *kept)
 {
     bvx_status status;
 
@@ -113,37 +98,33 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 /* ---- a grid ---- */
 
-static int make_volume_grid(cli_run *run, volume_job *j)
+static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
 {
-    cli_made made = {.about = cli_input_name(run->options->input[0])};
-    bvx_grid grid = {0};
-    int result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
-                                       j->volume.view.size);
+    bvx_status status;
+    int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
+                                             j->volume.view.size);
 
     if (result != CLI_DONE) return result;
     cli_stage_begin(run, "threshold");
-    made.status = cli_select_voxels(run, &j->volume, &j->report, &grid);
+    status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
     cli_stage_end(run);
-    if (made.status == BVX_OK) made.status = keep_chosen(run, j, &grid, &grid);
-    if (made.status == BVX_OK) {
-        note_set(run, j);
-        made.grid = &grid;
-        made.set = j->report.inside;
-        made.placed = j->volume.placed;
-        cli_tell_volume(&j->volume, &j->report, &made.members, &made.warnings);
-        tell_samples(&made.head, &j->report);
-        if (j->report.inside == 0)
-            cli_text_add(&made.warnings, "no voxel is set: no sample is in the range\n");
-    }
-    result = cli_deliver(run, &made);
-    bvx_grid_free(run->context, &grid);
-    return result;
+    if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
+    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+
+    made->grid = &j->grid;
+    made->set = j->report.inside;
+    made->placed = j->volume.placed;
+    cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
+    tell_samples(&made->head, &j->report);
+    if (j->report.inside == 0) cli_advise(made, "no voxel is set: no sample is in the range");
+    return CLI_DONE;
 }
 
 /* ---- meshes ---- */
 
 /* The surface of the level, by its values. */
-static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
+static bvx_status make_level_mesh(cli_run *run, cli_volume_job *j, const bvx_volume_view *view,
+                                  bvx_mesh *mesh)
 {
     bvx_scalar_options o;
     bvx_scalar_options_init(&o, sizeof o);
@@ -165,34 +146,25 @@ static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *m
 /* Reduce, check and write a mesh as output number n, under the path that the report keeps. */
 static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_reduction *reduction)
 {
-    cli_mesh_entry *const entry = &run->report.mesh[n];
-    bvx_mesh_view view;
-    bvx_status status;
     int result = cli_reduce(run, mesh, reduction);
 
-    if (result != CLI_DONE) return result;
-    bvx_mesh_view_of(mesh, &view);
-    cli_stage_begin(run, "check");
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
-    entry->path = path;
-    run->report.meshes = n + 1;
-    return cli_write_mesh_as(run, mesh, n, path);
+    if (result == CLI_DONE) result = cli_check_mesh(run, mesh, n, path, "check");
+    return result == CLI_DONE ? cli_write_mesh_as(run, mesh, n, path) : result;
 }
 
-static void say_mesh(cli_run *run, int n)
+static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
 {
     const cli_mesh_entry *const e = &run->report.mesh[n];
     const bvx_certificate *const c = &e->certificate;
-    cli_say(run, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path, c->triangles,
-            c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold"
-                                                                               : "NOT closed",
-            c->volume, c->components, c->components == 1 ? "" : "s");
+    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path,
+             c->triangles,
+             c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold"
+                                                                                : "NOT closed",
+             c->volume, c->components, c->components == 1 ? "" : "s");
 }
 
 /* The level's surface around the parts that are kept. */
-static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
+static int make_kept_level_mesh(cli_run *run, cli_volume_job *j, bvx_status *status, bvx_mesh *mesh)
 {
     bvx_grid all = {0}, kept = {0};
     bvx_volume_view view = j->volume.view;
@@ -215,30 +187,36 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
     return result;
 }
 
-static int make_volume_mesh(cli_run *run, volume_job *j)
+static int make_surface_of_volume(cli_run *run, cli_volume_job *j, bvx_mesh *mesh)
 {
-    const char *const in = cli_input_name(run->options->input[0]);
-    cli_text lines = {0}, warnings = {0};
-    cli_reduction reduction = {0};
-    bvx_mesh mesh = {0};
+    bvx_status status = BVX_OK;
     bvx_grid grid = {0};
-    bvx_status status;
     int result = CLI_DONE;
 
     cli_stage_begin(run, "surface");
     if (cli_given(run, "--level") && cli_keeps_parts(run)) {
-        result = make_kept_level_mesh(run, j, &status, &mesh);
+        result = make_kept_level_mesh(run, j, &status, mesh);
     } else if (cli_given(run, "--level")) {
-        status = make_level_mesh(run, j, &j->volume.view, &mesh);
+        status = make_level_mesh(run, j, &j->volume.view, mesh);
     } else {
         status = cli_select_voxels(run, &j->volume, &j->report, &grid);
         if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
-        if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
+        if (status == BVX_OK) status = make_grid_mesh(run, &grid, mesh);
     }
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
+    if (result != CLI_DONE || status == BVX_OK) return result;
+    return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+}
+
+static int make_volume_mesh(cli_run *run, cli_volume_job *j, cli_made *made)
+{
+    const char *const in = cli_input_name(run->options->input[0]);
+    cli_reduction reduction = {0};
+    bvx_mesh mesh = {0};
+    int result = make_surface_of_volume(run, j, &mesh);
+
     if (result != CLI_DONE) return result;
-    if (status != BVX_OK) return cli_fail_status(run, status, in);
     if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);
@@ -246,24 +224,21 @@ static int make_volume_mesh(cli_run *run, volume_job *j)
         return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface",
                         in, j->report.least, j->report.greatest);
     result = put_mesh(run, &mesh, 0, run->options->output, &reduction);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
-    note_set(run, j);
-    cli_tell_volume(&j->volume, &j->report, &run->report.more, &warnings);
-    cli_warn_lines(run, &warnings);
-    cli_say(run, "%s -> %s\n", in, run->options->output);
-    tell_samples(&lines, &j->report);
-    cli_say_lines(run, &lines);
-    cli_say_parts(run);
-    cli_tell_reduction(run, &reduction);
-    say_mesh(run, 0);
+
+    cli_note_voxels(run, &j->volume.view.lattice, j->report.inside);
+    cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
+    tell_samples(&made->head, &j->report);
+    cli_tell_parts(run, &made->text);
+    cli_tell_reduction(run, &reduction, made);
+    tell_mesh_of(run, 0, made);
     return CLI_DONE;
 }
 
 /* ---- labels ---- */
 
-static int list_labels(cli_run *run, volume_job *j)
+static int list_labels(cli_run *run, cli_volume_job *j)
 {
     const char *const in = cli_input_name(run->options->input[0]);
     uint64_t count = 0;
@@ -287,7 +262,7 @@ static int list_labels(cli_run *run, volume_job *j)
 }
 
 /* The label's box: beyond it there is none of it, so the surface is that of the whole. */
-static void label_view(const volume_job *j, const bvx_label *l, bvx_volume_view *view)
+static void label_view(const cli_volume_job *j, const bvx_label *l, bvx_volume_view *view)
 {
     static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     const bvx_volume_view *const whole = &j->volume.view;
@@ -308,7 +283,7 @@ static void label_view(const volume_job *j, const bvx_label *l, bvx_volume_view 
     view->samples = (const char *)whole->samples + at;
 }
 
-static int make_label_mesh(cli_run *run, volume_job *j, int n)
+static int make_label_mesh(cli_run *run, cli_volume_job *j, int n)
 {
     double const value = (double)j->labels[n].value;
     char *const path = cli_numbered_path(run->options->output, j->labels[n].value); /* the report keeps it */
@@ -339,9 +314,9 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     return result;
 }
 
-static void tell_labels(cli_run *run, const volume_job *j)
+static void tell_labels(const cli_volume_job *j, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < j->label_count; i++) {
@@ -352,7 +327,7 @@ static void tell_labels(cli_run *run, const volume_job *j)
     cli_text_add(t, "]");
 }
 
-static int make_label_meshes(cli_run *run, volume_job *j)
+static int make_label_meshes(cli_run *run, cli_volume_job *j, cli_made *made)
 {
     int status = list_labels(run, j);
 
@@ -361,33 +336,43 @@ static int make_label_meshes(cli_run *run, volume_job *j)
         if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
         j->report.inside += j->labels[i].voxels;
     }
-    if (status == CLI_DONE) status = cli_keep_outputs(run);
     if (status != CLI_DONE) return status;
-    note_set(run, j);
-    tell_labels(run, j);
-    cli_say(run, "%s: %" PRIu64 " labels\n", cli_input_name(run->options->input[0]), j->label_count);
-    cli_say_parts(run);
-    for (uint64_t i = 0; i < j->label_count; i++) say_mesh(run, (int)i);
+
+    cli_note_voxels(run, &j->volume.view.lattice, j->report.inside);
+    tell_labels(j, made);
+    made->untitled = 1;
+    cli_tell(made, "%s: %" PRIu64 " labels\n", cli_input_name(run->options->input[0]), j->label_count);
+    cli_tell_parts(run, &made->text);
+    for (uint64_t i = 0; i < j->label_count; i++) tell_mesh_of(run, (int)i, made);
     return CLI_DONE;
 }
 
-int cli_voxelize_volume(cli_run *run, const bvx_window *window)
+/* Meshes are in their files already. */
+static int keep_meshes(cli_run *run, void *work)
 {
-    static volume_job j;
-    int const kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
+    (void)work;
+    return cli_keep_outputs(run);
+}
+
+int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *j, cli_made *made)
+{
+    const char *const output = run->options->output;
+    int const all = run->options->all_labels, kind = cli_kind_of_format(bvx_format_of_name(output));
     int status = check_volume_output(run);
 
-    memset(&j, 0, sizeof j);
     if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);
-    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, run->options->output);
-    if (status == CLI_DONE && kind == CLI_MESH && !run->options->all_labels)
-        status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_volume(run, run->options->input[0], window, &j.volume);
-    if (status == CLI_DONE)
-        status = kind == CLI_GRID           ? make_volume_grid(run, &j)
-                 : run->options->all_labels ? make_label_meshes(run, &j)
-                                            : make_volume_mesh(run, &j);
-    free(j.labels);
-    if (run->context != NULL) cli_free_volume(run, &j.volume);
-    return status;
+    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, output);
+    if (status == CLI_DONE && kind == CLI_MESH && !all) status = cli_open_output(run, output);
+    if (status == CLI_DONE) status = cli_read_volume(run, run->options->input[0], window, &j->volume);
+    if (status != CLI_DONE) return status;
+    if (kind == CLI_GRID) return make_volume_grid(run, j, made);
+    made->write = keep_meshes;
+    return all ? make_label_meshes(run, j, made) : make_volume_mesh(run, j, made);
+}
+
+void cli_free_volume_job(cli_run *run, cli_volume_job *j)
+{
+    bvx_grid_free(run->context, &j->grid);
+    free(j->labels);
+    if (run->context != NULL) cli_free_volume(run, &j->volume);
 }

@@ -106,7 +106,7 @@ int cli_keeps_parts(const cli_run *run);
 int cli_check_parts(cli_run *run);
 /* Keep the parts requested, of a grid in itself or in another one, and count them for the report. */
 bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept);
-void cli_say_parts(cli_run *run);
+void cli_tell_parts(const cli_run *run, cli_text *text);
 
 /* ---- tree_input.c ---- */
 

@@ -54,11 +54,11 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     return BVX_OK;
 }
 
-void cli_say_parts(cli_run *run)
+void cli_tell_parts(const cli_run *run, cli_text *text)
 {
     const bvx_keep_report *const p = &run->report.parts;
 
     if (!run->report.has_parts) return;
-    cli_say(run, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept,
-            p->kept + p->dropped, p->voxels_dropped);
+    cli_text_add(text, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n", p->kept,
+                 p->kept + p->dropped, p->voxels_dropped);
 }

@@ -394,7 +394,7 @@ void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *
     cli_json_count(t, "infinite", r->infinite);
     cli_text_add(t, "}");
     if (r->nan + r->infinite != 0)
-        cli_text_add(warnings,
-                     "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside\n", r->nan,
-                     r->infinite);
+        cli_add_warning(warnings,
+                        "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,
+                        r->infinite);
 }

@@ -1,34 +1,75 @@
 /* deliver.c - what a command has made: written, told and warned of in one place. */
 #include "cli_results/results.h"
 
+#include <stdlib.h>
+
+/* The grid whose lattice is told. */
+static const bvx_grid *grid_of(const cli_made *made)
+{
+    return made->grid != NULL     ? made->grid
+           : made->field != NULL  ? &made->field->band
+           : made->voxels != NULL ? made->voxels->grid
+                                  : made->shown;
+}
+
+static int write_made(cli_run *run, cli_made *made)
+{
+    return made->write != NULL    ? made->write(run, run->job)
+           : made->voxels != NULL ? cli_write_voxels(run, made->voxels)
+           : made->field != NULL  ? cli_write_field(run, made->field)
+           : made->grid != NULL   ? cli_write_grid(run, made->grid)
+           : made->mesh != NULL   ? cli_write_mesh(run, made->mesh)
+                                  : CLI_DONE;
+}
+
+void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
+{
+    run->report.lattice = *lattice;
+    run->report.set = set;
+    run->report.has_lattice = run->report.has_set = 1;
+}
+
 /* A success: where it went, what it is, what is to be said of it. */
 static void tell_made(cli_run *run, cli_made *made)
 {
-    const bvx_grid *const grid = made->field != NULL ? &made->field->band : made->grid;
+    const bvx_grid *const grid = grid_of(made);
+    const char *const out = run->options->output;
 
-    run->report.set = made->set;
-    run->report.has_set = 1;
+    if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
+    if (run->command->tell != NULL) run->command->tell(run, run->job, made);
+    if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
+
+    if (grid != NULL) cli_tell_grid(run, &made->head, grid, made->set, made->placed);
     if (made->members.size != 0) cli_text_add(&run->report.more, "%s", made->members.bytes);
-    cli_say(run, "%s -> %s\n", cli_input_name(run->options->input[0]), run->options->output);
+    if (!made->untitled)
+        cli_say(run, "%s%s%s\n", cli_input_name(run->options->input[run->command->least_inputs - 1]),
+                out != NULL ? " -> " : "", out != NULL ? out : "");
     cli_say_lines(run, &made->head);
-    cli_say_grid(run, grid, made->set, made->placed);
     cli_say_lines(run, &made->text);
     cli_warn_lines(run, &made->warnings);
 }
 
-int cli_deliver(cli_run *run, cli_made *made)
+int cli_perform(cli_run *run)
 {
+    cli_made made = {.placed = 1};
     int result;
 
-    if (made->status != BVX_OK) result = cli_fail_status(run, made->status, made->about);
-    else if (made->write != NULL) result = made->write(run, made->writer);
-    else if (made->field != NULL) result = cli_write_field(run, made->field);
-    else result = cli_write_grid(run, made->grid);
-    if (result == CLI_DONE) tell_made(run, made);
+    run->job = calloc(1, run->command->job + 1);
+    if (run->job == NULL) return cli_fail(run, "no memory to begin with");
+    result = run->command->make(run, run->job, &made);
+    if (result == CLI_DONE) result = write_made(run, &made);
+    if (result == CLI_DONE) tell_made(run, &made);
 
-    cli_text_free(&made->head);
-    cli_text_free(&made->text);
-    cli_text_free(&made->members);
-    cli_text_free(&made->warnings);
+    cli_text_free(&made.head);
+    cli_text_free(&made.text);
+    cli_text_free(&made.members);
+    cli_text_free(&made.warnings);
     return result;
+}
+
+void cli_release(cli_run *run)
+{
+    if (run->job != NULL && run->command->free != NULL) run->command->free(run, run->job);
+    free(run->job);
+    run->job = NULL;
 }

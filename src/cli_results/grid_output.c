@@ -70,30 +70,44 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
         grid);
 }
 
-void cli_say_grid(cli_run *run, const bvx_grid *g, uint64_t set, int placed)
+void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *g, uint64_t set, int placed)
 {
     const bvx_lattice *const l = &g->lattice;
     double const all = (double)g->size[0] * g->size[1] * g->size[2];
     double corner[3];
 
     cli_grid_corner(g, 0.0, corner);
-    cli_say(run, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
-            g->size[2]);
+    cli_text_add(text, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
+                 g->size[2]);
     if (memcmp(g->size, l->dims, sizeof g->size) != 0)
-        cli_say(run,
-                "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32
-                " x %" PRId32 " x %" PRId32 "\n",
-                g->low[0], g->low[1], g->low[2], l->dims[0], l->dims[1], l->dims[2]);
-    cli_say(run, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
-    cli_say(run, "  spacing     %.9g, %.9g, %.9g%s\n", l->spacing[0], l->spacing[1], l->spacing[2],
-            placed ? "" : " (assumed: no side-car says it)");
-    cli_say(run, "  origin      %.9g, %.9g, %.9g%s\n", corner[0], corner[1], corner[2],
-            placed ? "" : " (assumed: no side-car says it)");
-    cli_say_parts(run);
+        cli_text_add(text,
+                     "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32
+                     " x %" PRId32 " x %" PRId32 "\n",
+                     g->low[0], g->low[1], g->low[2], l->dims[0], l->dims[1], l->dims[2]);
+    cli_text_add(text, "  voxels      %" PRIu64 " set, %.3g %% of all\n", set, 100.0 * (double)set / all);
+    cli_text_add(text, "  spacing     %.9g, %.9g, %.9g%s\n", l->spacing[0], l->spacing[1], l->spacing[2],
+                 placed ? "" : " (assumed: no side-car says it)");
+    cli_text_add(text, "  origin      %.9g, %.9g, %.9g%s\n", corner[0], corner[1], corner[2],
+                 placed ? "" : " (assumed: no side-car says it)");
+    cli_tell_parts(run, text);
 }
 
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3])
 {
     for (int a = 0; a < 3; a++)
         corner[a] = grid->lattice.origin[a] + ((double)grid->low[a] + part) * grid->lattice.spacing[a];
+}
+
+int cli_touches_side(const bvx_grid *g)
+{
+    for (int32_t z = 0; z < g->size[2]; z++)
+        for (int32_t y = 0; y < g->size[1]; y++) {
+            int const side = z == 0 || y == 0 || z == g->size[2] - 1 || y == g->size[1] - 1;
+            for (int32_t k = 0; k < g->words_per_row && side; k++)
+                if (g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
+                             (size_t)k] != 0)
+                    return 1;
+            if (bvx_grid_get(g, 0, y, z) || bvx_grid_get(g, g->size[0] - 1, y, z)) return 1;
+        }
+    return 0;
 }

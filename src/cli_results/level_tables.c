@@ -18,12 +18,23 @@ int64_t cli_count_handles(const bvx_certificate *c)
     return (int64_t)c->components - c->euler / 2;
 }
 
-void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal)
+void cli_tell_result(const bvx_certificate *c, cli_made *made)
 {
-    cli_say(run, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",
-            cli_input_name(run->options->input[0]), triangles, in->closed ? "closed" : "not closed",
-            in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
-            in->oriented ? "oriented" : "not oriented", diagonal);
+    cli_tell(made,
+             "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
+             " components, volume %.6g\n",
+             c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
+             c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
+             c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+}
+
+void cli_tell_input(const cli_run *run, uint64_t triangles, const bvx_certificate *in, double diagonal,
+                    cli_made *made)
+{
+    cli_tell(made, "%s: %" PRIu64 " triangles, %s, %s, %s; diagonal %.6g\n",
+             cli_input_name(run->options->input[0]), triangles, in->closed ? "closed" : "not closed",
+             in->edge_manifold && in->vertex_manifold ? "manifold" : "not manifold",
+             in->oriented ? "oriented" : "not oriented", diagonal);
 }
 
 static int is_length(double diagonal)
@@ -52,10 +63,10 @@ static void defect_text(const bvx_level_report *l, char *text, size_t room)
                  l->crossings);
 }
 
-void cli_say_collapsed(cli_run *run, int count, double diagonal)
+void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made *made)
 {
-    cli_say(run, "level  triangles  asked for    share  smallest angle  pieces  target   closed, manifold, "
-                 "oriented, no crossings\n");
+    cli_tell(made, "level  triangles  asked for    share  smallest angle  pieces  target   closed, manifold, "
+                   "oriented, no crossings\n");
     for (int i = 0; i < count; i++) {
         const cli_mesh_entry *const m = &run->report.mesh[i];
         const bvx_level_report *const l = m->level;
@@ -65,52 +76,52 @@ void cli_say_collapsed(cli_run *run, int count, double diagonal)
         if (l->crossings != 0)
             snprintf(sound, sizeof sound, "NO, %" PRIu64 " pairs of triangles cross", l->crossings);
         if (!cli_is_sound(&m->certificate)) defect_text(l, sound, sizeof sound);
-        cli_say(run, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
-                m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
-                l->met ? "met" : "NOT MET", sound);
+        cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
+                 m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
+                 l->met ? "met" : "NOT MET", sound);
     }
 }
 
-static void say_distance(cli_run *run, double d, double diagonal, int decimals)
+static void tell_distance(cli_made *made, double d, double diagonal, int decimals)
 {
     double const part = d / diagonal;
 
     if (is_length(diagonal) && part - part == 0.0)
-        cli_say(run, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
-    else cli_say(run, "  %9.3g %*s", d, 4 + decimals, "-");
+        cli_tell(made, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
+    else cli_tell(made, "  %9.3g %*s", d, 4 + decimals, "-");
 }
 
-void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to,
-                       const char *unit_of)
+void cli_tell_distances(const cli_run *run, int count, double diagonal, int decimals, const char *to,
+                        const char *unit_of, cli_made *made)
 {
     int const one = 16 + decimals;
 
     if (run->report.mesh[0].distance == NULL) return;
-    cli_say(run,
-            "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64
-            " random points on each mesh, seed %d\n",
-            to, unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
-    cli_say(run, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
-    cli_say(run, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
+    cli_tell(made,
+             "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64
+             " random points on each mesh, seed %d\n",
+             to, unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
+    cli_tell(made, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
+    cli_tell(made, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
 
-        cli_say(run, "%5d", i);
-        say_distance(run, d->mean_a_to_b, diagonal, decimals);
-        say_distance(run, d->max_a_to_b, diagonal, decimals);
-        say_distance(run, d->mean_b_to_a, diagonal, decimals);
-        say_distance(run, d->max_b_to_a, diagonal, decimals);
-        cli_say(run, "\n");
+        cli_tell(made, "%5d", i);
+        tell_distance(made, d->mean_a_to_b, diagonal, decimals);
+        tell_distance(made, d->max_a_to_b, diagonal, decimals);
+        tell_distance(made, d->mean_b_to_a, diagonal, decimals);
+        tell_distance(made, d->max_b_to_a, diagonal, decimals);
+        cli_tell(made, "\n");
     }
 }
 
-void cli_say_written(cli_run *run, int count)
+void cli_tell_written(const cli_run *run, int count, cli_made *made)
 {
     const cli_mesh_entry *const m = run->report.mesh;
 
-    cli_say(run, "\n");
+    cli_tell(made, "\n");
     for (int i = 0; i < count; i++)
         if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)
-            cli_say(run, "%s%s", i == 0 ? "written: " : ", ", m[i].path);
-    cli_say(run, "\n");
+            cli_tell(made, "%s%s", i == 0 ? "written: " : ", ", m[i].path);
+    cli_tell(made, "\n");
 }

@@ -92,15 +92,15 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
-void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh)
+void cli_tell_lost(const char *path, const bvx_mesh *mesh, cli_made *made)
 {
     int32_t const format = bvx_format_of_name(path);
     int const colours = mesh->colours != NULL && format == BVX_FORMAT_STL;
     int const uvs = mesh->uvs != NULL && (format == BVX_FORMAT_STL || format == BVX_FORMAT_OFF);
 
     if (!colours && !uvs) return;
-    cli_warn(run, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
-             colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
+    cli_advise(made, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
+               colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
 }
 
 /* ---- what the file holds ---- */
@@ -214,6 +214,22 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
     }
     free(report);
     return result;
+}
+
+int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage)
+{
+    cli_mesh_entry *const entry = &run->report.mesh[number];
+    bvx_mesh_view view;
+    bvx_status status;
+
+    bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, stage, number);
+    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
+    cli_stage_end(run);
+    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    entry->path = path;
+    run->report.meshes = number + 1;
+    return CLI_DONE;
 }
 
 /* ---- out ---- */

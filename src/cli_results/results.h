@@ -6,22 +6,35 @@
 
 /* ---- deliver.c: what a command has made; the one place that writes it and tells of it ---- */
 
-typedef struct cli_made {
-    bvx_status status;    /* of the call of the library that failed; BVX_OK: none */
-    const char *about;    /* the file that this failure is about */
-    const bvx_grid *grid; /* what goes to run->options.output: a grid or a field */
-    const bvx_field *field;
-    int (*write)(cli_run *run, void *writer); /* NULL: the grid or field is written as it is */
-    void *writer;
-    uint64_t set;        /* voxels, or values */
-    int placed;          /* 0: nothing says where the voxels lie */
-    cli_text head, text; /* lines for people, before the voxels' own and after them */
-    cli_text members;    /* of the JSON report, each with ", " before it */
-    cli_text warnings;   /* one a line */
-} cli_made;
+typedef struct cli_voxels cli_voxels;
 
-/* Write, keep, tell, report and warn, in this order; or fail, and nothing is left. Frees the texts. */
-int cli_deliver(cli_run *run, cli_made *made);
+/* What a command has made. One of these goes to run->options.output: */
+struct cli_made {
+    const bvx_grid *grid;
+    const bvx_field *field;
+    const bvx_mesh *mesh;
+    cli_voxels *voxels;
+    int (*write)(cli_run *run, void *job); /* or what this writes */
+
+    const bvx_grid *shown; /* its lattice is told where no grid is written; NULL: none */
+    uint64_t set;          /* voxels of it, or values */
+    int placed;            /* 0: nothing says where they lie */
+    int untitled;          /* the text has the first line */
+    cli_text head, text;   /* lines for people, before those of the lattice and after them */
+    cli_text members;      /* of the JSON report, each with ", " before it */
+    cli_text warnings;     /* one a line */
+};
+
+/* Another line, or a part of one, for people; another warning. */
+#define cli_tell(made, ...)   cli_text_add(&(made)->text, __VA_ARGS__)
+#define cli_advise(made, ...) cli_add_warning(&(made)->warnings, __VA_ARGS__)
+/* Do what the command says, with run->job zeroed for it: make, write, keep, tell, report and warn, in this order; or
+ * fail, and nothing is left. */
+int cli_perform(cli_run *run);
+/* What it was made with goes; the report has pointers to that. */
+void cli_release(cli_run *run);
+/* The voxels of a result that has no grid. */
+void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set);
 
 /* ---- tree_output.c, tree_report.c: octrees ---- */
 
@@ -48,9 +61,8 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t);
 /* Write run->options.output and keep it. */
 int cli_write_tree(cli_run *run, cli_tree *t);
 void cli_free_tree(cli_run *run, cli_tree *t);
-void cli_say_levels(cli_run *run, const cli_tree *t);
-void cli_say_tree_output(cli_run *run, const cli_tree *t);
-void cli_report_tree(cli_run *run, const cli_tree *t);
+void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made);
+void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made);
 
 /* ---- leaf_mesh.c: refine --leaves ---- */
 
@@ -68,9 +80,12 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid);
 /* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the caller began:
  * written and kept, where a call of the library made it. Frees it. */
 int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
-void cli_say_grid(cli_run *run, const bvx_grid *grid, uint64_t set, int placed);
+void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *grid, uint64_t set, int placed);
 /* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
+
+/* 1 when a voxel at a side of the window is set. */
+int cli_touches_side(const bvx_grid *grid);
 
 /* Say what a format leaves out of a window's grid. */
 void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
@@ -89,7 +104,9 @@ int cli_check_level_names(cli_run *run, int count);
 /* Refuse --carry of a mesh that has nothing to carry. */
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
 /* What of a mesh a format cannot hold, as a warning. */
-void cli_warn_of_lost(cli_run *run, const char *path, const bvx_mesh *mesh);
+void cli_tell_lost(const char *path, const bvx_mesh *mesh, cli_made *made);
+/* Certify the mesh as the entry of this number in the report, of this file; the stage may name the number. */
+int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage);
 /* Refuse --output-origin for outputs other than meshes. */
 int cli_check_output_origin(cli_run *run);
 /* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin;
@@ -112,16 +129,19 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 int cli_is_sound(const bvx_certificate *certificate);
 /* Of a sound mesh: Euler's number is 2 a part, less 2 a handle. */
 int64_t cli_count_handles(const bvx_certificate *certificate);
+/* The line of a mesh that is the result. */
+void cli_tell_result(const bvx_certificate *c, cli_made *made);
 /* The first line: the input's triangles, whether it is sound, its diagonal. */
-void cli_say_input(cli_run *run, uint64_t triangles, const bvx_certificate *certificate, double diagonal);
+void cli_tell_input(const cli_run *run, uint64_t triangles, const bvx_certificate *certificate,
+                    double diagonal, cli_made *made);
 /* The report's levels that edges collapsed to: triangles, targets, what they are. */
-void cli_say_collapsed(cli_run *run, int count, double diagonal);
+void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made *made);
 /* The distances of the report's meshes to the input; to says what that is
  * where it is no mesh, unit_of whose unit they have; decimals of percent. */
-void cli_say_distances(cli_run *run, int count, double diagonal, int decimals, const char *to,
-                       const char *unit_of);
+void cli_tell_distances(const cli_run *run, int count, double diagonal, int decimals, const char *to,
+                        const char *unit_of, cli_made *made);
 /* The files' names. */
-void cli_say_written(cli_run *run, int count);
+void cli_tell_written(const cli_run *run, int count, cli_made *made);
 
 /* ---- field_output.c: distances as files; voxelize --mode field ---- */
 
@@ -132,5 +152,53 @@ int cli_write_field(cli_run *run, const bvx_field *field);
 /* Measure on this lattice; the field is made->field. */
 bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const bvx_lattice *lattice,
                           const bvx_window *window, bvx_field *field, cli_made *made);
+
+/* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
+
+typedef struct cli_reduction {
+    int done;        /* fewer triangles were requested and made */
+    uint64_t before; /* triangles */
+    bvx_level_report level;
+} cli_reduction;
+
+/* The edges of a closed mesh collapse, where that is requested. */
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
+/* What became of it: a line of text, a member of the JSON report, a warning. */
+void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made);
+
+/* ---- voxel_output.c: voxels as a grid or as the mesh of their surface ---- */
+
+/* A round hole: its voxels, the axis that it runs along and a place on it. */
+typedef struct cli_drill {
+    const bvx_grid *hole; /* NULL: none */
+    int32_t axis;
+    double at[3], radius;
+} cli_drill;
+
+struct cli_voxels {
+    const char *name; /* of the input */
+    const bvx_grid *grid;
+    const bvx_mesh *source; /* what they were made from, or NULL; and then */
+    const bvx_grid *solid;  /* its own voxels, on the grid's window */
+    const bvx_field *field; /* measured by cli_measure_source, or NULL */
+    double offset;          /* of walls from the mesh, negative inside; 0: none moved */
+    cli_drill drill;
+    bvx_mesh mesh; /* made by cli_write_voxels; zeroed */
+    cli_reduction reduction;
+    bvx_field_surface_report surface;
+};
+
+/* 1 when the output is a mesh by its name. */
+int cli_makes_mesh(const cli_run *run);
+/* Refuse names of neither, and options of meshes for a grid. */
+int cli_check_voxel_name(cli_run *run);
+int cli_open_voxels(cli_run *run);
+/* Distances to a mesh as far as walls moved, with its voxels as the inside, which they borrow. */
+bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
+                              bvx_field *field);
+int cli_write_voxels(cli_run *run, cli_voxels *voxels);
+/* Of a mesh: lines of text, a member of the JSON report. */
+void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made);
+void cli_free_voxels(cli_run *run, cli_voxels *v);
 
 #endif

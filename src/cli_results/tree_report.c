@@ -26,48 +26,12 @@ static double uniform_voxels(const bvx_lattice *l)
     return (double)l->dims[0] * l->dims[1] * l->dims[2];
 }
 
-static void say_row(cli_run *run, const char *name, const char *dims, const bvx_octree_level *l)
+static void tell_row(cli_made *made, const char *name, const char *dims, const bvx_octree_level *l)
 {
-    cli_say(run,
-            "%5s  %-17s %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64
-            "\n",
-            name, dims, l->voxels, l->split, l->surface, l->inside, l->outside, l->bytes);
-}
-
-void cli_say_levels(cli_run *run, const cli_tree *t)
-{
-    const bvx_octree_level sum = sum_of(t);
-    const bvx_lattice *const last = &run->report.lattice;
-    uint64_t const leaves = sum.voxels - sum.split;
-    double const uniform = uniform_voxels(last);
-
-    cli_say(run, "level  %-17s %12s %12s %12s %12s %12s %12s\n", "voxels a side", "voxels", "split",
-            "surface", "inside", "outside", "bytes");
-    for (int32_t i = 0; i <= t->levels; i++) {
-        char name[16], dims[48];
-        int32_t const shift = t->levels - i;
-        snprintf(name, sizeof name, "%" PRId32, i);
-        snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift,
-                 last->dims[1] >> shift, last->dims[2] >> shift);
-        say_row(run, name, dims, &t->level[i]);
-    }
-    say_row(run, "all", "", &sum);
-    cli_say(run, "\n%" PRIu64 " leaves in place of %.0f voxels of one size, %.3g %%; %.3g bytes a leaf\n",
-            leaves, uniform, 100.0 * (double)leaves / uniform, (double)sum.bytes / (double)leaves);
-}
-
-void cli_say_tree_output(cli_run *run, const cli_tree *t)
-{
-    cli_say(run, "written: %s", run->options->output);
-    if (t->kind == CLI_GRID) {
-        const int32_t *const n = t->grid.size;
-        cli_say(run, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2],
-                run->report.set);
-    }
-    if (t->kind == CLI_MESH)
-        cli_say(run, ", %" PRIu64 " triangles of %" PRIu64 " vertices", t->surface.triangle_count,
-                t->surface.vertex_count);
-    cli_say(run, "\n");
+    cli_tell(made,
+             "%5s  %-17s %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64 " %12" PRIu64
+             "\n",
+             name, dims, l->voxels, l->split, l->surface, l->inside, l->outside, l->bytes);
 }
 
 static void report_level(cli_text *t, const bvx_octree_level *l)
@@ -80,9 +44,9 @@ static void report_level(cli_text *t, const bvx_octree_level *l)
     cli_json_count(t, "bytes", l->bytes);
 }
 
-void cli_report_tree(cli_run *run, const cli_tree *tree)
+static void report_tree(const cli_run *run, const cli_tree *tree, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
     const bvx_octree_level sum = sum_of(tree);
 
     cli_text_add(t, ", \"octree\": {\"levels\": %" PRId32, tree->levels);
@@ -100,4 +64,41 @@ void cli_report_tree(cli_run *run, const cli_tree *tree)
     cli_text_add(t, "]");
     if (tree->kind == CLI_MESH) cli_json_count(t, "triangles", tree->surface.triangle_count);
     cli_text_add(t, "}");
+}
+
+void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
+{
+    const bvx_octree_level sum = sum_of(t);
+    const bvx_lattice *const last = &run->report.lattice;
+    uint64_t const leaves = sum.voxels - sum.split;
+    double const uniform = uniform_voxels(last);
+
+    cli_tell(made, "level  %-17s %12s %12s %12s %12s %12s %12s\n", "voxels a side", "voxels", "split",
+             "surface", "inside", "outside", "bytes");
+    for (int32_t i = 0; i <= t->levels; i++) {
+        char name[16], dims[48];
+        int32_t const shift = t->levels - i;
+        snprintf(name, sizeof name, "%" PRId32, i);
+        snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift,
+                 last->dims[1] >> shift, last->dims[2] >> shift);
+        tell_row(made, name, dims, &t->level[i]);
+    }
+    tell_row(made, "all", "", &sum);
+    cli_tell(made, "\n%" PRIu64 " leaves in place of %.0f voxels of one size, %.3g %%; %.3g bytes a leaf\n",
+             leaves, uniform, 100.0 * (double)leaves / uniform, (double)sum.bytes / (double)leaves);
+    report_tree(run, t, made);
+}
+
+void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made)
+{
+    cli_tell(made, "written: %s", run->options->output);
+    if (t->kind == CLI_GRID) {
+        const int32_t *const n = t->grid.size;
+        cli_tell(made, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2],
+                 run->report.set);
+    }
+    if (t->kind == CLI_MESH)
+        cli_tell(made, ", %" PRIu64 " triangles of %" PRIu64 " vertices", t->surface.triangle_count,
+                 t->surface.vertex_count);
+    cli_tell(made, "\n");
 }

@@ -148,6 +148,18 @@ void cli_say(cli_run *run, const char *format, ...)
     va_end(args);
 }
 
+void cli_add_warning(cli_text *lines, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    tame(text);
+    cli_text_add(lines, "%s\n", text);
+}
+
 void cli_warn_lines(cli_run *run, cli_text *lines)
 {
     for (const char *p = lines->bytes; p != NULL && *p != 0;) {

@@ -25,6 +25,7 @@ enum {
 typedef struct cli_run cli_run;
 typedef struct cli_options cli_options; /* cli_args/args.h */
 typedef struct cli_command cli_command;
+typedef struct cli_made cli_made; /* cli_results/results.h */
 
 enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
 
@@ -121,6 +122,8 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room);
 void cli_warn(cli_run *run, const char *format, ...);
 /* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
 void cli_say(cli_run *run, const char *format, ...);
+/* One more line of a text that is warned of later. */
+void cli_add_warning(cli_text *lines, const char *format, ...);
 /* Each line of a text as a warning; all of a text. The text is freed. */
 void cli_warn_lines(cli_run *run, cli_text *lines);
 void cli_say_lines(cli_run *run, cli_text *lines);
@@ -235,6 +238,7 @@ void cli_blocks_offer(bvx_context_options *options);
 struct cli_run {
     const char *name;                     /* of the command; NULL: none */
     const cli_command *command;           /* not looked at in this room */
+    void *job;                            /* the command's own */
     cli_options *options;                 /* likewise */
     const cli_general *general;           /* a part of the options */
     const char *about;                    /* the input that messages name, one of several; NULL: no need */

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """walk.py COMMAND...: the way of a run through the program's sources.
 
-Follows `run` from a command's function through all calls that hand it on, in the order of the text, each body once: a step down for each
-call, a step back after it. Prints for each command the files and functions on the way, the stays (runs of steps within one file), the
+Follows `run` from cli_perform through the command's functions (which its table names: make, write, tell, free) and all calls that pass it,
+in the order of the text, each body once: a step down for each call, a step back after it. Prints for each command the files and functions on the way, the stays (runs of steps within one file), the
 returns (stays in a file that was seen before: stays less files) and the climbs (calls into a room above the caller's). With --every,
-calls that do not hand on `run` are followed too; --list names the files with their stays."""
+calls that do not pass `run` are followed too; --list names the files with their stays."""
 import glob
 import re
 import sys
@@ -53,7 +53,7 @@ def calls(body, every):
             yield m.group(1)
 
 
-def walk(path, name, own, shared, every):
+def walk(entry, own, shared, every):
     steps, seen, climbs = [], set(), 0
 
     def enter(function):
@@ -71,7 +71,8 @@ def walk(path, name, own, shared, every):
             enter(to)
             steps.append(path)
 
-    enter(own[path][name])
+    for function in entry:
+        enter(function)
     stays = [p for i, p in enumerate(steps) if i == 0 or steps[i - 1] != p]
     return seen, stays, climbs, len(steps)
 
@@ -82,7 +83,9 @@ def main():
     own, shared = read_program()
     for command in words or ["voxelize"]:
         path = f"src/cli_commands/cmd_{command}.c"
-        seen, stays, climbs, steps = walk(path, f"run_{command}", own, shared, "--every" in sys.argv)
+        named = [own[path].get(f"{part}_{command}") for part in ("make", "tell", "free")]
+        entry = [shared["cli_perform"]] + [function for function in named if function]
+        seen, stays, climbs, steps = walk(entry, own, shared, "--every" in sys.argv)
         files = {p for p, _ in seen}
         print(f"{command}: {len(files)} files, {len(seen)} functions, {steps} steps, {len(stays)} stays, "
               f"{len(stays) - len(files)} returns, {climbs} climbs")

@@ -3,7 +3,7 @@
  * Where they were made from a mesh the surface is that mesh's wherever they still end where it does, walls
  * that were moved stand at their distance from it, and a drilled hole is round. All else lies half way
  * between a set and an empty centre. */
-#include "cli_commands/commands.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -170,9 +170,6 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 
 static int write_surface(cli_run *run, cli_voxels *v)
 {
-    cli_mesh_entry *const entry = &run->report.mesh[0];
-    const char *const out = run->options->output;
-    bvx_mesh_view view;
     bvx_status status;
     int result;
 
@@ -184,20 +181,12 @@ static int write_surface(cli_run *run, cli_voxels *v)
         return cli_fail(run, "%s: no voxel is set, so there is no surface to write", cli_input_name(v->name));
 
     result = cli_reduce(run, &v->mesh, &v->reduction);
-    if (result != CLI_DONE) return result;
-    bvx_mesh_view_of(&v->mesh, &view);
-    cli_stage_begin(run, "check");
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, out);
-    entry->path = out;
-    run->report.meshes = 1;
-    return cli_write_mesh(run, &v->mesh);
+    if (result == CLI_DONE) result = cli_check_mesh(run, &v->mesh, 0, run->options->output, "check");
+    return result == CLI_DONE ? cli_write_mesh(run, &v->mesh) : result;
 }
 
-int cli_write_voxels(cli_run *run, void *voxels)
+int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
-    cli_voxels *const v = voxels;
     int status;
 
     if (cli_makes_mesh(run)) return write_surface(run, v);
@@ -205,34 +194,28 @@ int cli_write_voxels(cli_run *run, void *voxels)
     return status == CLI_DONE ? cli_write_grid(run, v->grid) : status;
 }
 
-void cli_tell_voxels(cli_run *run, const cli_voxels *v)
+void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)
 {
-    const bvx_certificate *const c = &run->report.mesh[0].certificate;
     const bvx_field_surface_report *const s = &v->surface;
     uint64_t const moved = s->own > s->middle ? s->own - s->middle : 0;
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     if (!cli_makes_mesh(run)) return;
     if (v->source != NULL) {
-        cli_say(run, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
-        if (moved != 0) cli_say(run, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));
-        if (s->middle != 0) cli_say(run, ", %" PRIu64 " half way between voxels", s->middle);
-        cli_say(run, "%s\n", s->sharp != 0 && s->edges > s->own ? "; sharp edges kept" : "");
+        cli_tell(made, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
+        if (moved != 0) cli_tell(made, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));
+        if (s->middle != 0) cli_tell(made, ", %" PRIu64 " half way between voxels", s->middle);
+        cli_tell(made, "%s\n", s->sharp != 0 && s->edges > s->own ? "; sharp edges kept" : "");
     } else {
-        cli_say(run, "  surface     half way between set and empty voxels\n");
+        cli_tell(made, "  surface     half way between set and empty voxels\n");
     }
     cli_text_add(t, ", \"voxel_surface\": {\"on_mesh\": %" PRIu64, s->edges - s->own);
     cli_json_count(t, "at_distance", moved);
     cli_json_count(t, "half_way", s->middle);
     cli_json_truth(t, "sharp", s->sharp != 0);
     cli_text_add(t, "}");
-    cli_tell_reduction(run, &v->reduction);
-    cli_say(run,
-            "  result      %" PRIu64 " triangles of %" PRIu64 " vertices%s%s%s; %" PRIu64
-            " components, volume %.6g\n",
-            c->triangles, c->vertices, c->closed ? ", closed" : ", OPEN",
-            c->edge_manifold && c->vertex_manifold ? ", manifold" : ", NOT MANIFOLD",
-            c->oriented ? ", oriented" : ", NOT ORIENTED", c->components, c->volume);
+    cli_tell_reduction(run, &v->reduction, made);
+    cli_tell_result(&run->report.mesh[0].certificate, made);
 }
 
 void cli_free_voxels(cli_run *run, cli_voxels *v)

@@ -2,7 +2,7 @@
  * made.
  *
  * --error is the distance from the mesh as it was made, not from what it was made of. */
-#include "cli_commands/commands.h"
+#include "cli_results/results.h"
 
 #include <inttypes.h>
 
@@ -38,28 +38,28 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     bvx_mesh_free(run->context, mesh);
     *mesh = less;
     r->done = 1;
-    if (!r->level.met)
-        cli_warn(run,
-                 "%s has %" PRIu64 " triangles, not %" PRIu64
-                 ": these are the fewest that collapsing edges leaves sound",
-                 run->options->output, r->level.triangles, target);
     return CLI_DONE;
 }
 
-void cli_tell_reduction(cli_run *run, const cli_reduction *r)
+void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made)
 {
-    cli_text *const t = &run->report.more;
+    cli_text *const t = &made->members;
 
     if (!r->done) return;
-    cli_say(run,
-            "  collapsed   %" PRIu64 " of %" PRIu64
-            " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n",
-            r->level.triangles, r->before, r->level.met ? "" : ", more than requested", r->level.least_angle,
-            r->level.crossings);
+    cli_tell(made,
+             "  collapsed   %" PRIu64 " of %" PRIu64
+             " triangles are left%s; smallest angle %.2f degrees, %" PRIu64 " crossings\n",
+             r->level.triangles, r->before, r->level.met ? "" : ", more than requested", r->level.least_angle,
+             r->level.crossings);
     cli_text_add(t, ", \"simplify\": {\"triangles_before\": %" PRIu64, r->before);
     cli_json_count(t, "triangles", r->level.triangles);
     cli_json_truth(t, "met", r->level.met);
     cli_json_value(t, "least_angle", r->level.least_angle);
     cli_json_count(t, "crossings", r->level.crossings);
     cli_text_add(t, "}");
+    if (!r->level.met)
+        cli_advise(made,
+                   "%s has %" PRIu64 " triangles, not %" PRIu64
+                   ": these are the fewest that collapsing edges leaves sound",
+                   run->options->output, r->level.triangles, (uint64_t)run->options->triangles.value[0]);
 }
