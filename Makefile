@@ -197,22 +197,17 @@ print-folder:
 
 # ---- Packaging ----
 
-# Static linking needs what the library was built with.
-$(BUILD)/bitvox.pc: include/bitvox.h force
-	@{ echo 'prefix=$(PREFIX)'; \
-	echo 'libdir=$(if $(filter $(PREFIX)/%,$(LIBDIR)),$${prefix}$(LIBDIR:$(PREFIX)%=%),$(LIBDIR))'; \
-	echo 'includedir=$${prefix}/include'; echo; \
-	echo 'Name: bitvox'; echo 'Description: Shapes to bit-packed voxels and voxels to closed meshes, exactly'; \
-	echo 'Version: $(version)'; echo 'Cflags: -I$${includedir}'; echo 'Libs: -L$${libdir} -lbitvox'; \
-	echo 'Libs.private: $(strip $(libs))'; } >$@.made; cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
-
-# The same for find_package; a list of CMake has semicolons.
+# Static linking needs what the library was built with. A list of CMake has semicolons.
 empty :=
-cmake_files := $(BUILD)/bitvoxConfig.cmake $(BUILD)/bitvoxConfigVersion.cmake
-$(cmake_files): $(BUILD)/%: src/%.in include/bitvox.h force
+in_prefix = $(if $(filter $(PREFIX)/%,$(1)),$${prefix}$(1:$(PREFIX)%=%),$(1))
+found_by := $(BUILD)/bitvox.pc $(BUILD)/bitvoxConfig.cmake $(BUILD)/bitvoxConfigVersion.cmake
+$(found_by): $(BUILD)/%: src/%.in include/bitvox.h force
 	@sed -e 's|@BITVOX_LIBS@|$(subst $(empty) ,;,$(strip $(libs)))|' -e 's|@CMAKE_INSTALL_FULL_INCLUDEDIR@|$(PREFIX)/include|' \
 	    -e 's|@PROJECT_VERSION@|$(version)|' -e 's|@PROJECT_VERSION_MAJOR@|$(call number,MAJOR)|' \
-	    -e 's|@PROJECT_VERSION_MINOR@|$(call number,MINOR)|' -e 's|@CMAKE_SIZEOF_VOID_P@||' $< >$@.made
+	    -e 's|@PROJECT_VERSION_MINOR@|$(call number,MINOR)|' -e 's|@CMAKE_SIZEOF_VOID_P@||' \
+	    -e 's|@CMAKE_INSTALL_PREFIX@|$(PREFIX)|' -e 's|@PC_LIBDIR@|$(call in_prefix,$(LIBDIR))|' \
+	    -e 's|@PC_INCLUDEDIR@|$${prefix}/include|' -e 's|@PC_CFLAGS@||' -e 's|@PC_LIBS@||' \
+	    -e 's|@PC_PRIVATE@|$(strip $(libs))|' $< >$@.made
 	@cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
 
 # What the program says about itself.
@@ -225,7 +220,7 @@ $(BUILD)/bitvox.bash: $(BUILD)/bitvox
 put = $(call say,INSTALL,$(DESTDIR)$(2)) mkdir -p $(call quote,$(DESTDIR)$(dir $(2))) && install -m $(3) $(1) $(call quote,$(DESTDIR)$(2))
 completions := $(PREFIX)/share/bash-completion/completions
 
-install: all $(BUILD)/bitvox.pc $(cmake_files) $(pages) ## library, header, bitvox.pc, CMake's files, program, man page, completion
+install: all $(found_by) $(pages) ## library, header, bitvox.pc, CMake's files, program, man page, completion
 	$(call put,include/bitvox.h,$(PREFIX)/include/bitvox.h,644)
 	$(call put,$(BUILD)/libbitvox.a,$(LIBDIR)/libbitvox.a,644)
 	$(call put,$(BUILD)/libbitvox.so,$(LIBDIR)/libbitvox.so.$(version),755)
@@ -273,8 +268,8 @@ test-js: deps-js program ## the npm package: golden rows, types, samples under n
 deb: ## build/debian: Debian packages of library and program (debhelper; lintian looks at them)
 	@BUILD=$(BUILD) sh tests/tools/debian.sh
 
-packaging: all ## projects that use the library by find_package, add_subdirectory and FetchContent (CMake, Ninja)
-	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh
+packaging: all ## projects that use the library: CMake by make and Ninja, gcc, clang, mingw; pkg-config; vcpkg; Conan; parts as one file (ROWS=cmake: these alone)
+	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh $(ROWS)
 
 amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file (PARTS="solid levels": what these calls need, in build/parts)
 	@sh src/amalgamate.sh $(BUILD)$(if $(PARTS),/parts $(call quote,$(PARTS))) && echo "$(BUILD)$(if $(PARTS),/parts)/bitvox.c $(BUILD)$(if $(PARTS),/parts)/bitvox.h"

@@ -21,6 +21,8 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#elif defined(_WIN32)
+#include <process.h>
 #endif
 
 enum { OUTPUT_CHUNK = 1 << 20, OUTPUT_TRIES = 1000 };
@@ -54,6 +56,8 @@ static char *name_beside(const char *path, int i, const char *ending)
 
 #if OUTPUTS_POSIX
     process = (long)getpid();
+#elif defined(_WIN32)
+    process = (long)_getpid();
 #endif
     if (name != NULL) snprintf(name, room, "%.*sbitvox-%ld-%d.%s", (int)folder, path, process, i, ending);
     return name;

@@ -9,7 +9,7 @@ packages='python3-venv python3-dev libcmocka-dev clang clang-format-14 cmake zli
 proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-tools cppcheck clang-tidy
     gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
     gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
-    musl-tools gcc-mingw-w64-x86-64 wine64 wine debhelper dpkg-dev lintian emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
+    musl-tools gcc-mingw-w64-x86-64 wine64 wine debhelper dpkg-dev lintian ccache emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
 if [ "${1:-}" = proof ]; then packages="$packages $proof"; fi
 if [ "${1:-}" = js ]; then
     packages='emscripten chromium'
