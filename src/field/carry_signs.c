@@ -37,6 +37,7 @@ static unsigned sides_in_row(const carry_spaces *s, int32_t begin, int32_t end, 
 
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
         uint64_t const band = g->words[row + (uint64_t)k] & bvxi_run_mask(begin, end, k);
+        /* Centres in the band are all known: inside or outside. */
         uint64_t const inside = s->inside[row + (uint64_t)k];
         in |= band & inside;
         out |= band & ~inside;
@@ -51,6 +52,7 @@ static void look_around_space_run(void *user, uint32_t space, int32_t begin, int
     const int32_t *const size = s->band->size;
     unsigned sides = s->sides[space];
 
+    /* Both sides already: nothing more to find. */
     if (sides == (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     if (begin > 0) sides |= sides_in_row(s, begin - 1, begin, y, z);
     if (end < size[0]) sides |= sides_in_row(s, end, end + 1, y, z);
@@ -66,6 +68,7 @@ static void settle_space_run(void *user, uint32_t space, int32_t begin, int32_t 
     carry_spaces *const s = user;
     const bvx_grid *const g = s->band;
     uint64_t const row = ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row;
+    /* One side only: the whole space lies there. */
     if (s->sides[space] == CARRY_INSIDE) bvxi_set_run(s->to + row, begin, end);
     if (s->sides[space] != (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     bvxi_set_run(s->open + row, begin, end);
@@ -84,9 +87,12 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
     s.band = band;
     s.inside = s.to = inside;
     s.open = open;
+
+    /* Spaces of what the band leaves, through faces. */
     BVXI_TRY(bvxi_spaces_open(ctx, function, "signs", band, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of spaces", &s.sides);
     if (status == BVX_OK) {
+        /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
         bvxi_spaces_each(&spaces, look_around_space_run, &s);
         bvxi_spaces_each(&spaces, settle_space_run, &s);
         bvxi_drop(ctx, s.sides);
@@ -127,14 +133,17 @@ static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint6
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     uint64_t own = carry_known(f, at, flip), near;
 
+    /* The row's own neighbours, by shifts. */
     if (k + 1 == g->words_per_row) own &= tail;
     near = own << 1 | own >> 1;
     if (k > 0) near |= carry_known(f, at - 1, flip) >> 63;
     if (k + 1 < g->words_per_row) {
+        /* A bit of the words beside it. */
         uint64_t next = carry_known(f, at + 1, flip);
         if (k + 2 == g->words_per_row) next &= tail;
         near |= next << 63;
     }
+    /* Whole words of the rows around it. */
     if (y > 0) near |= carry_known(f, at - words, flip);
     if (y + 1 < (uint64_t)g->size[1]) near |= carry_known(f, at + words, flip);
     if (z > 0) near |= carry_known(f, at - slice, flip);
@@ -148,6 +157,7 @@ static int changed_beside(const carry_front *f, uint64_t row)
     uint64_t const nz = (uint64_t)f->shape->size[2];
     uint64_t const y = row % ny;
     uint64_t const z = row / ny;
+    /* Nothing changed beside it: nothing new can reach it. */
     return f->changed[row] || (y > 0 && f->changed[row - 1]) || (y + 1 < ny && f->changed[row + 1]) ||
            (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny]);
 }
@@ -166,11 +176,14 @@ static void look_for_fronts(void *user, int32_t piece, int32_t worker)
         for (int32_t k = 0; k < f->shape->words_per_row; k++) {
             uint64_t const at = row * words + (uint64_t)k, open = f->open[at];
             uint64_t out, in;
+
+            /* Cleared even where nothing is open, as both are joined later. */
             f->come[at] = f->come_in[at] = 0;
             if (open == 0) continue;
             in = carry_reach(f, row, k, 0) & open;
             out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
             f->come[at] = in | out;
+            /* Outside where both come at once. */
             f->come_in[at] = in & ~out;
             if ((in | out) != 0) f->change[row] = 1;
         }
@@ -189,6 +202,7 @@ static void move_fronts(void *user, int32_t piece, int32_t worker)
     bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
         if (!f->change[row]) continue;
+        /* All that was reached is known from the next step on. */
         for (uint64_t at = row * words; at < (row + 1) * words; at++) {
             f->open[at] &= ~f->come[at];
             f->inside[at] |= f->come_in[at];
@@ -203,13 +217,16 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
     uint64_t reached = 1;
 
     f->pieces = bvxi_piece_count(rows, 1 + CARRY_WORDS / (uint64_t)f->shape->words_per_row);
+    /* At first any row may have something beside it. */
     memset(f->changed, 1, (size_t)rows);
     while (reached != 0) {
         uint8_t *const was = f->changed;
+        /* All looks before all moves: a step sees the state before it only. */
         BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, look_for_fronts, f));
         BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, move_fronts, f));
         f->changed = f->change;
         f->change = was;
+        /* Until no row was reached. */
         reached = 0;
         for (int32_t i = 0; i < f->pieces; i++) reached += f->reached[i];
     }
@@ -249,6 +266,7 @@ bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *insi
 
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
     status = settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed);
+    /* Nearly always all spaces are of one side, and no front is needed. */
     if (status == BVX_OK && mixed != 0)
         status = meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words);
     bvxi_drop(call.ctx, open);

@@ -24,6 +24,8 @@ static void write_dense_rows(void *user, int32_t piece, int32_t worker)
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         float *to = job->values + (size_t)(row * (uint64_t)g->size[0] * each);
+
+        /* Values lie by rank: each row knows its first one's number. */
         uint64_t next = job->field->row_values[row];
         for (int32_t k = 0; k < g->words_per_row; k++) {
             int32_t const left = g->size[0] - k * BVXI_WORD_BITS;
@@ -43,6 +45,7 @@ static bvx_status check_far(bvx_context *ctx, const char *function, const bvx_fi
                              function, (int64_t)far_rule);
     if (far_rule == BVX_FAR_CONSTANT) return BVX_OK;
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
+    /* Propagation begins at triangles, which only such fields keep. */
     if (field->triangles == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: BVX_FAR_PROPAGATED needs the field's triangles: measure it with features 1",

@@ -16,6 +16,7 @@ void bvx_field_free(bvx_context *context, bvx_field *field)
     uint64_t number_bytes;
 
     if (context == NULL || field == NULL) return;
+    /* Sizes follow from the counts, so arrays go before the grids that hold them. */
     number_bytes = field->value_type == BVX_F64 ? 8 : 4;
     bvxi_free(context, field->features, field->value_count);
     bvxi_free(context, field->triangles, field->value_count * 4);
@@ -42,6 +43,7 @@ static bvx_status check_field_rows(bvx_context *ctx, const char *function, const
     uint64_t const rows = bvxi_grid_rows(&field->band);
     uint64_t next = 0;
 
+    /* Ranks follow from the bits, so what is given is held to them, row by row. */
     for (uint64_t r = 0; r < rows; r++) {
         if (field->row_values[r] != next)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -58,6 +60,7 @@ static bvx_status check_field_rows(bvx_context *ctx, const char *function, const
 
 static bvx_status check_field_inside(bvx_context *ctx, const char *function, const bvx_field *field)
 {
+    /* Without signs no grid of inside centres is needed. */
     if (field->inside.words == NULL) {
         if (field->sign == BVX_SIGN_NONE) return BVX_OK;
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
@@ -66,6 +69,7 @@ static bvx_status check_field_inside(bvx_context *ctx, const char *function, con
     }
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->inside));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->inside));
+    /* Bits are looked up by the same place in both grids. */
     if (!bvxi_lattice_equal(&field->band.lattice, &field->inside.lattice) ||
         memcmp(field->band.low, field->inside.low, sizeof field->band.low) != 0 ||
         memcmp(field->band.size, field->inside.size, sizeof field->band.size) != 0)
@@ -81,6 +85,8 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
         if (field->reserved[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: field.reserved[%u] must be 0", function, i);
+
+    /* Emptiness first, so that the message names the cause and not what follows from it. */
     if (field->row_values == NULL || field->distances == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL, "%s: the field is empty: it has no %s",
                              function, field->row_values == NULL ? "row_values" : "distances");
@@ -95,6 +101,8 @@ bvx_status bvxi_field_check(bvx_context *ctx, const char *function, const bvx_fi
     if (!(field->half_width > 0.0))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: field.half_width is %g; it must be above 0", function, field->half_width);
+
+    /* Grids before rows: rows are counted in the band's words. */
     BVXI_TRY(bvxi_grid_check(ctx, function, &field->band));
     BVXI_TRY(bvxi_grid_check_past(ctx, function, &field->band));
     BVXI_TRY(check_field_inside(ctx, function, field));
@@ -107,6 +115,7 @@ bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, cons
     if (vectors != 0 && vectors != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: vectors is %d, not 0 or 1",
                              function, (int64_t)vectors);
+    /* Vectors may have been left out to save memory. */
     if (vectors == 1 && field->vectors == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: the field has no vectors (it was measured with no_vectors)", function);
@@ -117,16 +126,19 @@ bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, cons
 
 uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z)
 {
+    /* The field may be any, so that a wrong place is no value, and no fault. */
     if (field == NULL || field->row_values == NULL || field->band.words == NULL) return UINT64_MAX;
     const bvx_grid *const g = &field->band;
     if (x < 0 || y < 0 || z < 0 || x >= g->size[0] || y >= g->size[1] || z >= g->size[2]) return UINT64_MAX;
     uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
+    /* A grid that contradicts itself holds no row to be read. */
     if (g->words_per_row != bvxi_row_words(g->size[0]) ||
         row >= g->word_capacity / (uint64_t)g->words_per_row)
         return UINT64_MAX;
     const uint64_t *const words = g->words + row * (uint64_t)g->words_per_row;
     uint64_t n = field->row_values[row];
     if ((words[x >> 6] >> (x & 63) & 1) == 0) return UINT64_MAX;
+    /* Its number: the row's first one, and the bits before it. */
     for (int32_t k = 0; k < x >> 6; k++) n += bvxi_popcount(words[k]);
     return n + bvxi_popcount(words[x >> 6] & ((UINT64_C(1) << (x & 63)) - 1));
 }
@@ -140,6 +152,7 @@ void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t
     int32_t const left = g->size[0] - word * BVXI_WORD_BITS;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
 
+    /* Numbers are taken in the order of the bits, so the caller's count goes on. */
     for (int32_t i = 0; i < n; i++) {
         int const valued = (int)(band >> i & 1);
         if (vectors) {
@@ -147,6 +160,7 @@ void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t
                 numbers[3 * (size_t)i + a] = valued ? bvxi_field_number(field, field->vectors, 3 * *next + a)
                                                     : 0.0;
         } else if (valued) {
+            /* Beyond the band the half-width stands, with the sign alone. */
             numbers[i] = bvxi_field_number(field, field->distances, *next);
         } else {
             numbers[i] = inside >> i & 1 ? -field->half_width : field->half_width;

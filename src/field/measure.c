@@ -55,6 +55,7 @@ static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 {
     if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
     if (field->band.owned == 1) return BVX_OK; /* the library's own, which go when another one is made */
+    /* Others are the caller's, who would lose them. */
     if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
         field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
         field->features != NULL)
@@ -97,11 +98,13 @@ static bvx_status check_measure_range(bvx_context *ctx, const measure_job *job, 
     double const width = measure_width(l, job->o.half_width);
 
     for (int a = 0; a < 3; a++) {
+        /* Squares of floats' distances neither overflow nor vanish. */
         if (job->o.value_type == BVX_F32 && (l->spacing[a] > 0x1p100 || l->spacing[a] < 0x1p-100))
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                                  "%s: floats do not hold distances of voxels of %g along %s: take BVX_F64",
                                  measure_name, l->spacing[a], axis_name[a]);
     }
+    /* A product with the spacing may round to 0. */
     if (!(width > 0.0))
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
                              "%s: half_width is %g voxels, which is nothing in the world's unit",
@@ -195,6 +198,7 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
 
     /* Before any array is made: a failure on the way frees them by this count. */
     f->value_count = n;
+    /* Sizes of arrays of three doubles for each value have to fit. */
     if (n > UINT64_MAX / 24)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: %u values are beyond 64 bits", measure_name, n);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, n * number_bytes, "the field's distances", &f->distances));
@@ -240,6 +244,7 @@ static void negate_rows(void *user, int32_t piece, int32_t worker)
         uint64_t n = f->row_values[row];
         for (uint64_t at = row * words; at < (row + 1) * words; at++)
             for (uint64_t left = f->band.words[at]; left != 0; left &= left - 1, n++) {
+                /* The lowest bit left is this value's centre. */
                 if ((f->inside.words[at] & left & (0 - left)) == 0) continue;
                 if (f->value_type == BVX_F32) ((float *)f->distances)[n] = -((float *)f->distances)[n];
                 else ((double *)f->distances)[n] = -((double *)f->distances)[n];
@@ -300,6 +305,7 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
         bvxi_drop(context, job.features);
         bvxi_drop(context, job.triangles);
     }
+    /* The tree and the features have served; only the field is left. */
     bvxi_nearest_close(context, job.nearest);
     if (status != BVX_OK) {
         bvx_field_free(context, &job.field);

@@ -42,6 +42,8 @@ static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, 
 
     bvxi_field_centre(&job->field->band, x, y, z, p);
     bvxi_view_triangle(job->mesh, triangle, c);
+
+    /* About the size of 1, so that squares neither vanish nor overflow. */
     for (int k = 0; k < 3; k++) {
         p[k] *= job->scale;
         bvxi_view_position(job->mesh, c[k], t[k]);
@@ -66,12 +68,15 @@ static void propagate_start(void *user, int32_t piece, int32_t worker)
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
         uint32_t *const source = job->source + row * (uint64_t)g->size[0];
         uint64_t n = f->row_values[row];
+
+        /* Values lie by rank: the next one belongs to the next centre of the band. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             double v[3], c[3];
             source[x] = PROPAGATE_NONE;
             if (!bvx_grid_get(g, x, y, z)) continue;
             propagate_measure(job, x, y, z, f->triangles[n], v);
             bvxi_field_centre(g, x, y, z, c);
+            /* Kept as floats: only comparisons are made with them; results are measured anew. */
             for (uint64_t a = 0; a < 3; a++) job->points[3 * n + a] = (float)((c[a] + v[a]) * job->scale);
             source[x] = (uint32_t)n++;
         }
@@ -89,13 +94,16 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
     const float *q;
     float d, d2 = 0.0f;
 
+    /* Nothing that is not there already. */
     if (offered == has || offered == PROPAGATE_NONE) return;
+    /* Centres of the band keep their own. */
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
     q = job->points + 3 * (size_t)offered;
     for (int a = 0; a < 3; a++) {
         d = (float)(job->first[a] + (double)at[a] * job->step[a]) - q[a];
         d2 += d * d;
     }
+    /* At one distance the lesser value wins, whatever order both came in. */
     if (has != PROPAGATE_NONE && (d2 > *best || (d2 == *best && offered > has))) return;
     *best = d2;
     job->source[to] = offered;
@@ -114,6 +122,7 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
 
     (void)worker;
     bvxi_piece((uint64_t)size[split], job->pieces, piece, &begin, &end);
+    /* Pieces are cut across the sweep's axis: no line is shared. */
     low[split] = (int32_t)begin;
     high[split] = (int32_t)end;
     low[job->axis] = 1; /* steps along the axis, counted from where the sweep starts */
@@ -122,6 +131,7 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
             for (int32_t i = low[0]; i < high[0]; i++) {
                 int32_t at[3] = {i, j, k};
                 uint64_t to;
+                /* Downwards the same steps, counted from the other end. */
                 if (job->down) at[job->axis] = size[job->axis] - 1 - at[job->axis];
                 to = (uint64_t)at[2] * slice + (uint64_t)at[1] * row + (uint64_t)at[0];
                 propagate_offer(job, at, to, job->down ? to + step : to - step);
@@ -134,6 +144,8 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
 
     for (int32_t s = 0; s < sweeps; s++) {
         double const from = 0.2 + 0.5 * s / sweeps, to = 0.2 + 0.5 * (s + 1) / sweeps;
+
+        /* Up and down along each axis in turn. */
         job->axis = s / 2 % 3;
         job->down = s % 2;
         job->pieces = bvxi_piece_count((uint64_t)job->field->band.size[job->axis == 2 ? 1 : 2], 1);
@@ -156,6 +168,8 @@ static void propagate_finish(void *user, int32_t piece, int32_t worker)
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
+
+        /* Measured to the triangle the point came from, not to the point itself. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             uint64_t const at = row * (uint64_t)g->size[0] + (uint64_t)x;
             float *const to = job->values + at * job->each;
@@ -178,6 +192,7 @@ static bvx_status check_sources(bvx_context *ctx, const char *function, const bv
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the field has %u values; fewer than 2^32 - 1 can be propagated", function,
                              field->value_count);
+    /* The mesh is given once more, and may be another one. */
     for (uint64_t n = 0; n < field->value_count; n++)
         if (field->triangles[n] >= mesh->triangle_count)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -194,6 +209,8 @@ static void place_centres(const double low[3], const double high[3], propagate_j
 
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
+
+    /* The window may lie outside the mesh's bounds: both have to fit. */
     for (int a = 0; a < 3; a++) {
         least[a] = first[a] < low[a] ? first[a] : low[a];
         most[a] = last[a] > high[a] ? last[a] : high[a];
@@ -214,6 +231,7 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are passed on",
                         &job->points));
     job->pieces = pieces;
+    /* Points before sweeps, as any centre may pass on any of them. */
     BVXI_TRY(bvxi_parallel(ctx, "dense field", 0.1, 0.2, job->pieces, propagate_start, job));
     BVXI_TRY(propagate_all(ctx, job));
     job->pieces = pieces;
@@ -228,6 +246,7 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     double low[3], high[3];
     bvx_status status;
 
+    /* All is checked before scratch is taken. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));

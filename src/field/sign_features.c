@@ -84,10 +84,13 @@ static void cut_window(const bvx_grid *whole, bvx_grid *part)
             const uint64_t *const from = whole->words + row * (uint64_t)whole->words_per_row;
             uint64_t *const to = part->words + ((uint64_t)z * (uint64_t)part->size[1] + (uint64_t)y) *
                                                    (uint64_t)part->words_per_row;
+
+            /* The window need not begin at a word: each of its words comes from two. */
             for (int32_t k = 0; k < part->words_per_row; k++) {
                 uint64_t w = from[column + k] >> shift;
                 if (shift != 0 && column + k + 1 < whole->words_per_row)
                     w |= from[column + k + 1] << (64 - shift);
+                /* Bits past the row's end stay 0. */
                 to[k] = k + 1 == part->words_per_row ? w & bvxi_tail_mask(part->size[0]) : w;
             }
         }

@@ -20,6 +20,8 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     uint32_t c[3];
 
     (void)feature;
+
+    /* About the size of 1, as products of lengths are taken. */
     bvxi_view_triangle(rule->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);

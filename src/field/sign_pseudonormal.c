@@ -41,11 +41,13 @@ static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[
 {
     double length;
 
+    /* About the size of 1, as products of lengths are taken. */
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
     length = bvxi_facet_normal((const double(*)[3])t, n);
+    /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;
     return 1;
@@ -65,12 +67,14 @@ static double pseudo_angle(const double t[3][3], int k)
 
 static void sum_at_vertex(const pseudo_rule *rule, uint32_t vertex, double sum[3])
 {
+    /* Ascending triangles: sums are the same on every machine. */
     for (uint32_t i = rule->start[vertex]; i < rule->start[vertex + 1]; i++) {
         uint32_t c[3];
         double t[3][3], n[3], angle;
         int k = 0;
         pseudo_corners(rule, rule->list[i], c);
         if (!pseudo_normal(rule, c, t, n)) continue;
+        /* The corner that is at the vertex. */
         while (k < 2 && c[k] != vertex) k++;
         angle = pseudo_angle((const double(*)[3])t, k);
         for (int a = 0; a < 3; a++) sum[a] += angle * n[a];
@@ -87,6 +91,7 @@ static void sum_at_edge(const pseudo_rule *rule, uint32_t v, uint32_t w, double 
         uint32_t c[3];
         double t[3][3], n[3];
         pseudo_corners(rule, rule->list[i], c);
+        /* Of that end's triangles those that have the other one too. */
         if ((c[0] != other && c[1] != other && c[2] != other) || !pseudo_normal(rule, c, t, n)) continue;
         for (int a = 0; a < 3; a++) sum[a] += n[a];
     }
@@ -100,6 +105,7 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
 
     pseudo_corners(rule, triangle, c);
     memset(outwards, 0, 3 * sizeof outwards[0]);
+    /* 0: the triangle's face; 1 to 3: its edges; then its corners. */
     if (feature == 0) pseudo_normal(rule, c, t, outwards);
     else if (feature <= 3) sum_at_edge(rule, c[feature - 1], c[feature % 3], outwards);
     else memcpy(outwards, rule->outwards + 3 * (size_t)c[feature - 4], 3 * sizeof outwards[0]);
@@ -115,6 +121,7 @@ static void sum_at_vertices(void *user, int32_t piece, int32_t worker)
     for (; v < end; v++) {
         double *const sum = rule->outwards + 3 * (size_t)v;
         memset(sum, 0, 3 * sizeof *sum);
+        /* Only the first vertex at a place has a sum; the others are read through it. */
         if (rule->same[v] == v) sum_at_vertex(rule, (uint32_t)v, sum);
     }
 }
@@ -127,6 +134,7 @@ static void pseudo_list_triangles(pseudo_rule *rule)
     uint64_t const vertices = rule->mesh->vertex_count;
     uint32_t c[3];
 
+    /* Counts, then places, then the list itself, in the order of the triangles. */
     memset(rule->start, 0, (size_t)(vertices + 1) * sizeof *rule->start);
     for (uint64_t t = 0; t < rule->mesh->triangle_count; t++) {
         pseudo_corners(rule, (uint32_t)t, c);
@@ -141,6 +149,7 @@ static void pseudo_list_triangles(pseudo_rule *rule)
         pseudo_corners(rule, (uint32_t)t, c);
         for (int k = 0; k < 3; k++) rule->list[rule->start[c[k]]++] = (uint32_t)t;
     }
+    /* Filling moved each start to its end; all are moved back by one. */
     for (uint64_t v = vertices; v > 0; v--) rule->start[v] = rule->start[v - 1];
     rule->start[0] = 0;
 }

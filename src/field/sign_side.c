@@ -31,6 +31,7 @@ static int is_rounding(double v)
 static int is_behind(const double outwards[3], const double away[3])
 {
     double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
+    /* On the surface, as far as doubles know: the side that the moved centre lies on decides. */
     if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
         return along < 0.0;
     if (outwards[0] != 0.0) return outwards[0] < 0.0;
@@ -52,6 +53,7 @@ static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_
         for (int a = 0; a < 3; a++) t[k][a] *= job->scale;
     }
     bvxi_closest_on_triangle(p, (const double(*)[3])t, q);
+    /* From the closest point to the centre, in the scaled world. */
     for (int a = 0; a < 3; a++) away[a] = p[a] - q[a];
     job->outwards(job->rule, triangle, job->band->features[value], outwards);
     return is_behind(outwards, away);
@@ -71,6 +73,7 @@ static void decide_sides(void *user, int32_t piece, int32_t worker)
         uint64_t value = job->band->first[row];
         for (int32_t k = 0; k < g->words_per_row; k++) {
             uint64_t set = 0;
+            /* Values lie in the order of the bits. */
             for (uint64_t left = g->words[at + (uint64_t)k]; left != 0; left &= left - 1, value++) {
                 int32_t const bit = bvxi_lowest(left);
                 if (side_of(job, k * BVXI_WORD_BITS + bit, y, z, value)) set |= UINT64_C(1) << bit;
@@ -88,6 +91,8 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_m
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
+
+    /* Centres may lie outside the mesh's bounds. */
     for (int a = 0; a < 3; a++) {
         low[a] = first[a] < low[a] ? first[a] : low[a];
         high[a] = last[a] > high[a] ? last[a] : high[a];

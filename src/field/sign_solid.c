@@ -24,6 +24,7 @@ bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
     bvx_voxelize_options o;
 
     bvx_voxelize_options_init(&o, sizeof o);
+    /* A field's sign and a solid's fill are one decision, made once. */
     o.fill = fill_of_sign(*sign);
     o.report = &report;
     memcpy(o.window.low, inside->low, sizeof o.window.low);

@@ -36,6 +36,8 @@ bvx_status bvxi_lattice_check(bvx_context *ctx, const char *function, const bvx_
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
             "%s: the lattice has %d fraction bits; 4 to 16 are possible (bvx_lattice_make sets them)",
             function, (int64_t)lattice->fraction_bits);
+
+    /* Sides in fixed point stay within 2^29: products of two differences then fit 64 bits. */
     for (int32_t a = 0; a < 3; a++)
         if ((int64_t)lattice->dims[a] << lattice->fraction_bits > (int64_t)1 << 29)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
@@ -52,11 +54,13 @@ bvx_status bvxi_window_take(bvx_context *ctx, const char *function, const bvx_la
     static const char axis_name[3][2] = {"x", "y", "z"};
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
 
+    /* All zeros stand for the whole lattice. */
     if (given == NULL || memcmp(given, &none, sizeof none) == 0) {
         memcpy(window->low, none.low, sizeof window->low);
         memcpy(window->size, lattice->dims, sizeof window->size);
         return BVX_OK;
     }
+    /* Differences, not sums, as sums might overflow. */
     for (int32_t a = 0; a < 3; a++)
         if (given->low[a] < 0 || given->size[a] < 1 || given->low[a] > lattice->dims[a] - given->size[a])
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -86,8 +90,10 @@ bvx_status bvxi_lattice_build(bvx_context *ctx, const char *function, const doub
     memcpy(made.origin, origin, sizeof made.origin);
     memcpy(made.spacing, spacing, sizeof made.spacing);
     memcpy(made.dims, dims, sizeof made.dims);
+    /* As fine as the longest side allows. */
     for (int32_t a = 0; a < 3; a++)
         if (dims[a] > longest) longest = dims[a];
+    /* Longer ones are refused by the check. */
     if (longest <= BVXI_MAX_SIDE) made.fraction_bits = bvxi_fraction_bits(longest);
     BVXI_TRY(bvxi_lattice_check(ctx, function, &made));
     *lattice = made;

@@ -31,10 +31,12 @@ typedef struct distance_job {
 BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *squares,
                                      double *BVXI_RESTRICT lengths)
 {
+    /* Inside a body signed distances are negative. */
     double const factor = job->inside && job->o.side == BVX_DISTANCE_SIGNED ? -job->factor : job->factor;
 
     if (job->whole) {
         const uint32_t *const s = squares;
+        /* A square of no target stands for an infinite one; the number itself is only large. */
         for (int i = 0; i < BVXI_LANES; i++)
             lengths[i] = s[i] == BVXI_FAR ? factor * (double)INFINITY : factor * sqrt((double)s[i]);
     } else {
@@ -47,6 +49,7 @@ static void store_lengths(const distance_job *job, size_t at, int32_t count, uin
                           const double *lengths)
 {
     for (int32_t i = 0; i < count; i++) {
+        /* Signed: the other side's transform has written, or will write, the rest. */
         if ((wanted >> i & 1) == 0) continue;
         if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
         else ((double *)job->values)[at + (size_t)i] = lengths[i];
@@ -63,6 +66,7 @@ BVXI_VECTOR_INLINE void take_lengths(const distance_job *job, size_t at, int32_t
 {
     double lengths[BVXI_LANES];
     make_lengths(job, squares, lengths);
+    /* The usual case has no branch, so compilers make vectors of it. */
     if (job->value_type == BVX_F32 && count == BVXI_LANES && wanted == 0xffffu)
         store_floats((float *)job->values + at, lengths);
     else store_lengths(job, at, count, wanted, lengths);
@@ -84,12 +88,14 @@ static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t co
     size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y, at = row * (size_t)g->size[0] + (size_t)x;
     uint32_t wanted = 0xffffu;
 
+    /* A second transform changes only the set voxels, and leaves what the first one wrote. */
     if (job->inside && job->o.side == BVX_DISTANCE_SIGNED)
         wanted = (uint32_t)(g->words[row * (size_t)g->words_per_row + (size_t)(x >> 6)] >> (x & 63)) &
                  0xffffu;
     if (wanted == 0) return;
     for (int32_t i = 0; i < count && nearest != NULL; i++)
         if (wanted >> i & 1) job->o.nearest[at + (size_t)i] = nearest[i];
+    /* Squares are the result themselves, without a sign. */
     if (job->squares != NULL) {
         memcpy(job->squares + at, squares, (size_t)count * sizeof *job->squares);
         return;
@@ -112,6 +118,7 @@ static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t insi
     int const cubic = s[0] == s[1] && s[0] == s[2];
     bvxi_transform t = {0};
 
+    /* Cubic voxels are measured in steps; the spacing comes in with the root, by one product. */
     job->inside = inside;
     job->factor = cubic ? s[0] : 1.0;
     t.ctx = ctx;
@@ -121,11 +128,13 @@ static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t insi
     t.box.words = g->words;
     memcpy(t.box.size, g->size, sizeof t.box.size);
     t.box.row_words = g->words_per_row;
+    /* Inside, the empty voxels are the targets, so all bits are turned. */
     t.flip = inside;
     t.beyond = job->o.beyond == (inside ? BVX_BEYOND_EMPTY : BVX_BEYOND_SET);
     t.whole = job->whole;
     t.nearest = job->o.nearest != NULL;
     t.groups = DISTANCE_GROUPS;
+    /* Others are measured in the world's unit, by squares of their sides. */
     for (int a = 0; a < 3; a++) t.weight[a] = cubic ? 1.0 : s[a] * s[a];
     t.limit = (double)INFINITY;
     t.sink = take_squares;
@@ -137,9 +146,12 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
 {
     int32_t const side = job->o.side;
     const double *const s = job->grid->lattice.spacing;
+
+    /* Whole numbers are exact and half as large; doubles where squares outgrow 32 bits. */
     job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
     job->cpu = bvxi_cpu(ctx);
     if (side != BVX_DISTANCE_SIGNED) return measure_side(ctx, job, side == BVX_DISTANCE_INSIDE, 0.0, 1.0);
+    /* Outside first: it writes all voxels, of which the second changes the set ones. */
     BVXI_TRY(measure_side(ctx, job, 0, 0.0, 0.5));
     return measure_side(ctx, job, 1, 0.5, 1.0);
 }
@@ -170,6 +182,7 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
     BVXI_TRY(bvxi_check_options(ctx, function, &job->o, BVXI_OPTIONS(distance_rows)));
+    /* Squares of such spacings neither overflow nor lose digits near 0. */
     for (int32_t a = 0; a < 3; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_SPACING ||
             grid->lattice.spacing[a] > DISTANCE_MOST_SPACING)
@@ -199,6 +212,7 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: value_type is %d; it must be BVX_F32 or BVX_F64", function,
                              (int64_t)value_type);
+    /* Floats have less room, for the distances themselves. */
     for (int32_t a = 0; a < 3 && value_type == BVX_F32; a++)
         if (grid->lattice.spacing[a] < DISTANCE_LEAST_FLOAT || grid->lattice.spacing[a] > DISTANCE_MOST_FLOAT)
             return bvxi_fail_for(
@@ -228,6 +242,7 @@ static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid
     if (squares == NULL) return bvxi_fail_null(context, function, "squares");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     s = grid->lattice.spacing;
+    /* Whole squares of steps: that is all this function gives, so it refuses what would need more. */
     if (job.o.side == BVX_DISTANCE_SIGNED)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",

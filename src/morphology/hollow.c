@@ -32,6 +32,8 @@ static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uin
     int32_t v[3];
 
     *count = sum[0] = sum[1] = 0;
+
+    /* All set voxels once; a layer nearer to the side begins the sums anew. */
     for (v[2] = 0; v[2] < hollow->size[2]; v[2]++)
         for (v[1] = 0; v[1] < hollow->size[1]; v[1]++) {
             const uint64_t *const row = hollow->words +
@@ -41,6 +43,7 @@ static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uin
                 for (uint64_t w = row[k]; w != 0; w &= w - 1) {
                     v[0] = k * BVXI_WORD_BITS + bvxi_lowest(w);
                     int32_t const layer = v[hole->axis];
+                    /* Nearer to the side that the hole comes from. */
                     if (best < 0 || (hole->high ? layer > best : layer < best)) {
                         best = layer;
                         *count = sum[0] = sum[1] = 0;
@@ -62,6 +65,7 @@ static void place_hole(const bvx_grid *hollow, drain_hole *hole, int32_t layer, 
     double best = (double)INFINITY;
     int32_t v[3];
 
+    /* Only voxels of that layer: its middle may lie in none of them. */
     v[hole->axis] = layer;
     for (int32_t b = 0; b < hollow->size[hole->across[1]]; b++)
         for (int32_t a = 0; a < hollow->size[hole->across[0]]; a++) {
@@ -69,6 +73,7 @@ static void place_hole(const bvx_grid *hollow, drain_hole *hole, int32_t layer, 
             double const db = ((double)b - middle[1]) * s[hole->across[1]];
             v[hole->across[0]] = a;
             v[hole->across[1]] = b;
+            /* Less than the best, so the first of equal ones stays. */
             if (da * da + db * db >= best || !bvx_grid_get(hollow, v[0], v[1], v[2])) continue;
             best = da * da + db * db;
             memcpy(hole->voxel, v, sizeof v);
@@ -84,6 +89,7 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
     int32_t const n = hollow->size[hole->axis];
     int32_t v[3];
 
+    /* The voxel column that the hole's axis runs in. */
     for (int i = 0; i < 2; i++) {
         int32_t const a = hole->across[i];
         double const p = floor((hole->at[i] - hollow->lattice.origin[a]) / hollow->lattice.spacing[a]) -
@@ -94,6 +100,7 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
                                  hole->at[1]);
         v[a] = (int32_t)p;
     }
+    /* From the hole's side inwards. */
     for (int32_t i = 0; i < n; i++) {
         v[hole->axis] = hole->high ? n - 1 - i : i;
         if (!bvx_grid_get(hollow, v[0], v[1], v[2])) continue;
@@ -109,6 +116,7 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
 /* Empty the set voxels of shell whose centres lie in the hole; returns how many. */
 static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
 {
+    /* From the window's side to the voxel before the hollow's first one. */
     int32_t const depth = hole->voxel[hole->axis], n = shell->size[hole->axis];
     int32_t const begin = hole->high ? depth + 1 : 0, end = hole->high ? n : depth;
     double const most = radius * radius * HOLLOW_SPARE;
@@ -117,6 +125,7 @@ static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
 
     for (int32_t b = 0; b < shell->size[hole->across[1]]; b++) {
         double const db = centre_along(shell, hole->across[1], b) - hole->at[1];
+        /* A row farther from the axis than the radius needs no look at its voxels. */
         if (db * db > most) continue;
         for (int32_t a = 0; a < shell->size[hole->across[0]]; a++) {
             double const da = centre_along(shell, hole->across[0], a) - hole->at[0];
@@ -125,6 +134,7 @@ static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
             v[hole->across[1]] = b;
             for (int32_t i = begin; i < end; i++) {
                 v[hole->axis] = i;
+                /* Only what is set counts as drained. */
                 if (!bvx_grid_get(shell, v[0], v[1], v[2])) continue;
                 bvx_grid_set(shell, v[0], v[1], v[2], 0);
                 drained++;
@@ -141,6 +151,7 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
     uint64_t count, sum[2];
     int32_t side = 0, layer;
 
+    /* The side is one bit of six, two for each axis: low and high. */
     memset(&hole, 0, sizeof hole);
     while (o->drain_side >> side != 1) side++;
     hole.axis = side / 2;
@@ -148,6 +159,7 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
     hole.across[0] = hole.axis == 0 ? 1 : 0;
     hole.across[1] = hole.axis == 2 ? 1 : 2;
     memcpy(hole.at, o->drain_at, sizeof hole.at);
+    /* Without a hollow there is nothing to let out. */
     layer = nearest_layer(hollow, &hole, &count, sum);
     if (layer < 0) return BVX_OK;
     if (o->drain_placed) BVXI_TRY(meet_hollow(ctx, function, hollow, &hole));
@@ -180,6 +192,7 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx
 {
     int32_t const s = o->drain_side;
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(hollow_rows)));
+    /* More than one bit: more than one side. */
     if ((s & (s - 1)) != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: drain_side %d is more than one side", function, (int64_t)s);
@@ -191,6 +204,7 @@ static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx
 static bvx_status check_shell(bvx_context *ctx, const char *function, const bvx_lattice *lattice,
                               double thickness)
 {
+    /* A hair less is taken, as a thickness computed from the spacing may be rounded. */
     for (int a = 0; a < 3; a++)
         if (thickness < lattice->spacing[a] * (1.0 - 1.0 / 1099511627776.0))
             return bvxi_fail_for(
@@ -214,6 +228,7 @@ static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_g
     BVXI_TRY(bvxi_ball_set(ctx, function, &grid->lattice, o->thickness, &morph));
     morph.beyond = o->beyond;
     BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, hollow));
+    /* The hollow lies in the body, so no voxel beyond is touched. */
     for (uint64_t i = 0; i < words; i++) {
         shell->words[i] = grid->words[i] & ~hollow->words[i];
         report->hollowed += bvxi_popcount(hollow->words[i]);
@@ -236,6 +251,8 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(check_hollow(context, function, &o));
+
+    /* All is checked before the result's memory is touched. */
     BVXI_TRY(check_shell(context, function, &grid->lattice, o.thickness));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
@@ -249,6 +266,7 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
         bvxi_drop(context, hollow.words);
     }
     if (status != BVX_OK) {
+        /* The caller's own array stays the caller's. */
         if (result->words == NULL) bvx_grid_free(context, &made);
         return status;
     }

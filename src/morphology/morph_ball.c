@@ -24,6 +24,7 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
 {
     const double *const s = lattice->spacing;
     int const cubic = s[0] == s[1] && s[0] == s[2];
+    /* Cubic voxels count in steps, so that whole numbers decide. */
     double const r = cubic ? radius / s[0] : radius;
 
     for (int32_t a = 0; a < 3; a++)
@@ -33,6 +34,7 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
                                  s[a]);
     morph->neighbourhood = 0;
     morph->steps = 1;
+    /* A little more than the square, so that what lies at the radius is within it in spite of rounding. */
     morph->limit = r * r * BALL_SPARE;
     for (int a = 0; a < 3; a++) morph->weight[a] = cubic ? 1.0 : s[a] * s[a];
     return BVX_OK;
@@ -41,6 +43,7 @@ bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_latti
 int32_t bvxi_ball_reach(const bvxi_morph *morph, int axis)
 {
     double const reach = sqrt(morph->limit / morph->weight[axis]);
+    /* More than any grid is wide. */
     return reach < 1e9 ? (int32_t)reach + 1 : 1000000000;
 }
 
@@ -53,11 +56,13 @@ static void take_ball_squares(void *user, int32_t x, int32_t y, int32_t z, int32
     const double *const real = squares;
     uint32_t bits = 0;
 
+    /* Squares become 16 bits at once; only those of the row's end are fewer. */
     (void)nearest;
     if (job->whole)
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(whole[i] <= job->whole_limit) << i;
     else
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(real[i] <= job->limit) << i;
+    /* Eroded is what lies far from all empty voxels. */
     if (job->erode) bits = ~bits;
     bits &= 0xffffu >> (BVXI_LANES - count);
     job->to.words[row * (size_t)job->to.row_words + (size_t)(x >> 6)] |= (uint64_t)bits << (x & 63);
@@ -71,6 +76,8 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     ball_job job;
 
     if (bvxi_ball_is_small(morph)) return bvxi_morph_runs(ctx, morph, operation, from, to, source, target);
+
+    /* A limit below what stands for no target, so that voxels without any stay out. */
     job.to = *target;
     job.limit = morph->limit < 1e300 ? morph->limit : 1e300; /* no target is infinite */
     job.whole_limit = morph->limit < 4294967294.0 ? (uint32_t)morph->limit : UINT32_MAX - 1;
@@ -82,6 +89,7 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     t.from = from;
     t.to = to;
     t.box = *source;
+    /* Erosion measures from empty voxels, and what lies beyond is turned with them. */
     t.flip = erode;
     t.beyond = erode ? !morph->beyond : morph->beyond;
     t.whole = job.whole;
@@ -90,6 +98,7 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     t.limit = morph->limit;
     t.sink = take_ball_squares;
     t.user = &job;
+    /* Rows and tiles are written bit by bit, from zero. */
     memset(target->words, 0, (size_t)bvxi_box_words(target) * 8);
     return bvxi_transform_run(&t);
 }

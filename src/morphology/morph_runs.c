@@ -32,6 +32,7 @@ typedef struct runs_job {
 /* k voxels along x from (dy, dz) are in the ball. */
 static int in_ball(const bvxi_morph *m, int32_t k, int32_t dy, int32_t dz)
 {
+    /* The order of distances of transform.h: both ways must agree in every bit. */
     double const x = (double)k, y = (double)dy, z = (double)dz;
     return (m->weight[0] * (x * x) + m->weight[1] * (y * y)) + m->weight[2] * (z * z) <= m->limit;
 }
@@ -48,6 +49,8 @@ static int32_t ball_extent(const bvxi_morph *m, int axis)
 
 int bvxi_ball_is_small(const bvxi_morph *morph)
 {
+    /* What a word costs: joining rows over dy and dz,
+     * growing along x; beyond this the transform is sooner. */
     return (2 * (int64_t)ball_extent(morph, 1) + 1) * (2 * (int64_t)ball_extent(morph, 2) + 1) +
                8 * (int64_t)ball_extent(morph, 0) <=
            RUNS_MOST;
@@ -56,6 +59,7 @@ int bvxi_ball_is_small(const bvxi_morph *morph)
 static void measure_runs(const bvxi_morph *m, runs_job *job)
 {
     for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
+        /* The ball narrows with dy, so each run begins from the one before. */
         int32_t k = job->reach[0];
         for (int32_t dy = 0; dy <= job->reach[1]; dy++) {
             while (k >= 0 && !in_ball(m, k, dy, dz)) k--;
@@ -128,7 +132,9 @@ static void read_run_slice(const runs_job *job, int32_t z, uint64_t *slice)
 {
     const uint64_t *const from = job->from.words + (size_t)z * job->slice;
     size_t const words = (size_t)job->from.row_words;
+    /* Erosion is dilation of the complement: bits are turned once, when they are read. */
     for (size_t k = 0; k < job->slice; k++) slice[k] = from[k] ^ job->flip;
+    /* What lies beyond a row's end comes in with the bits there. */
     for (size_t k = words - 1; k < job->slice; k += words)
         slice[k] = (slice[k] & job->tail) | (job->around & ~job->tail);
 }
@@ -139,22 +145,27 @@ static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int3
     size_t const words = (size_t)job->from.row_words;
     uint64_t *const joined = scratch;
 
+    /* Each width from the one before it, by one voxel; all runs of the ball then lie ready. */
     read_run_slice(job, z, grown_slice(job, scratch, 0));
     for (int32_t w = 1; w <= job->reach[0]; w++)
         grow_slice_along_x(job, grown_slice(job, scratch, w - 1), grown_slice(job, scratch, w));
     for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
         const int32_t *const half = job->half + dz * (job->reach[1] + 1);
+        /* Both slices at this height of the ball, if this piece writes them. */
         uint64_t *const low = z - dz >= begin && z - dz < end ? job->to.words + (size_t)(z - dz) * job->slice
                                                               : NULL;
         uint64_t *const high = dz > 0 && z + dz >= begin && z + dz < end
                                    ? job->to.words + (size_t)(z + dz) * job->slice
                                    : NULL;
+        /* Neither is this piece's, or the ball ends here. */
         if ((low == NULL && high == NULL) || half[0] < 0) continue;
+        /* By chunks, so that what is joined stays near between one row and the next. */
         for (size_t at = 0; at < job->slice; at += RUNS_CHUNK) {
             size_t const n = job->slice - at < RUNS_CHUNK ? job->slice - at : RUNS_CHUNK;
             memcpy(joined, grown_slice(job, scratch, half[0]) + at, n * 8);
             for (int32_t dy = 1; dy <= job->reach[1] && half[dy] >= 0; dy++) {
                 const uint64_t *const rows = grown_slice(job, scratch, half[dy]) + at;
+                /* Rows dy before and after take this row's voxels. */
                 join_two(job, joined, rows - (size_t)dy * words, rows + (size_t)dy * words, n);
             }
             if (low != NULL) join_two(job, low + at, joined, joined, n);
@@ -171,14 +182,17 @@ static void run_runs_piece(void *user, int32_t index, int32_t worker)
     size_t const words = (size_t)job->from.row_words;
     uint64_t first, last;
 
+    /* Slices beyond this piece are read for those in it, and written by their own piece. */
     bvxi_piece((uint64_t)nz, job->pieces, index, &first, &last);
     int32_t const begin = (int32_t)first, end = (int32_t)last;
+    /* Rows before the first and after the last one count as what lies beyond. */
     memset(scratch + RUNS_CHUNK, job->around != 0 ? 0xff : 0, ((size_t)job->reach[0] + 1) * job->room * 8);
     for (int32_t z = begin; z < end; z++) /* slices beyond the box reach those near its sides */
         memset(job->to.words + (size_t)z * job->slice,
                job->around != 0 && (z < rz || nz - z <= rz) ? 0xff : 0, job->slice * 8);
     for (int32_t z = begin - rz; z < end + rz; z++)
         if (z >= 0 && z < nz) spread_slice(job, scratch, z, begin, end);
+    /* Turned back, and cut to the row's end. */
     for (int32_t z = begin; z < end; z++) {
         uint64_t *const out = job->to.words + (size_t)z * job->slice;
         for (size_t k = 0; k < job->slice; k++) out[k] ^= job->flip;
@@ -201,6 +215,8 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     job.tail = bvxi_tail_mask(source->size[0]);
     job.flip = operation == BVXI_ERODE ? ~UINT64_C(0) : 0;
     job.around = (morph->beyond != 0) != (operation == BVXI_ERODE) ? ~UINT64_C(0) : 0;
+
+    /* How far the ball reaches decides how much each worker holds. */
     for (int a = 0; a < 3; a++) job.reach[a] = ball_extent(morph, a);
     job.slice = (size_t)source->row_words * (size_t)source->size[1];
     job.room = job.slice + 2 * (size_t)job.reach[1] * (size_t)source->row_words + 2;
@@ -208,6 +224,7 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
                         RUNS_CHUNK * 8 + 63) /
                        64 * 64;
     bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
+    /* Sizes by the ball and the window may pass what addresses can name. */
     if (!ok || bytes > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grown slices are beyond this machine's addresses",
                          morph->stage);

@@ -48,6 +48,7 @@ BVXI_VECTOR_INLINE void step_cross(const step_rows *r, const bvxi_row_ends *ends
     const uint64_t *const d = r->row[0][1];
     const uint64_t *const e = r->row[2][1];
     uint64_t const around = r->around, flip = r->flip;
+    /* Rows beside and slices below and above, each at the same place. */
     for (size_t k = 0; k < words; k++)
         out[k] = (bvxi_with_sides(c + k, ends, k, around) | a[k] | b[k] | d[k] | e[k]) ^ flip;
 }
@@ -67,10 +68,12 @@ BVXI_VECTOR_INLINE void step_wide(const step_rows *r, const bvxi_row_ends *ends,
 
     uint64_t *BVXI_RESTRICT const joined = r->joined;
     uint64_t const around = r->around, flip = r->flip;
+    /* What differs in y and z is joined first, so that one shift along x serves it all. */
     for (size_t k = 0; k < words; k++) {
         uint64_t const cross = c[k] | a[k] | b[k] | d[k] | e[k];
         joined[k] = corners ? cross | f[k] | g[k] | h[k] | i[k] : cross;
     }
+    /* With 18 neighbours corners are left out: what differs in y and z comes in unshifted. */
     for (size_t k = 0; k < words; k++) {
         uint64_t const w = bvxi_with_sides(joined + k, ends, k, around);
         out[k] = (corners ? w : w | f[k] | g[k] | h[k] | i[k]) ^ flip;
@@ -117,6 +120,7 @@ static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y,
     int32_t const ny = job->from.size[1];
     step_rows r;
 
+    /* Nine rows, of which those beyond the window are read from a slice made for it. */
     r.joined = s->room + 1;
     r.around = s->around;
     r.flip = s->flip;
@@ -125,6 +129,7 @@ static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y,
             int32_t const at = y + j - 1;
             r.row[i][j] = at >= 0 && at < ny ? s->slice[i] + (size_t)at * words : s->outside;
         }
+    /* Words beside the middle row are looked at, which a window's first and last row do not have. */
     if (job->neighbourhood == 6 && (y == 0 || y + count == ny)) {
         memcpy(s->room + 1, r.row[1][1], words * 8);
         r.row[1][1] = s->room + 1;
@@ -138,6 +143,7 @@ static void set_row_tails(const sweep_job *job, uint64_t *slice, uint64_t around
 {
     size_t const words = (size_t)job->from.row_words;
     uint64_t const tail = job->tail, past = around & ~tail;
+    /* Rows that fill their last word have no bits past their end. */
     if (tail == ~UINT64_C(0)) return;
     for (size_t k = words - 1; k < job->slice; k += words) slice[k] = (slice[k] & tail) | past;
 }
@@ -155,6 +161,7 @@ static int reads_in_place(const sweep_job *job)
 
 static const uint64_t *slice_of_step(const sweep_job *job, uint64_t *ring, int32_t step, int32_t z)
 {
+    /* Beyond the window stand zeros or ones, turned as this step keeps them. */
     if (z < 0 || z >= job->from.size[2]) return job->outside + (job->around[step] != 0 ? job->slice : 0);
     if (step == 0 && reads_in_place(job)) return job->from.words + (size_t)z * job->slice;
     return kept_slice(job, ring, step, z);
@@ -165,6 +172,7 @@ static void read_slice(const sweep_job *job, uint64_t *ring, int32_t z)
     const uint64_t *const from = job->from.words + (size_t)z * job->slice;
     uint64_t *BVXI_RESTRICT const slice = kept_slice(job, ring, 0, z);
     uint64_t const flip = job->flip[0];
+    /* Nothing to turn and nothing past the ends: no copy. */
     if (reads_in_place(job)) return;
     for (size_t k = 0; k < job->slice; k++) slice[k] = from[k] ^ flip;
     set_row_tails(job, slice, job->around[0]);
@@ -178,11 +186,14 @@ static void make_slice(const sweep_job *job, uint64_t *ring, int32_t step, int32
                        .room = ring + (size_t)job->steps * 3 * job->slice,
                        .around = around,
                        .flip = job->flip[step]};
+
+    /* The last step goes to the result; the others into the ring. */
     int32_t const ny = job->from.size[1];
     int const last = step == job->steps;
     uint64_t *const out = last ? job->to.words + (size_t)z * job->slice : kept_slice(job, ring, step, z);
 
     for (int32_t i = 0; i < 3; i++) from.slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
+    /* The first and the last row by themselves, as they have a neighbour beyond the window. */
     step_rows_from(job, &from, 0, 1, out);
     if (ny > 2) step_rows_from(job, &from, 1, ny - 2, out);
     if (ny > 1) step_rows_from(job, &from, ny - 1, 1, out);
@@ -197,10 +208,13 @@ static void sweep_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     bvxi_piece((uint64_t)nz, job->pieces, index, &begin, &end);
+
+    /* One slice is read, then each step goes on by one, a slice behind the one before it. */
     for (int32_t t = (int32_t)begin - steps; t < (int32_t)end + steps; t++) {
         if (t >= 0 && t < nz) read_slice(job, ring, t);
         for (int32_t s = 1; s <= steps; s++) {
             int32_t const z = t - s, more = steps - s;
+            /* Beyond the piece only as far as later steps of its own slices reach. */
             if (z >= 0 && z < nz && z >= (int32_t)begin - more && z < (int32_t)end + more)
                 make_slice(job, ring, s, z);
         }
@@ -217,6 +231,7 @@ static int32_t all_steps(const bvxi_morph *morph)
 static int32_t sweep_steps(const bvxi_morph *morph, const bvxi_bit_box *box)
 {
     uint64_t const slice = (uint64_t)box->row_words * (uint64_t)box->size[1] * 8;
+    /* As many steps as keep the ring within a core's cache. */
     uint64_t const fit = SWEEP_RING_BYTES / (3 * slice);
     int32_t const steps = fit < 1 ? 1 : fit > SWEEP_STEPS ? SWEEP_STEPS : (int32_t)fit;
     return steps < all_steps(morph) ? steps : all_steps(morph);
@@ -240,6 +255,7 @@ static void plan_sweep(const bvxi_morph *morph, int32_t first, int32_t steps, sw
 
     job->steps = steps;
     for (int32_t s = 0; s <= steps; s++) {
+        /* Turned only where the kind of step changes: words stay complemented while steps erode. */
         int const was = s > 0 && erodes_at(morph, first + s - 1);
         int const next = s < steps && erodes_at(morph, first + s);
         job->flip[s] = was != next ? ~UINT64_C(0) : 0;
@@ -257,6 +273,7 @@ static void count_pieces(const bvxi_bit_box *box, sweep_job *job)
 static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
                              const bvxi_bit_box *first, const bvxi_bit_box *second, sweep_job *job)
 {
+    /* Rows and slices beyond are the same for all sweeps. */
     int32_t const each = sweep_steps(morph, source), total = all_steps(morph);
 
     job->from = *source;
@@ -266,6 +283,7 @@ static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bv
     memset(job->outside, 0, job->slice * 8);
     memset(job->outside + job->slice, 0xff, job->slice * 8);
     for (int32_t done = 0, sweep = 0; done < total; done += each, sweep++) {
+        /* From one box to the other, by turns. */
         job->to = sweep % 2 == 0 ? *first : *second;
         plan_sweep(morph, done, each < total - done ? each : total - done, job);
         count_pieces(source, job);
@@ -284,6 +302,7 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     bvx_status status;
     int ok = 1;
 
+    /* Three slices a step and one for the sides, for each worker. */
     job.slice = (size_t)source->row_words * (size_t)source->size[1];
     job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) +
                         16 + 63) /

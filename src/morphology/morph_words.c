@@ -5,6 +5,7 @@ bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_ro
 {
     size_t const words = (size_t)box->row_words, slice = words * (size_t)box->size[1];
 
+    /* A word for each of the slice: one long loop without a test for row ends. */
     ends->bytes = (uint64_t)slice * 16; /* no more than two slices of a grid that is there */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ends->bytes, "masks of a slice", &ends->before));
     ends->behind = ends->before + slice;

@@ -21,6 +21,8 @@ static int32_t reach_of(const bvxi_morph *morph, int axis)
 static bvx_status alloc_box(bvx_context *ctx, const char *stage, bvxi_bit_box *box)
 {
     int ok = 1;
+
+    /* Sizes up to 2^26 along each axis may pass 64 bits together. */
     uint64_t const bytes = bvxi_mul(bvxi_mul(bvxi_mul((uint64_t)box->row_words, (uint64_t)box->size[1], &ok),
                                              (uint64_t)box->size[2], &ok),
                                     8, &ok);
@@ -43,6 +45,7 @@ static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx
                             bvxi_bit_box *wide)
 {
     for (int a = 0; a < 3; a++) {
+        /* A reach may be larger than any grid: sides are counted with more bits before they are kept. */
         int64_t const reach = reach_of(morph, a), side = grid->size[a] + 2 * reach + 3 * BVXI_WORD_BITS;
         if (side > MORPH_MOST_SIDE)
             return bvxi_fail(ctx, BVX_ERR_BUDGET,
@@ -51,6 +54,7 @@ static bvx_status widen_box(bvx_context *ctx, const bvxi_morph *morph, const bvx
         room[a] = (int32_t)reach;
         wide->size[a] = grid->size[a] + 2 * (int32_t)reach;
     }
+    /* Whole words along x: rows are copied, never shifted. */
     room[0] = bvxi_row_words(room[0]);
     wide->row_words = grid->words_per_row + 2 * room[0];
     wide->size[0] = wide->row_words * BVXI_WORD_BITS;
@@ -63,12 +67,14 @@ static void copy_into_wide(const bvx_grid *grid, const int32_t room[3], int32_t 
     size_t const words = (size_t)grid->words_per_row;
     uint64_t const outside = beyond ? ~bvxi_tail_mask(grid->size[0]) : 0;
 
+    /* All is as beyond the window first; then the window's rows are copied in. */
     memset(wide->words, beyond ? 0xff : 0, (size_t)bvxi_box_words(wide) * 8);
     for (size_t z = 0; z < (size_t)grid->size[2]; z++)
         for (size_t y = 0; y < (size_t)grid->size[1]; y++) {
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
             uint64_t *const row = wide->words + at * (size_t)wide->row_words + (size_t)room[0];
             memcpy(row, grid->words + (z * (size_t)grid->size[1] + y) * words, words * 8);
+            /* Bits past the row's end belong to what lies beyond. */
             row[words - 1] |= outside;
         }
 }
@@ -83,6 +89,7 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
             uint64_t *const row = result->words + (z * (size_t)result->size[1] + y) * words;
             memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
+            /* No bit past the row's end leaves. */
             row[words - 1] &= tail;
         }
 }
@@ -95,6 +102,7 @@ static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const b
                               const bvxi_bit_box **last)
 {
     if (morph->neighbourhood != 0) {
+        /* The last sweep's box follows from their number. */
         *last = bvxi_step_sweeps(morph, source) % 2 == 1 ? first : second;
         return bvxi_morph_steps(ctx, morph, source, first, second);
     }
@@ -113,6 +121,7 @@ static bvx_status run_in_window(bvx_context *ctx, const bvxi_morph *morph, const
     bvxi_bit_box between = source;
     bvx_status status;
 
+    /* The last run writes to the result, whatever their number is; a single one needs no box between. */
     if (runs == 1) return run_between(ctx, morph, &source, &target, &target, &last);
     BVXI_TRY(alloc_box(ctx, morph->stage, &between));
     if (runs % 2 == 1) status = run_between(ctx, morph, &source, &target, &between, &last);
@@ -130,6 +139,7 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     bvx_status status;
 
     BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
+    /* Two wide boxes; each is read while the other is written. */
     other = wide;
     status = alloc_box(ctx, morph->stage, &other);
     if (status == BVX_OK) {
@@ -144,6 +154,7 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
 
 bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)
 {
+    /* Only where the first operation leaves something beyond the window that the second one sees. */
     int const leaves_window = morph->operations == 2 &&
                               morph->operation[0] == (morph->beyond ? BVXI_ERODE : BVXI_DILATE);
     return leaves_window ? run_in_wide_box(ctx, morph, grid, result)
@@ -174,6 +185,8 @@ static bvx_status take_morph_options(bvx_context *ctx, const char *function, con
 
     BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
+
+    /* A ball has a radius, neighbourhoods have steps; the other one has to be left out. */
     if (o.neighbourhood == 0 && o.steps != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
@@ -198,6 +211,7 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
+    /* The caller's array is written only when all has been checked. */
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
     made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));

@@ -41,6 +41,7 @@ typedef struct transform_job {
 int bvxi_transform_fits_whole(const int32_t size[3])
 {
     double sum = 0.0;
+    /* Sums of three squares must stay below what stands for no target. */
     for (int a = 0; a < 3; a++) sum += (double)(size[a] - 1) * (double)(size[a] - 1);
     return sum < 4294900000.0;
 }
@@ -50,6 +51,7 @@ int bvxi_transform_fits_whole(const int32_t size[3])
 static uint64_t scratch_bytes_of(const transform_job *job)
 {
     uint64_t const n = (uint64_t)job->longest, lanes = n * BVXI_LANES, groups = (uint64_t)job->t->groups;
+    /* Columns in and out for all groups, then what the envelope needs. */
     uint64_t bytes = lanes * job->cell * (1 + groups) + n * 16 + n * 8;
     if (job->t->nearest) bytes += lanes * 8 * groups + lanes * 8;
     return (bytes + 63) / 64 * 64 + 64;
@@ -62,6 +64,7 @@ static transform_scratch scratch_of(const transform_job *job, int32_t worker)
     unsigned char *p = job->scratch + (size_t)worker * (size_t)job->scratch_size;
     transform_scratch s = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
 
+    /* In the order of alignment; numbers of 32 bits come last. */
     s.in = p;
     p += lanes * job->cell;
     s.out = p;
@@ -86,6 +89,8 @@ static bvx_status open_transform(transform_job *job)
     const bvxi_transform *const t = job->t;
     bvx_context *const ctx = t->ctx;
     uint64_t const ny = (uint64_t)t->box.size[1], nz = (uint64_t)t->box.size[2];
+
+    /* Sizes of the whole job; each product is watched, as windows may be large. */
     int ok = 1;
 
     job->cell = t->whole ? sizeof(uint32_t) : sizeof(double);
@@ -101,6 +106,7 @@ static bvx_status open_transform(transform_job *job)
     job->scratch_size = scratch_bytes_of(job);
     job->workers = bvxi_threads(ctx);
     job->all_scratch = bvxi_mul(job->scratch_size, (uint64_t)job->workers, &ok);
+    /* Nothing was taken yet: a tile that no memory could hold is reported as that. */
     if (!ok || job->tile_bytes > SIZE_MAX || job->tile_nearest_bytes > SIZE_MAX ||
         job->all_scratch > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET,
@@ -154,6 +160,7 @@ static void square_steps(const transform_job *job, const int32_t steps[BVXI_LANE
 {
     if (job->t->whole) {
         uint32_t *const out = line;
+        /* Steps up to 2^16 by the check above: squares fit 32 bits. */
         for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
     } else {
         double *const out = line;
@@ -170,6 +177,7 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
     uint64_t const flip = job->t->flip ? ~UINT64_C(0) : 0;
     int32_t count = 0;
 
+    /* The carry of a row goes from tile to tile, so each of its words is looked at few times. */
     for (int32_t y = 0; y < box->size[1]; y++) {
         size_t const number = (size_t)z * (size_t)box->size[1] + (size_t)y;
         bvxi_target_row const row = {box->words + number * (size_t)box->row_words, box->size[0], flip};
@@ -177,6 +185,7 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
         int32_t steps[BVXI_LANES];
         if (x == 0) bvxi_row_carry_start(carry, &row);
         else bvxi_row_carry_next(carry, &row, x);
+        /* No target within reach: the row is left out of its columns. */
         if (!bvxi_row_steps(&job->table, carry, &row, x, job->reach, steps,
                             s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
             continue;
@@ -193,12 +202,15 @@ static void run_slice(const transform_job *job, const transform_scratch *s, int3
     size_t const first = slice * job->y_room * BVXI_LANES;
     bvxi_columns c = columns_of(job, s, 1);
 
+    /* Along x first, into the worker's lines; then along y, into the tile. */
     c.place_count = make_rows(job, s, job->x + group * BVXI_LANES, z);
     job->has[slice] = c.place_count != 0;
+    /* A slice without a target is left out along z too. */
     if (c.place_count == 0) return;
     c.in = s->in;
     c.out = (unsigned char *)job->tile + first * job->cell;
     run_columns(job, &c);
+    /* A target's place along x comes from the row that its place along y names. */
     for (int32_t y = 0; y < size[1] && job->t->nearest; y++)
         for (int32_t i = 0; i < BVXI_LANES; i++) {
             size_t const at = (size_t)y * BVXI_LANES + (size_t)i;
@@ -235,6 +247,7 @@ static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int
     uint32_t *const whole = squares;
     double *const real = squares;
 
+    /* What lies beyond counts as a target, nearest straight out of the window along one axis. */
     for (int32_t i = 0; i < BVXI_LANES && x + i < t->box.size[0]; i++) {
         double const kx = (double)steps_out(x + i, t->box.size[0]);
         double const cx = t->weight[0] * (kx * kx);
@@ -243,12 +256,14 @@ static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int
         if (!less) continue;
         if (t->whole) whole[i] = (uint32_t)cap;
         else real[i] = cap;
+        /* No voxel of the window is its nearest. */
         if (nearest != NULL) nearest[i] = UINT64_MAX;
     }
 }
 
 static void fill_far(const transform_job *job, void *out, uint64_t *nearest)
 {
+    /* No slice has a target: all is far. */
     size_t const count = (size_t)job->t->box.size[2] * BVXI_LANES;
     for (size_t i = 0; i < count; i++) {
         if (job->t->whole) ((uint32_t *)out)[i] = BVXI_FAR;
@@ -267,6 +282,7 @@ static void find_nearest(const transform_job *job, const transform_scratch *s, i
     for (size_t z = 0; z < (size_t)size[2]; z++)
         for (size_t i = 0; i < BVXI_LANES; i++) {
             size_t const from = (size_t)s->from[z * BVXI_LANES + i];
+            /* Its slice along z, then what that slice's columns kept. */
             size_t const line = ((size_t)group * (size_t)size[2] + from) * job->y_room + (size_t)y;
             nearest[z * BVXI_LANES + i] = job->tile_nearest[line * BVXI_LANES + i] + from * slice;
         }
@@ -281,6 +297,7 @@ static void run_group_of_row(const transform_job *job, const transform_scratch *
     uint64_t *const nearest = s->nearest != NULL ? s->nearest + (size_t)group * room : NULL;
     bvxi_columns c = columns_of(job, s, 2);
 
+    /* Columns along z lie apart in the tile; they are gathered line by line. */
     for (size_t z = 0; z < nz; z++) {
         size_t const slice = (size_t)group * nz + z;
         if (!job->has[slice]) continue;
@@ -302,6 +319,7 @@ static void run_row(const transform_job *job, const transform_scratch *s, int32_
 {
     const bvxi_transform *const t = job->t;
 
+    /* All groups first, so that the sink gets each row of voxels side by side. */
     for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, s, g, y);
     for (int32_t z = 0; z < t->box.size[2]; z++)
         for (int32_t g = 0; g < job->groups; g++) {
@@ -332,6 +350,7 @@ static bvx_status run_tile(transform_job *job, double from, double to)
     uint64_t const voxels = (uint64_t)size[1] * (uint64_t)size[2] * BVXI_LANES * (uint64_t)job->groups;
     int32_t const pieces = bvxi_piece_count(voxels, TRANSFORM_GRAIN);
 
+    /* Along x and y slices are shared, along z rows: each step waits for the one before. */
     job->pieces = pieces < size[2] ? pieces : size[2];
     BVXI_TRY(bvxi_parallel(t->ctx, t->stage, from, (from + to) * 0.5, job->pieces, run_slices, job));
     job->pieces = pieces < size[1] ? pieces : size[1];
@@ -345,10 +364,13 @@ static bvx_status run_tiles(transform_job *job)
     double const reach = sqrt(t->limit / t->weight[0]);
     int32_t const width = BVXI_LANES * t->groups;
 
+    /* Within whole numbers: more than any window is wide. */
     job->reach = reach < 134217728.0 ? (int32_t)reach + 1 : 134217728;
     bvxi_row_distances_start(&job->table);
+    /* Half of an inverse: quotients of the envelope are taken by products. */
     for (int32_t i = 1; i < job->longest; i++) job->inverse[i] = 0.5 / (double)i;
     job->inverse[0] = 0.0;
+    /* Tiles in their order, since the rows' carries go from one to the next. */
     for (int32_t x = 0; x < t->box.size[0]; x += width) {
         int32_t const left = t->box.size[0] - x, groups = (left + BVXI_LANES - 1) / BVXI_LANES;
         job->x = x;

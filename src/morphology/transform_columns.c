@@ -42,9 +42,11 @@ BVXI_VECTOR_INLINE int search_columns(const bvxi_columns *c)
 
     for (int32_t y = 0; y < c->n; y++) {
         uint32_t best[BVXI_LANES], most;
+        /* The own square is where the search begins: only what is nearer can lessen it. */
         memcpy(best, in + (size_t)y * BVXI_LANES, sizeof best);
         most = most_of_lanes(best);
         for (int32_t k = 1; (uint32_t)(k * k) < most; k++) {
+            /* Too far for a search to pay: the envelope begins anew. */
             if (k > SEARCH_STEPS) return 0;
             if (y >= k) take_lesser(best, in + (size_t)(y - k) * BVXI_LANES, (uint32_t)(k * k));
             if (y + k < c->n) take_lesser(best, in + (size_t)(y + k) * BVXI_LANES, (uint32_t)(k * k));
@@ -64,6 +66,7 @@ BVXI_AVX2 static int search_columns_avx2(const bvxi_columns *c)
 
 static int try_search(const bvxi_columns *c)
 {
+    /* The search reads all rows, and does not know where the least came from. */
     if (c->from != NULL || c->place_count != c->n) return 0;
 #if BVXI_HAVE_AVX2
     if (c->cpu == BVX_CPU_AVX2) return search_columns_avx2(c);
@@ -82,11 +85,13 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
     double const end = (double)(c->n - 1);
     int32_t top = -1;
 
+    /* Parabolas that a later one covers wholly are taken off the stack. */
     for (int32_t j = 0; j < c->place_count; j++) {
         int32_t const u = c->places[j];
         double const h = (double)in[(size_t)u * BVXI_LANES] + (double)u * (double)u;
         double first = 0.0;
         while (top >= 0) {
+            /* The half keeps the product away from whole numbers: see above. */
             double const last = (h - height[top] + 0.5) * c->inverse[u - site[top]];
             if (last >= start[top]) { /* the one before is least up to floor(last) */
                 first = last < end ? (double)((int32_t)last + 1) : (double)c->n;
@@ -94,6 +99,7 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
             }
             top--;
         }
+        /* Least only beyond the column's end. */
         if (first > end) continue;
         top++;
         height[top] = h;
@@ -106,6 +112,7 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 static inline void read_envelope(const bvxi_columns *c, const uint32_t *in, int32_t top, uint32_t *out,
                                  int32_t *from)
 {
+    /* Each parabola from its start to the next one's. */
     for (int32_t i = 0; i <= top; i++) {
         int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
         uint32_t const g = in[(size_t)u * BVXI_LANES];
@@ -113,6 +120,7 @@ static inline void read_envelope(const bvxi_columns *c, const uint32_t *in, int3
             uint32_t const d = (uint32_t)(y < u ? u - y : y - u);
             out[(size_t)y * BVXI_LANES] = g + d * d;
         }
+        /* Targets in a loop of their own, so that the first one stays a vector. */
         for (int32_t y = (int32_t)c->start[i]; y < end && from != NULL; y++) from[(size_t)y * BVXI_LANES] = u;
     }
 }

@@ -14,6 +14,7 @@
 /* a * b as high + low, exactly; both far from overflow and underflow. */
 static void split_product(double a, double b, double *high, double *low)
 {
+    /* The upper 26 bits of each factor: products of halves are exact. */
     double const ca = a * 134217729.0, cb = b * 134217729.0; /* 2^27 + 1 */
     double const ah = ca - (ca - a), bh = cb - (cb - b), al = a - ah, bl = b - bh;
     *high = a * b;
@@ -24,6 +25,7 @@ static void split_product(double a, double b, double *high, double *low)
 static void split_difference(double a, double b, double *high, double *low)
 {
     double const d = a - b, back = d - a;
+    /* What rounding took off both numbers. */
     *high = d;
     *low = (a - (d - back)) - (b + back);
 }
@@ -31,7 +33,7 @@ static void split_difference(double a, double b, double *high, double *low)
 /* At y parabola i, of value a at i, is at least as good as u, of value b at u. */
 static int as_good(double a, double b, double weight, int32_t i, int32_t u, int32_t y)
 {
-    /* (y - u)^2 - (y - i)^2 */
+    /* (y - u)^2 - (y - i)^2, a whole number below 2^53: no rounding. */
     double const steps = (double)((int64_t)(u - i) * ((int64_t)u + i - 2 * (int64_t)y));
     double dh, dl, ph, pl;
     split_difference(a, b, &dh, &dl);
@@ -44,6 +46,8 @@ static int as_good(double a, double b, double weight, int32_t i, int32_t u, int3
 static int32_t last_good(double a, double b, double weight, int32_t i, int32_t u, double about, int32_t first)
 {
     int32_t y = (int32_t)about;
+
+    /* Only near a whole number may doubles be wrong; there the exact test decides. */
     if (about - (double)y < REAL_NEAR) {
         if (y > first && !as_good(a, b, weight, i, u, y)) y--;
     } else if ((double)(y + 1) - about < REAL_NEAR) {
@@ -60,6 +64,7 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
     int32_t top = -1;
 
     for (int32_t j = 0; j < c->place_count; j++) {
+        /* As with whole numbers, but a start near a crossing is decided exactly. */
         int32_t const u = c->places[j];
         double const b = in[(size_t)u * BVXI_LANES];
         int32_t first = 0;
@@ -68,6 +73,7 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
             double const a = height[top];
             double const about = ((b - a) * unit + (double)(u - i) * (double)((int64_t)u + i)) *
                                  c->inverse[u - i];
+            /* Surely above the last start, or so near that the exact test has to say. */
             if (about > start[top] + REAL_NEAR ||
                 (about >= start[top] - REAL_NEAR && as_good(a, b, c->weight, i, u, (int32_t)start[top]))) {
                 first = about >= (double)c->n
@@ -77,6 +83,7 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
             }
             top--;
         }
+        /* Least only beyond the column's end. */
         if (first >= c->n) continue;
         top++;
         height[top] = b;
@@ -91,6 +98,7 @@ static void read_real_envelope(const bvxi_columns *c, int32_t top, double *out, 
     for (int32_t i = 0; i <= top; i++) {
         int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
         for (int32_t y = (int32_t)c->start[i]; y < end; y++) {
+            /* One product and one sum: the same rounding wherever the window begins. */
             double const d = (double)(y - u);
             out[(size_t)y * BVXI_LANES] = c->height[i] + c->weight * (d * d);
             if (from != NULL) from[(size_t)y * BVXI_LANES] = u;

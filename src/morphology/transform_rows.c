@@ -11,6 +11,7 @@ void bvxi_row_distances_start(bvxi_row_distances *table)
 {
     for (int32_t b = 0; b < 256; b++)
         for (int32_t i = 0; i < 8; i++) {
+            /* The farthest first, so that the nearest stays. */
             table->near[b][i] = BYTE_NONE;
             for (int32_t d = 7; d >= 0; d--)
                 if ((i >= d && (b >> (i - d) & 1)) || (i + d < 8 && (b >> (i + d) & 1)))
@@ -31,6 +32,7 @@ static int32_t first_target(const bvxi_target_row *row, int32_t x)
     int32_t k = x >> 6;
 
     if (k >= words) return -1;
+    /* Targets before x are not looked at. */
     uint64_t w = target_word(row, k) & ~UINT64_C(0) << (x & 63);
     while (w == 0) {
         if (++k == words) return -1;
@@ -52,6 +54,7 @@ void bvxi_row_carry_start(bvxi_row_carry *carry, const bvxi_target_row *row)
 
 void bvxi_row_carry_next(bvxi_row_carry *carry, const bvxi_target_row *row, int32_t x)
 {
+    /* What was under the lanes before is on the left now. */
     uint32_t const before = sixteen_targets(row, x - BVXI_LANES);
     if (before != 0) carry->left = x - BVXI_LANES + bvxi_highest(before);
     if (carry->right >= 0 && carry->right < x + BVXI_LANES) carry->right = first_target(row, x + BVXI_LANES);
@@ -62,6 +65,7 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
                                    int32_t *BVXI_RESTRICT steps)
 {
     for (int32_t i = 0; i < 8; i++) {
+        /* No target in the byte: farther than all. */
         int32_t const a = left + i, b = right - i, c = near[i] == BYTE_NONE ? ROW_NONE : near[i];
         int32_t const d = a < b ? a : b;
         steps[i] = c < d ? c : d;
@@ -73,6 +77,7 @@ static void find_target_places(uint32_t bits, const bvxi_row_carry *carry, int32
 {
     int32_t last = carry->left, next = carry->right;
 
+    /* From the left, then from the right; the left one stays where both are as far. */
     for (int32_t i = 0; i < BVXI_LANES; i++) {
         if (bits >> i & 1) last = x + i;
         places[i] = last;
@@ -91,7 +96,9 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left;
     int32_t const right = carry->right < 0 ? ROW_NONE : carry->right - x;
 
+    /* Too far for all 16: the row is left out. */
     if (bits == 0 && left > reach && right - (BVXI_LANES - 1) > reach) return 0;
+    /* Each byte sees the other one's nearest target, or the one beyond it. */
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
     byte_steps(table->near[high], low != 0 ? 8 - bvxi_highest(low) : left + 8, right - 8, steps + 8);
     if (places != NULL) find_target_places(bits, carry, x, places);

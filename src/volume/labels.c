@@ -29,6 +29,7 @@ typedef struct label_table {
 
 static uint64_t label_slot(label_table *t, uint64_t value)
 {
+    /* Higher bits of a product by an odd constant: neighbours spread over the table. */
     uint64_t h = (value ^ value >> 32) * UINT64_C(0x9e3779b97f4a7c15);
     t->searches++;
     h = (h >> 29) & (2 * t->room - 1);
@@ -53,6 +54,7 @@ static void free_label_slots(label_table *t)
 
 static bvx_status plant_labels(label_table *t)
 {
+    /* The table is not used again: a tree's cost is bound whatever the values are. */
     free_label_slots(t);
     BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
     for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
@@ -66,6 +68,8 @@ static bvx_status grow_labels(label_table *t)
     if (room > UINT32_MAX / 2)
         return bvxi_fail_for(t->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^30 labels",
                              labels_name);
+
+    /* The table's slots depend on its size, so it is filled anew. */
     free_label_slots(t);
     BVXI_TRY(bvxi_resize(t->ctx, BVXI_SCRATCH, &t->entries, t->room * sizeof *t->entries,
                          room * sizeof *t->entries, "the labels"));
@@ -80,6 +84,7 @@ static bvx_status grow_labels(label_table *t)
 /* The number of a value's entry: count, known from now on, where there was none. */
 static uint64_t number_of_label(label_table *t, uint64_t value)
 {
+    /* The entry is written first: where the value is new, it is there already. */
     t->entries[t->count].value = value;
     if (t->tree.key != NULL) return bvxi_key_tree_find(&t->tree, t->count);
     uint64_t const slot = label_slot(t, value);
@@ -91,10 +96,12 @@ static uint64_t number_of_label(label_table *t, uint64_t value)
 static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
+    /* Far more probes than a good hash needs: someone made these values against it. */
     if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) BVXI_TRY(plant_labels(t));
     *entry = number_of_label(t, value);
     if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];
+        /* An empty box, which any run opens. */
         e->voxels = 0;
         for (int a = 0; a < 3; a++) {
             e->low[a] = INT32_MAX;
@@ -114,6 +121,7 @@ static uint64_t whole_sample(const uint8_t *p, int32_t type)
     case BVX_SAMPLE_U8: return *p;
     case BVX_SAMPLE_I8: return (uint64_t)(int64_t)(*p < 128 ? *p : *p - 256);
     case BVX_SAMPLE_U16:
+    /* Copied byte by byte: samples need not be aligned. */
     case BVX_SAMPLE_I16:
         memcpy(&v16, p, sizeof v16);
         return type == BVX_SAMPLE_U16 || v16 < 32768 ? v16 : v16 | ~UINT64_C(0xffff);
@@ -143,8 +151,11 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
     for (int32_t x = 0; x < n;) {
         uint64_t const value = whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
+        /* The run goes on while the value does. */
         while (++x < n && whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
+        /* 0 is no label. */
         if (value == 0) continue;
+        /* Mostly the value of the run before; only others are searched for. */
         if (*last >= t->count || t->entries[*last].value != value) BVXI_TRY(find_label(t, value, last));
         add_label_run(&t->entries[*last], begin, x, y, z);
     }
@@ -156,6 +167,7 @@ static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const in
     const uint8_t *const first = v->samples;
     uint64_t last = 0;
 
+    /* In the order of the samples, one row at a time, so that runs are long. */
     for (int32_t z = 0; z < v->size[2]; z++) {
         BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
         for (int32_t y = 0; y < v->size[1]; y++)
@@ -175,6 +187,7 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
 
     if (status == BVX_OK)
         status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order);
+    /* The highest bit turned: negative values come first. */
     for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
         keys[i] = t->entries[i].value ^ flip;
         order[i] = (uint32_t)i;
@@ -211,6 +224,7 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     t.ctx = context;
     status = list_volume(&t, volume, stride);
     if (status == BVX_OK) {
+        /* The count is given even where the array is too small. */
         *count = t.count;
         if (labels != NULL && capacity < t.count)
             status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",

@@ -31,6 +31,7 @@ typedef struct points_work {
 
 static int32_t count_point_planes(int32_t minimum)
 {
+    /* Counters of that many bits can hold the number. */
     int32_t n = 0;
     while (((int64_t)1 << n) < minimum) n++;
     return n;
@@ -41,12 +42,15 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
 {
     uint64_t const begin = ((uint64_t)1 << w->plane_count) - (uint64_t)minimum;
     int ok = 1;
+
+    /* Several grids of counters: their size may pass 64 bits. */
     uint64_t const bytes = bvxi_mul(w->words * 8, (uint64_t)w->plane_count, &ok);
 
     if (!ok)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: counters of %d grids are beyond 64 bits", points_name,
                          (int64_t)w->plane_count);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counters of points", &w->planes));
+    /* All counters at once: each digit is a whole grid of zeros or ones. */
     for (int32_t p = 0; p < w->plane_count; p++)
         memset(w->planes + (size_t)w->words * (size_t)p, (begin >> p & 1) != 0 ? 0xff : 0,
                (size_t)w->words * 8);
@@ -57,12 +61,15 @@ static void count_point(points_work *w, size_t word, uint64_t bit)
 {
     uint64_t *const set = &w->grid->words[word];
 
+    /* Full already: no counter is changed any more. */
     if ((*set & bit) != 0) return;
+    /* One is added: a carry goes on from digit to digit. */
     for (int32_t p = 0; p < w->plane_count; p++) {
         uint64_t *const digit = &w->planes[(size_t)w->words * (size_t)p + word];
         *digit ^= bit;
         if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
     }
+    /* The last digit ran over: so many points were there. */
     *set |= bit;
 }
 
@@ -75,6 +82,7 @@ static inline void take_point(points_work *w, const double p[3])
     int32_t q[3], v[3];
     int inside = bvxi_snap_vertex(p, g->lattice.origin, w->scale, q);
 
+    /* As vertices are snapped, so a mesh's own points fall into voxels that it passes. */
     for (int32_t a = 0; a < 3; a++) {
         v[a] = bvxi_floor_shift(q[a], f);
         v[a] -= q[a] == g->lattice.dims[a] << f; /* the lattice's high side belongs to its last voxel */
@@ -82,6 +90,7 @@ static inline void take_point(points_work *w, const double p[3])
         inside &= v[a] >= 0 && v[a] < g->size[a];
     }
     w->report.inside += (uint64_t)inside;
+    /* Points outside are counted, not refused. */
     w->report.outside += !inside;
     if (!inside) return;
     count_point(w,
@@ -94,6 +103,7 @@ static bvx_status take_points(bvx_context *ctx, points_work *w)
 {
     for (uint64_t i = 0; i < w->view.vertex_count; i++) {
         double p[3];
+        /* Rarely, so that the question costs nothing. */
         if (i % POINTS_ASKED == 0)
             BVXI_TRY(bvxi_progress(ctx, "points", (double)i / (double)w->view.vertex_count));
         bvxi_view_position(&w->view, i, p);
@@ -127,6 +137,8 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
                                        const bvx_points_options *o, bvx_window *window)
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
+
+    /* Gaps are closed only for a body. */
     if (o->close_gaps != 0 && !o->body)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
                              points_name);
@@ -147,6 +159,7 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
 
     w->words = bvxi_grid_words(w->grid);
     w->plane_count = count_point_planes(o->minimum);
+    /* Zeros first: only full voxels are set. */
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) status = open_point_planes(ctx, o->minimum, w);
     if (status == BVX_OK) status = take_points(ctx, w);
@@ -165,6 +178,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_grid made;
     bvx_status status;
 
+    /* All is checked before the grid is made anew. */
     memset(&work, 0, sizeof work);
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
@@ -180,6 +194,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     work.grid = &made;
     status = voxelize_cloud(context, &o, &work);
     if (status != BVX_OK) {
+        /* The caller's own array stays the caller's. */
         if (grid->words == NULL) bvx_grid_free(context, &made);
         return status;
     }

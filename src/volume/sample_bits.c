@@ -31,9 +31,11 @@ void bvxi_sample_walk_plan(bvxi_sample_walk *w)
     const int32_t *const n = w->grid->size;
     uint64_t run, runs;
 
+    /* The axis with the shortest way between samples; those of one sample do not count. */
     w->axis = 0;
     for (int32_t a = 1; a < 3; a++)
         if (n[a] > 1 && stride_size(w->stride[a]) < stride_size(w->stride[w->axis])) w->axis = a;
+    /* With one column of x there is nothing to turn. */
     if (n[0] == 1) w->axis = 0;
     run = (uint64_t)n[w->axis];
     runs = w->axis == 0 ? bvxi_grid_rows(w->grid) : (uint64_t)n[0] * (uint64_t)n[3 - w->axis];
@@ -80,6 +82,7 @@ static void walk_rows(void *user, int32_t piece, int32_t worker)
         const uint8_t *const first = row_at(w, row);
 
         if (row + 1 < end) fetch(row_at(w, row + 1), w->stride[0], g->size[0]);
+        /* The next row is fetched while this one is worked on. */
         w->run(w->rule, tally, first, w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
     }
 }
@@ -106,6 +109,7 @@ static void read_runs(const bvxi_sample_walk *w, void *tally, const sample_tile 
             int32_t const y = w->axis == 2 ? t->third + k : t->f;
             int32_t const z = w->axis == 2 ? t->f : t->third + k;
 
+            /* The next column's run, as the processor does not expect it. */
             if (x + i + 1 < w->grid->size[0])
                 fetch(sample_at(w, (int64_t)x + i + 1, y, z), w->stride[w->axis], t->nf);
             w->run(w->rule, tally, sample_at(w, (int64_t)x + i, y, z), w->stride[w->axis], t->nf, run[k][i]);
@@ -125,10 +129,12 @@ static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32
     uint64_t *to = g->words + (uint64_t)t->third * across + (uint64_t)(t->f + 64 * kf) * along + (x >> 6);
 
     for (int32_t k = 0; k < t->nt; k++) {
+        /* Of each column the same word; then 64 by 64 bits are turned. */
         for (int32_t i = 0; i < n; i++) square[k][i] = run[k][i][kf];
         memset(square[k] + n, 0, (size_t)(64 - n) * sizeof square[k][0]);
         bvxi_transpose_64(square[k]);
     }
+    /* A row of each plane, side by side. */
     for (int32_t i = 0; i < rows; i++, to += along)
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = square[k][i];
 }
@@ -138,6 +144,7 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
     uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
 
     for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
+        /* As many columns as a word has bits. */
         int32_t const n = at_most(w->grid->size[0] - x, 64);
 
         read_runs(w, tally, t, x, n, run);
@@ -160,6 +167,7 @@ static void walk_tiles(void *user, int32_t piece, int32_t worker)
         sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
 
+        /* The last tile of an axis may be smaller. */
         t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
         t.nt = at_most(third - t.third, TILE_THIRD);
         walk_tile(w, tally, &t);

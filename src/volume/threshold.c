@@ -28,12 +28,14 @@ static float step_float(float f, int up)
 
 static void range_of_floats(double low, double high, bvxi_range *r)
 {
+    /* Only finite floats: an infinite one is set by no range. */
     if (low < -THRESHOLD_F32_MAX) low = -THRESHOLD_F32_MAX;
     if (high > THRESHOLD_F32_MAX) high = THRESHOLD_F32_MAX;
     r->empty = low > high;
     if (r->empty) return;
     r->low.f = (float)low;
     r->high.f = (float)high;
+    /* The cast rounds to the nearest; one that fell outside is moved in. */
     if ((double)r->low.f < low) r->low.f = step_float(r->low.f, 1);
     if ((double)r->high.f > high) r->high.f = step_float(r->high.f, 0);
     r->empty = r->low.f > r->high.f;
@@ -42,10 +44,13 @@ static void range_of_floats(double low, double high, bvxi_range *r)
 /* least and most are those of the type; end is the first double beyond most. */
 static void range_of_signed(double low, double high, int64_t least, int64_t most, double end, bvxi_range *r)
 {
+    /* Empty where no number of the type is in it. */
     r->empty = low >= end || high < (double)least;
     if (r->empty) return;
+    /* To whole numbers within the range. */
     low = -floor(-low);
     high = floor(high);
+    /* Beyond the type's own ends there is nothing to compare. */
     r->low.i = low <= (double)least ? least : low >= end ? most : (int64_t)low;
     r->high.i = high >= end ? most : (int64_t)high;
     r->empty = r->low.i > r->high.i || low >= end;
@@ -53,6 +58,7 @@ static void range_of_signed(double low, double high, int64_t least, int64_t most
 
 static void range_of_unsigned(double low, double high, uint64_t most, double end, bvxi_range *r)
 {
+    /* As with signed ones, from 0 on. */
     r->empty = low >= end || high < 0.0;
     if (r->empty) return;
     low = -floor(-low);
@@ -79,6 +85,7 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
         break;
     case BVX_SAMPLE_F32: range_of_floats(low, high, range); break;
     default:
+        /* NaN fails both comparisons, and infinite numbers lie beyond the finite ends. */
         range->low.d = low < -THRESHOLD_F64_MAX ? -THRESHOLD_F64_MAX : low;
         range->high.d = high > THRESHOLD_F64_MAX ? THRESHOLD_F64_MAX : high;
         range->empty = range->low.d > range->high.d;
@@ -93,6 +100,8 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
     double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
 
     memset(report, 0, sizeof *report);
+
+    /* Sums and extremes: in any order the same. */
     for (int32_t p = 0; p < pieces; p++) {
         report->nan += tally[p].nan;
         report->infinite += tally[p].infinite;
@@ -100,6 +109,7 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
         if (tally[p].least < least) least = tally[p].least;
         if (tally[p].greatest > greatest) greatest = tally[p].greatest;
     }
+    /* No finite sample at all. */
     if (least > greatest) return;
     report->least = least + 0.0; /* -0 and 0 are found in any order */
     report->greatest = greatest + 0.0;
@@ -118,9 +128,11 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     walk.rule = range;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);
+    /* One count a piece, as no two threads may write one. */
     uint64_t const bytes = report != NULL ? (uint64_t)walk.pieces * sizeof *tally : 0;
     if (report != NULL)
         status = bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally);
+    /* Extremes begin at the opposite ends. */
     for (int32_t p = 0; p < walk.pieces && tally != NULL; p++) {
         tally[p].least = THRESHOLD_F64_MAX;
         tally[p].greatest = -THRESHOLD_F64_MAX;
@@ -149,6 +161,8 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
+
+    /* NaN compares with nothing, so such a range would be neither empty nor full. */
     if (low != low || high != high)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
                              "%s: an end of the range is NaN", name);
@@ -161,6 +175,7 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
                             report != NULL ? &counts : NULL, &made);
     if (status != BVX_OK) {
+        /* The caller's own array stays the caller's. */
         if (made.words != grid->words) bvx_grid_free(context, &made);
         return status;
     }

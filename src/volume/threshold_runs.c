@@ -19,6 +19,7 @@ enum { RANGE_LANES = 8 };
 /* 1 where some of 64 floats has all bits of its exponent set. */
 BVXI_VECTOR_INLINE int any_odd_f32(const uint8_t *p)
 {
+    /* Whole numbers joined, not a test that leaves: that is what makes it a vector. */
     uint32_t odd = 0;
     for (size_t i = 0; i < 64; i++) {
         uint32_t bits;
@@ -46,6 +47,8 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
 
     for (int32_t i = 0; i < n; i++) {
         double const v = bvxi_sample_value(p + (size_t)i * size, type);
+
+        /* Each sample is one of three: undefined, infinite, or one that extremes count. */
         if (v != v) {
             tally->nan++;
         } else if (v - v != 0.0) {

@@ -10,6 +10,7 @@ static bvx_status check_reach(bvx_context *ctx, const char *function, const bvx_
     int fits = 1;
 
     for (int a = 0; a < 3; a++) {
+        /* Taken apart for negative strides: the lowest number has no opposite. */
         uint64_t const step = stride[a] < 0 ? 0 - (uint64_t)stride[a] : (uint64_t)stride[a];
         reach = bvxi_add(reach, bvxi_mul(step, (uint64_t)(v->size[a] - 1), &fits), &fits);
     }
@@ -38,11 +39,14 @@ bvx_status bvxi_volume_check(bvx_context *ctx, const char *function, const bvx_v
     BVXI_TRY(bvxi_lattice_check(ctx, function, &volume->lattice));
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
+
+    /* One voxel along x at least: a size of 0 may stand for the whole lattice. */
     if (volume->size[0] < 1)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the volume's size is %d along x", function,
                          (int64_t)volume->size[0]);
     BVXI_TRY(bvxi_window_take(ctx, function, &volume->lattice, &window, &unused));
     memcpy(stride, volume->strides, 3 * sizeof *stride);
+    /* No strides: samples lie one after the other, x fastest. */
     if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
         uint64_t const row = bvxi_mul(size, (uint64_t)volume->size[0], &fits);
         uint64_t const slice = bvxi_mul(row, (uint64_t)volume->size[1], &fits);
