@@ -78,6 +78,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
     if (!same_interface(header_version)) return BVX_ERR_VERSION;
+    /* A build that would give other results is refused before anything is taken. */
     if (bvx_arithmetic_fault() != NULL) return BVX_ERR_UNSUPPORTED;
     if (options != NULL) {
         memcpy(&given_size, options, sizeof given_size);

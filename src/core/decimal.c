@@ -28,6 +28,7 @@ enum { DECIMAL_ROUNDS_ONCE = 1 };
 /* Bits of the number next to (top + a bit more when sticky) * 2^e, top's highest bit set; ties to even. */
 static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal_kind *kind)
 {
+    /* Where the number's last bit lies: by its own size, or the least that the type has. */
     int32_t const natural = e + 64 - kind->precision;
     int32_t const q = natural > kind->low_exponent ? natural : kind->low_exponent;
     int32_t const cut = q - e;
@@ -36,8 +37,10 @@ static uint64_t decimal_round(uint64_t top, int sticky, int32_t e, const decimal
     if (q > kind->high_exponent) return decimal_infinity(kind);
     if (cut > 64) return 0; /* below half of the smallest */
     c = cut == 64 ? 0 : top >> cut;
+    /* What is cut off against half of the last bit. */
     half = UINT64_C(1) << (cut - 1);
     rest = cut == 64 ? top : top & ((half << 1) - 1);
+    /* Up above the middle; in the middle to the even one. */
     c += rest > half || (rest == half && (sticky || (c & 1)));
     /* c's leading one adds 1 to the field */
     c += (uint64_t)(q - kind->low_exponent) << (kind->precision - 1);
@@ -66,8 +69,10 @@ static const char *decimal_scan_exponent(const char *text, const char *end, int6
     int negative = 0;
     int64_t x = 0;
 
+    /* Without a digit after it the e is no exponent: the number ends before it. */
     if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
     if (p == end || decimal_digit(*p) > 9) return text;
+    /* More digits are passed over: the number is 0 or infinite anyway. */
     for (; p < end && decimal_digit(*p) <= 9; p++)
         if (x < INT64_C(100000000000000000)) x = x * 10 + (int64_t)decimal_digit(*p);
     *exponent += negative ? -x : x;
@@ -79,6 +84,7 @@ static void decimal_keep_19(decimal_scan *s, int64_t count)
 {
     const char *p = s->digits;
 
+    /* Leading zeros do not count. */
     for (; p < s->end && (*p == '0' || *p == '.'); p++) count -= *p == '0';
     if (count <= 19) return;
     s->w = 0;
@@ -87,6 +93,7 @@ static void decimal_keep_19(decimal_scan *s, int64_t count)
             s->w = s->w * 10 + decimal_digit(*p);
             n++;
         }
+    /* Each digit not taken is a power of ten. */
     s->exponent += count - 19;
     s->truncated = 1;
 }
@@ -98,6 +105,7 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
     unsigned d;
     int64_t count;
 
+    /* May overflow where there are many digits; then the first ones are taken anew. */
     s->digits = p;
     for (; p < end && (d = decimal_digit(*p)) <= 9; p++) w = w * 10 + d;
     count = p - s->digits;
@@ -105,6 +113,7 @@ static const char *decimal_scan_number(const char *p, const char *end, decimal_s
     if (p < end && *p == '.') {
         const char *const fraction = ++p;
         for (; p < end && (d = decimal_digit(*p)) <= 9; p++) w = w * 10 + d;
+        /* Each digit after the point is a power of ten less. */
         s->exponent = fraction - p;
         count += p - fraction;
     }
@@ -127,6 +136,7 @@ static uint64_t decimal_scale(uint64_t w, int32_t k, const decimal_kind *kind, i
     int sticky;
 
     decimal_mul_wide(ten.high, ten.low, w << up, p);
+    /* The product's highest bit is at the top, or one below. */
     if (p[2] >> 63 == 0) {
         p[2] = p[2] << 1 | p[1] >> 63;
         p[1] = p[1] << 1 | p[0] >> 63;
@@ -157,6 +167,7 @@ static BVXI_COLD uint64_t decimal_decide(const decimal_scan *s, uint64_t bits, c
         decimal_big_set(&d, 0);
         for (const char *p = s->digits; p < s->end; p++) {
             if (*p == '.' || (*p == '0' && used == 0)) continue;
+            /* As many digits as could decide; of further ones only whether they are zero. */
             if (used < DECIMAL_BIG_DIGITS) {
                 decimal_big_mul_add(&d, 10, decimal_digit(*p));
                 used++;
@@ -166,11 +177,13 @@ static BVXI_COLD uint64_t decimal_decide(const decimal_scan *s, uint64_t bits, c
             }
         }
         exponent += rest - (used + rest - 19); /* w's exponent counts all but 19 digits */
+        /* A last digit above 0 stands for all that follow. */
         if (more) {
             decimal_big_mul_add(&d, 10, 1);
             exponent--;
         }
     }
+    /* The middle of two neighbours: one bit more, at half the exponent. */
     decimal_big_set(&middle, 2 * c + 1);
     order = decimal_big_compare(&d, (int32_t)exponent, &middle, q - 1);
     return bits + (uint64_t)(order > 0 || (order == 0 && (bits & 1)));
@@ -183,6 +196,7 @@ static uint64_t decimal_to_bits(const decimal_scan *s, const decimal_kind *kind)
     if (s->w == 0 || s->exponent < DECIMAL_LEAST) return 0; /* w < 10^19, so below 10^-345 */
     if (s->exponent > 310) return decimal_infinity(kind);
     bits = decimal_scale(s->w, (int32_t)s->exponent, kind, &sure);
+    /* Between w and w + 1: where both round alike, the digits that follow decide nothing. */
     if (BVXI_UNLIKELY(s->truncated) && decimal_scale(s->w + 1, (int32_t)s->exponent, kind, &sure) != bits)
         sure = 0;
     return BVXI_LIKELY(sure) || bits == decimal_infinity(kind) ? bits : decimal_decide(s, bits, kind);
@@ -230,6 +244,7 @@ static int decimal_begin(const char *text, const char *end, const decimal_kind *
 /* 1 when *value is s, from exact operands by one rounding. */
 static int decimal_short(const decimal_scan *s, double *value)
 {
+    /* Both operands exact and one rounding: the result is right by definition. */
     if (!DECIMAL_ROUNDS_ONCE || s->truncated) return 0;
     if (s->w > UINT64_C(1) << 53 || s->exponent < -22 || s->exponent > 22) return 0;
     double const w = (double)(int64_t)s->w;
@@ -245,6 +260,7 @@ size_t bvxi_parse_double(const char *text, const char *end, double *value)
 
     if (decimal_begin(text, end, &decimal_f64, &s, &bits, &used)) {
         double v;
+        /* Nearly all numbers in files end here. */
         if (decimal_short(&s, &v)) {
             *value = s.negative ? -v : v;
             return used;

@@ -19,9 +19,12 @@ static const char *fast_math_fault(void)
     double none;
 
     memcpy(&none, &bits, sizeof none);
+    /* Not a number compares unequal to itself, unless the compiler takes that away. */
     if (none == none) return "numbers are taken to be finite; compile without -ffinite-math-only";
+    /* Half a step is lost in the first sum; regrouped, it would not be. */
     if ((large + small) - large != 0.0)
         return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
+    /* Divided, 3 / 10 rounds to 0.3; multiplied by a rounded tenth it does not. */
     if (tenth != 0.3)
         return "quotients are made products; compile without -freciprocal-math and -funsafe-math-optimizations";
     return NULL;
@@ -37,7 +40,9 @@ const char *bvx_arithmetic_fault(void)
     up = one + half;
     down = minus - half;
     most = one + 1.5 * half;
+    /* To nearest rounds both halves back, and three quarters of a step up. */
     if (up != 1.0 || down != -1.0 || most == 1.0) return "numbers are not rounded to nearest";
+    /* Wider registers would keep both halves, and then see a whole step. */
     if ((one + half) + half != 1.0 || (one_f + half_f) + half_f != 1.0f)
         return "intermediate results are wider than their type; compile for SSE2, or with -fexcess-precision=fast";
     if (above * below + minus != 0.0) /* 1 - 2^-60 rounds to 1 */

@@ -23,6 +23,8 @@ void *bvxi_heap_alloc(void *user, size_t size, size_t align)
     unsigned char *raw, *block;
 
     (void)user;
+
+    /* The block that malloc gives is kept before the aligned one. */
     if (size > SIZE_MAX - align - sizeof raw) return NULL;
     raw = malloc(size + align + sizeof raw);
     if (raw == NULL) return NULL;

@@ -14,6 +14,7 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
     uint64_t const want = size == 0 ? 1 : size;
     void *p;
 
+    /* The limit first: a refusal by it is another one than by the system. */
     if (want > SIZE_MAX - BVXI_ALIGN ||
         (ctx->memory_limit != 0 && (want > ctx->memory_limit || ctx->memory_used > ctx->memory_limit - want)))
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s would take %u bytes; %u are in use and the limit is %u",
@@ -21,6 +22,7 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
                          ctx->memory_limit != 0 ? ctx->memory_limit : (uint64_t)SIZE_MAX);
     p = ctx->arena.memory != NULL ? bvxi_arena_alloc(&ctx->arena, kind, (size_t)want, ++ctx->serial)
                                   : ctx->alloc(ctx->alloc_user, (size_t)want, BVXI_ALIGN);
+    /* Scratch that could not be remembered could not be taken back, so it is not taken at all. */
     if (p != NULL && ctx->arena.memory == NULL && kind == BVXI_SCRATCH &&
         bvxi_scratch_remember(ctx, p, want) != BVX_OK) {
         ctx->free(ctx->alloc_user, p, (size_t)want, BVXI_ALIGN);
@@ -114,6 +116,7 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
 
     if (size == new_size) return BVX_OK;
     memcpy(&old, block, sizeof old);
+    /* Both at once for a moment, as allocators have no way to grow a block. */
     BVXI_TRY(bvxi_alloc(ctx, kind, new_size, what, &moved));
     if (old != NULL) memcpy(moved, old, (size_t)(size < new_size ? size : new_size));
     bvxi_free(ctx, old, size);

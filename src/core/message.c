@@ -41,6 +41,7 @@ static void message_put_format(message_line *l, const char *format, va_list args
     char number[32];
 
     for (const char *p = format; *p != 0; p++) {
+        /* Text up to the next value. */
         if (*p != '%') {
             message_put(l, p, 1);
             continue;
@@ -54,6 +55,7 @@ static void message_put_format(message_line *l, const char *format, va_list args
         case 'd': {
             int64_t const v = va_arg(args, int64_t);
             if (v < 0) message_put(l, "-", 1);
+            /* Taken apart, as the lowest number has no opposite. */
             message_put_unsigned(l, v < 0 ? 0 - (uint64_t)v : (uint64_t)v);
             message_keep(l, (double)v);
             break;
@@ -63,6 +65,7 @@ static void message_put_format(message_line *l, const char *format, va_list args
             uint64_t const v = va_arg(args, uint64_t);
             message_put_unsigned(l, v);
             message_keep(l, (double)v);
+            /* An index names the element that is wrong. */
             if (*p == 'i') l->error->index = (int64_t)v;
             break;
         }
@@ -100,6 +103,7 @@ static const char *behind_function(const char *message)
 {
     const char *p = message;
 
+    /* A function's name ends at a colon or a comma. */
     if (p[0] != 'b' || p[1] != 'v' || p[2] != 'x' || p[3] != '_') return message;
     while (*p == '_' || (*p >= 'a' && *p <= 'z') || (*p >= '0' && *p <= '9')) p++;
     return (*p == ':' || *p == ',') && p[1] == ' ' ? p + 2 : message;
@@ -127,6 +131,7 @@ static void keep_failure(bvx_context *ctx, bvx_status status, int32_t reason, co
     e->reason = reason;
     e->index = -1;
     e->value_count = 0;
+    /* A message is made once; the rest points into it. */
     message_put_format(&l, format, args);
     e->text = behind_function(ctx->message);
 }

@@ -11,11 +11,14 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 
     if (given == NULL) return BVX_OK;
     memcpy(&given_size, given, sizeof given_size);
+    /* A size that no version had: options were not initialized. */
     if (given_size < sizeof given_size || given_size > 65536)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS,
                              "%s: options carry the size %u; fill them with their _init function", function,
                              (uint64_t)given_size);
     memcpy(options, given, given_size < size ? given_size : size);
+
+    /* A caller newer than the library: what is not known must not be set. */
     for (size_t i = size; i < given_size; i++)
         if (((const unsigned char *)given)[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_VERSION, BVX_REASON_OPTIONS,
@@ -26,6 +29,7 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 
 void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size)
 {
+    /* At least the size itself must fit. */
     if (options == NULL || size < sizeof size) return;
     memset(options, 0, size);
     memcpy(options, defaults, size < default_size ? size : default_size);
@@ -54,6 +58,7 @@ static bvx_status check_whole_option(bvx_context *ctx, const char *function, con
     int good;
 
     memcpy(&value, at, sizeof value);
+    /* Choices that are not consecutive: a bit for each that is allowed. */
     if (row->kind == BVXI_IS_AMONG) good = value >= 0 && value < 32 && ((uint32_t)row->low >> value & 1) != 0;
     else good = value >= row->low && value <= row->high;
     return good ? BVX_OK : fail_whole_option(ctx, function, row, value);
@@ -79,6 +84,7 @@ static bvx_status check_real_option(bvx_context *ctx, const char *function, cons
 
     memcpy(&value, at, sizeof value);
     within = value >= row->low && value <= row->high;
+    /* 0 as the upper end stands for none. */
     if (row->kind == BVXI_IS_ABOVE) within = value > row->low && (value <= row->high || row->high == 0.0);
     if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;
 
@@ -105,6 +111,7 @@ static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, c
 bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options,
                               const bvxi_option *rows, size_t count)
 {
+    /* In the order of the rows, so that the first field that is wrong is named. */
     for (size_t i = 0; i < count; i++) {
         const bvxi_option *const row = &rows[i];
         const unsigned char *const at = (const unsigned char *)options + row->at;
@@ -116,6 +123,7 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void
         case BVXI_IS_ABOVE:
         case BVXI_IS_ZERO_OR: status = check_real_option(ctx, function, row, at); break;
         case BVXI_IS_RESERVED:
+            /* All bytes, whatever their type: only zeros are allowed. */
             for (size_t k = 0; k < row->size && status == BVX_OK; k++)
                 if (at[k] != 0) status = fail_reserved_option(ctx, function, row, k / 8);
             break;

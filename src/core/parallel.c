@@ -22,6 +22,7 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
 {
     shifted s = {task, user, first};
 
+    /* On the calling thread where nothing is gained by others. */
     if (ctx->threads == 1 || count == 1 || (ctx->parallel == NULL && ctx->pool == NULL)) {
         for (int32_t i = 0; i < count; i++) task(user, first + i, 0);
     } else if (ctx->parallel != NULL) {
@@ -41,6 +42,7 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
         batch = (count + BATCHES - 1) / BATCHES;
         if (batch < least) batch = ctx->threads == 1 ? batch : least;
     }
+    /* Progress and cancellation between batches only, so tasks need not know of them. */
     for (int32_t first = 0; first < count; first += batch) {
         int32_t const n = count - first < batch ? count - first : batch;
         BVXI_TRY(bvxi_progress(ctx, stage, from + (to - from) * ((double)first / (double)count)));

@@ -30,6 +30,7 @@ static int64_t read_text(const char *path, char *text, size_t room)
     ssize_t n = 1;
 
     if (file < 0) return -1;
+    /* A read may give less than was requested. */
     while (n > 0 && (size_t)length < room - 1) {
         n = read(file, text + length, room - 1 - (size_t)length);
         if (n > 0) length += n;
@@ -45,6 +46,7 @@ static int64_t take_count(const char **text)
     const char *p = *text;
     int64_t n = 0;
 
+    /* After blanks and commas, as variables have lists. */
     while (*p == ' ' || *p == ',') p++;
     if (*p < '0' || *p > '9') return -1;
     for (; *p >= '0' && *p <= '9'; p++) n = n < INT64_C(1000000000000) ? n * 10 + (*p - '0') : n;
@@ -57,6 +59,7 @@ static int join_path(char *path, const char *a, const char *b, size_t b_length, 
 {
     size_t const first = bvxi_text_length(a), last = bvxi_text_length(c);
 
+    /* A path that does not fit names no file that is looked for. */
     if (first + b_length + last >= GROUP_PATH) return 0;
     memcpy(path, a, first);
     memcpy(path + first, b, b_length);
@@ -71,6 +74,7 @@ static int32_t granted(int64_t quota, int64_t period)
 
     if (quota <= 0 || period <= 0) return 0;
     whole = (quota + period / 2) / period;
+    /* Less than one is one; more than can be used is as good as all. */
     return whole < 1 ? 1 : whole > BVXI_MAX_THREADS ? 0 : (int32_t)whole;
 }
 
@@ -87,6 +91,7 @@ static int32_t folder_quota(const char *mounted, const char *group, size_t lengt
     int64_t quota;
 
     if (version == 2) {
+        /* A group without such a file grants all. */
         if (!join_path(path, mounted, group, length, "/cpu.max") || read_text(path, text, sizeof text) < 0)
             return 0;
         quota = take_count(&p);
@@ -96,6 +101,7 @@ static int32_t folder_quota(const char *mounted, const char *group, size_t lengt
     if (!join_path(path, mounted, group, length, "/cpu.cfs_quota_us") ||
         read_text(path, text, sizeof text) < 0)
         return 0;
+    /* Two files: a quota of -1 grants all. */
     quota = take_count(&p);
     if (quota < 0 || !join_path(path, mounted, group, length, "/cpu.cfs_period_us") ||
         read_text(path, text, sizeof text) < 0)
@@ -110,6 +116,7 @@ static int32_t group_quota(const char *mounted, const char *group, size_t length
     int32_t least = 0;
 
     for (;;) {
+        /* From the group upwards: each folder may grant less. */
         while (length > 0 && group[length - 1] == '/') length--;
         least = lesser_quota(least, folder_quota(mounted, group, length, version));
         if (length == 0) return least;
@@ -120,6 +127,7 @@ static int32_t group_quota(const char *mounted, const char *group, size_t length
 /* 1 when the list "cpu,cpuacct" has cpu. */
 static int names_cpu(const char *list, const char *end)
 {
+    /* Version 1 may have several controllers in one folder. */
     for (const char *p = list; p < end; p++) {
         const char *const comma = bvxi_find_byte(p, end, ',');
 
@@ -139,6 +147,7 @@ static int32_t line_quota(const char *line, const char *end, const char *mounted
     size_t const length = path == end ? 0 : (size_t)(end - path - 1);
 
     if (path == end) return 0;
+    /* No controllers are named: version 2, at its own place or beside version 1. */
     if (path == list + 1) {
         if (!join_path(folder, mounted, "/unified", 8, "")) return 0;
         return lesser_quota(group_quota(mounted, path + 1, length, 2),
@@ -154,6 +163,7 @@ int32_t bvxi_processor_quota(const char *groups, const char *mounted)
     int64_t const length = read_text(groups, text, sizeof text);
     int32_t least = 0;
 
+    /* All lines: the least of what all grant. */
     for (const char *p = text; length > 0 && p < text + length; p++) {
         const char *const end = bvxi_find_byte(p, text + length, '\n');
 
@@ -196,6 +206,7 @@ int32_t bvxi_running_threads(void)
     int64_t running;
 
     if (p == end) return 0;
+    /* The digits before the slash are those that run. */
     while (p > text && p[-1] >= '0' && p[-1] <= '9') p--;
     running = take_count(&p);
     return running < 0 ? 0 : running > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : (int32_t)running;
@@ -215,6 +226,7 @@ int32_t bvxi_processors(void)
     int32_t const asked = asked_for("OMP_NUM_THREADS"), limit = asked_for("OMP_THREAD_LIMIT");
     int32_t n = asked != 0 ? asked : allowed_processors();
 
+    /* Only without the variable: a scheduler knows what it grants. */
     if (asked == 0 && n > 1) n = lesser_quota(n, bvxi_processor_quota("/proc/self/cgroup", "/sys/fs/cgroup"));
     n = lesser_quota(n, limit);
     return n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;

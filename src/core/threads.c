@@ -100,6 +100,7 @@ static void watch(const int32_t *number, int32_t wanted)
 {
     int64_t const until = clock_time(CLOCK_MONOTONIC) + SPIN_TIME;
 
+    /* Many looks for each look at the clock. */
     while (look_at(number) != wanted && clock_time(CLOCK_MONOTONIC) < until)
         for (int i = 0; i < 16 && look_at(number) != wanted; i++) {
 #if defined(__x86_64__) || defined(__i386__)
@@ -148,6 +149,7 @@ static void call_helper(bvxi_pool *pool)
     pthread_attr_t attributes;
     sigset_t all, before;
 
+    /* All that there are processors for, or no tasks left. */
     if (pool->called == pool->idle || look_at(&pool->next) >= pool->count) return;
     if (pool->called++ < pool->watching) return; /* it comes by itself */
     if (pool->asleep > 0) {
@@ -174,11 +176,13 @@ static void work_on_step(bvxi_pool *pool)
     int32_t const worker = ++pool->entered;
     int64_t time, processor_time;
 
+    /* Each helper calls two more, so that many are awake after few rounds. */
     change(&pool->inside, pool->inside + 1);
     call_helper(pool);
     call_helper(pool);
     pthread_mutex_unlock(&pool->lock);
 
+    /* Time that passed without a processor shows whether others need it. */
     time = clock_time(CLOCK_MONOTONIC);
     processor_time = clock_time(CLOCK_THREAD_CPUTIME_ID);
     take_tasks(pool, worker);
@@ -186,8 +190,10 @@ static void work_on_step(bvxi_pool *pool)
     time = clock_time(CLOCK_MONOTONIC) - time;
 
     pthread_mutex_lock(&pool->lock);
+    /* Measured, as a helper without a processor makes all wait. */
     pool->lost += time > processor_time ? time - processor_time : 0;
     change(&pool->inside, pool->inside - 1);
+    /* The last one wakes the caller. */
     if (pool->inside == 0) pthread_cond_signal(&pool->ended);
 }
 
@@ -213,6 +219,7 @@ static void *help(void *given)
 
     pthread_mutex_lock(&pool->lock);
     while (!pool->quit) {
+        /* A step is open: help, then watch a while for the next one. */
         if (may_enter(pool)) {
             work_on_step(pool);
             watch_for_step(pool);
@@ -251,6 +258,7 @@ no_work:
 
 void bvxi_pool_end(bvxi_pool *pool)
 {
+    /* In a forked child there are no helpers to be waited for. */
     if (pool->owner != getpid()) return;
     pthread_mutex_lock(&pool->lock);
     pool->quit = 1;
@@ -270,6 +278,7 @@ static int32_t count_idle(bvxi_pool *pool)
     int32_t const running = bvxi_running_threads();
     int32_t idle;
 
+    /* Not known here: all may be called. */
     if (running == 0) return pool->most;
     if (pool->online == 0) pool->online = bvxi_online_processors();
     idle = pool->online - running;
@@ -280,6 +289,7 @@ static int32_t count_idle(bvxi_pool *pool)
 static int has_processors(bvxi_pool *pool, int64_t now)
 {
     if (now < pool->rest_until && pool->eager < 2) return 0;
+    /* Seldom, as a look takes longer than a small step. */
     if (now >= pool->look_at && !pool->eager) {
         pool->idle = count_idle(pool);
         pool->look_at = now + LOOK_TIME;
@@ -299,6 +309,7 @@ static int32_t begin_alone(bvxi_pool *pool, int32_t count, bvx_task_fn *task, vo
     int64_t now = start;
     int32_t i = 0;
 
+    /* Task by task, until it is worth a wake and a processor is free. */
     while (i < count && (now - start < least || !has_processors(pool, now))) {
         task(user, i++, 0);
         now = clock_time(CLOCK_MONOTONIC);
@@ -324,9 +335,11 @@ static void wait_for_helpers(bvxi_pool *pool)
     pthread_mutex_unlock(&pool->lock);
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);
+    /* Asleep only after watching was in vain. */
     while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
 
     waited = clock_time(CLOCK_MONOTONIC) - start;
+    /* A wait that was long because helpers had no processor: alone for a while, longer each time. */
     if (waited >= NOTICED_WAIT && pool->lost >= waited / 2) {
         pool->rest_until = start + waited + waited * pool->rest;
         if (pool->rest < REST_MOST) pool->rest *= 2;
@@ -344,6 +357,8 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
     }
 
     pthread_mutex_lock(&pool->lock);
+
+    /* Set while no helper is inside; opening the step lets them in. */
     pool->task = task;
     pool->user = user;
     pool->count = count;
@@ -355,9 +370,11 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
     call_helper(pool);
     pthread_mutex_unlock(&pool->lock);
 
+    /* The caller works as any helper does, as worker 0. */
     take_tasks(pool, 0);
 
     pthread_mutex_lock(&pool->lock);
+    /* No helper enters any more; those inside are waited for. */
     change(&pool->open, 0);
     wait_for_helpers(pool);
     pthread_mutex_unlock(&pool->lock);

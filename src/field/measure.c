@@ -1,7 +1,7 @@
 /* measure.c - a band of distances around a mesh: bvx_measure_field.
  *
- * Source: "Model repair by a vector distance field" (the vector to the closest point, kept for the cells near
- * the surface).
+ * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013 (the vector to the
+ * closest point, kept for the cells near the surface).
  *
  * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the
  * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside

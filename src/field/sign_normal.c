@@ -1,9 +1,9 @@
 /* sign_normal.c - inside by the plane of the closest triangle.
  *
- * Source: "Model repair by a vector distance field". Where an edge or a corner is closest, several triangles
- * are at one distance and the one of least number decides, whose plane may have the centre on its wrong side:
- * sign_pseudonormal.c mends that. It is here because it is the paper's rule. A triangle without area has no
- * side: what is closest to it is outside. */
+ * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013. Where an edge or a
+ * corner is closest, several triangles are at one distance and the one of least number decides, whose plane
+ * may have the centre on its wrong side: sign_pseudonormal.c mends that. It is here because it is the paper's
+ * rule. A triangle without area has no side: what is closest to it is outside. */
 #include "field/signs.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"

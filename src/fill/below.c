@@ -1,6 +1,7 @@
 /* below.c - everything under a terrain down to a base, or between two terrains.
  *
- * Source: the open terrains of "Fast voxelization based on TIN", made solid as blocks of ground are.
+ * Source: the open terrains of Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network
+ * model. 2010, made solid as blocks of ground are.
  *
  * Rows run along the axis that is up. Each triangle gives its exact crossing to every row that it covers
  * (solid.h); of a row's crossings only the highest counts, so overhangs and doubled sheets need no balance.
@@ -23,6 +24,7 @@ static int32_t base_index(const bvx_lattice *lattice, int32_t axis, double heigh
 {
     double const v = (height - lattice->origin[axis]) *
                      ((double)(1 << lattice->fraction_bits) / lattice->spacing[axis]);
+    /* Beyond the numbers of fixed point: below or above all centres. */
     if (!(v > 0.5 - BVXI_FIXED_LIMIT)) return INT32_MIN;
     if (!(v < BVXI_FIXED_LIMIT - 0.5)) return INT32_MAX;
     return bvxi_centres_below(bvxi_round_half_up(v), lattice->fraction_bits);
@@ -36,6 +38,8 @@ static void fill_below_piece(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
+
+    /* Each row by itself: what is filled follows from its own crossings. */
     for (uint64_t r = begin; r < end; r++) {
         uint64_t *const row = g->words + (size_t)r * (size_t)g->words_per_row;
         int32_t const a = job->first[r], b = job->second != NULL ? job->second[r] : job->base;
@@ -43,12 +47,15 @@ static void fill_below_piece(void *user, int32_t index, int32_t worker)
         int32_t const most = job->second != NULL && b > a ? b : a;
         int64_t low = least > job->base ? least : job->base, high = most;
         memset(row, 0, (size_t)g->words_per_row * 8);
+        /* No surface over this row. */
         if (a == INT32_MIN || (job->second != NULL && b == INT32_MIN)) continue;
         columns++;
+        /* Cut to the window. */
         low = low - g->low[0] < 0 ? 0 : low - g->low[0];
         high = high - g->low[0] > g->size[0] ? g->size[0] : high - g->low[0];
         if (low >= high) continue;
         bvxi_set_run(row, (int32_t)low, (int32_t)high);
+        /* Between two terrains: above the second one is what has to be dug away. */
         if (job->second != NULL && a > b) cut += (uint64_t)(high - low);
         if (job->second != NULL && a < b) fill += (uint64_t)(high - low);
     }
@@ -63,6 +70,8 @@ static bvx_status find_highest(bvxi_call step, bvxi_solid_job *job, const bvx_gr
     uint64_t const rows = bvxi_grid_rows(turned);
 
     BVXI_TRY(bvxi_alloc(step.ctx, BVXI_SCRATCH, rows * 4, "the columns' heights", highest));
+
+    /* Lower than any crossing, so that the first one counts. */
     for (uint64_t r = 0; r < rows; r++) (*highest)[r] = INT32_MIN;
     job->highest = *highest;
     return bvxi_solid_fill(step, job, turned, axis, BVX_FILL_BELOW, report);
@@ -75,6 +84,7 @@ static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_repor
 
     job->pieces = bvxi_piece_count(rows, BELOW_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, "solid", 0.8, 0.9, job->pieces, fill_below_piece, job));
+    /* Sums of whole numbers: the order of pieces does not show. */
     for (int32_t i = 0; i < job->pieces; i++) {
         report->columns += job->columns[i];
         report->cut_voxels += job->cut[i];
@@ -89,10 +99,12 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
     uint64_t const words = bvxi_grid_words(turned);
     bvx_status status;
 
+    /* Rows along x need no turned grid. */
     if (axis == 0) {
         job->grid = solid;
         return fill_columns(ctx, job, report);
     }
+    /* Before it is allocated, as sizes of turned grids may pass addresses. */
     if (words > SIZE_MAX / 8)
         return bvxi_fail(ctx, BVX_ERR_BUDGET,
                          "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
@@ -113,6 +125,7 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     bvx_grid turned;
     bvx_status status;
 
+    /* Heights of one surface after the other, by the same engine. */
     bvxi_turn_shape(solid, o->axis, &turned);
     status = find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, o->axis, report, &first);
     if (status == BVX_OK && second_job != NULL)

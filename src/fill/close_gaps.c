@@ -96,6 +96,7 @@ static void join_gap_piece(void *user, int32_t index, int32_t worker)
     size_t const row = (size_t)job->row_words, slice = row * (size_t)job->size[1];
     uint64_t begin, end;
 
+    /* Lines of rows share no words, so pieces need nothing of each other. */
     (void)worker;
     bvxi_piece((uint64_t)gap_lines(job), job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -141,6 +142,7 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
     size_t const row_words = (size_t)grid->words_per_row;
     uint64_t const tail = bvxi_tail_mask(grid->size[0]);
 
+    /* From the window into the larger grid, or back; both begin at the same corner. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++) {
             size_t const at = ((size_t)z * (size_t)grid->size[1] + (size_t)y) * row_words;
@@ -150,6 +152,7 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
                 memcpy(roomy, grid->words + at, row_words * 8);
             } else {
                 memcpy(back + at, roomy, row_words * 8);
+                /* Bits past the row's end stay 0. */
                 back[at + row_words - 1] &= tail;
             }
         }
@@ -164,9 +167,11 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
     bvx_status status;
     int ok = 1;
 
+    /* Room for D: gap voxels more along each axis. */
     for (int32_t a = 0; a < 3; a++) job.size[a] = grid->size[a] + gap;
     job.row_words = bvxi_row_words(job.size[0]);
     job.m = gap + 1;
+    /* Each product is watched, as sides may be long. */
     bytes = bvxi_mul(bytes, (uint64_t)job.row_words, &ok);
     bytes = bvxi_mul(bytes, (uint64_t)job.size[1], &ok);
     bytes = bvxi_mul(bytes, (uint64_t)job.size[2], &ok);

@@ -37,6 +37,7 @@ static bvx_status open_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const 
 
     BVXI_TRY(bvxi_window_take(ctx, fills_name, lattice, NULL, &whole));
     w->words = bvx_grid_bound(lattice, NULL);
+    /* Before any memory is taken, since seven grids may pass addresses. */
     if (w->words == 0 || bvxi_mul(w->words, FILL_GRIDS * 8, &ok) > SIZE_MAX || !ok)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grids of %u words are beyond this machine's addresses",
                          fills_name, w->words);
@@ -65,6 +66,7 @@ static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid 
 /* The grid of a rule in w->filled. */
 static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 {
+    /* The vote is made once; rules that build on it begin from a copy. */
     bvxi_flood_walls const walls = {&w->closed, w->sure.words, w->close_gaps};
     bvx_solid_report unused = {0};
 
@@ -74,10 +76,12 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
     if (rule == BVX_FILL_NONZERO)
         return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.15, 0.3), &w->job, &w->filled, 0, rule,
                                &unused);
+    /* The other three begin with the vote. */
     copy_fill(w, &w->vote, &w->filled);
     if (rule == BVX_FILL_REGIONS)
         return BVXI_SHARE(ctx, 0.9, 1.0,
                           bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
+    /* The vote itself is done. */
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
     return BVXI_SHARE(ctx, 0.3, 0.9,
@@ -86,17 +90,20 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 
 static bvx_status fill_all(bvx_context *ctx, fills_work *w)
 {
+    /* The union begins empty, the intersection full. */
     memset(w->any.words, 0, (size_t)w->words * 8);
     memset(w->all.words, 255, (size_t)w->words * 8);
     for (int32_t rule = 0; rule < FILL_RULES; rule++) {
         BVXI_TRY(fill_one(ctx, w, rule));
         BVXI_TRY(bvx_grid_count(ctx, &w->filled, &w->result.set[rule]));
+        /* A flood that leaked filled nothing: its grid would call everything disputed. */
         if (rule == BVX_FILL_FLOOD && w->result.flood_leaked) continue;
         for (uint64_t i = 0; i < w->words; i++) {
             w->any.words[i] |= w->filled.words[i];
             w->all.words[i] &= w->filled.words[i];
         }
     }
+    /* Off the surface only: there rules may differ by a voxel without meaning anything. */
     for (uint64_t i = 0; i < w->words; i++) w->any.words[i] &= ~w->all.words[i] & ~w->surface.words[i];
     return bvx_grid_count(ctx, &w->any, &w->result.disagreeing);
 }
@@ -111,6 +118,7 @@ static void join_grown_row(const bvx_grid *g, int32_t y, int32_t z, uint64_t *ro
 
     if (y < 0 || z < 0 || y >= g->size[1] || z >= g->size[2]) return;
     from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)words;
+    /* Neighbours along x, over the borders of words. */
     for (int32_t k = 0; k < words; k++) {
         row[k] |= from[k] | from[k] << 1 | from[k] >> 1;
         if (k > 0) row[k] |= from[k - 1] >> 63;
@@ -127,6 +135,7 @@ static void find_lost(fills_work *w)
         for (int32_t y = 0; y < g->size[1]; y++) {
             size_t const at = ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
             uint64_t *const row = w->all.words + at;
+            /* Nine rows around it, each grown along x: all 26 neighbours. */
             memset(row, 0, (size_t)g->words_per_row * 8);
             for (int32_t n = 0; n < 9; n++) join_grown_row(g, y + n % 3 - 1, z + n / 3 - 1, row);
             for (int32_t k = 0; k < g->words_per_row; k++)
@@ -136,6 +145,7 @@ static void find_lost(fills_work *w)
 
 static bvx_status count_lost(bvx_context *ctx, fills_work *w)
 {
+    /* On the vote: it fills what is inside whatever holes there are. */
     bvxi_spaces places;
     find_lost(w);
     BVXI_TRY(bvx_grid_count(ctx, &w->all, &w->result.lost_voxels));
@@ -153,6 +163,7 @@ static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_w
     bvx_solid_report unused = {0};
 
     bvx_surface_options_init(&o, sizeof o);
+    /* Votes and surface are needed by more than one rule. */
     BVXI_TRY(
         bvxi_vote(bvxi_solid_step(ctx, &w->job, 0.1, 0.25), &w->job, 1, &w->vote, w->sure.words, &unused));
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.45, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
@@ -168,6 +179,7 @@ static bvx_status give_fill(bvx_context *ctx, const fills_work *w, const bvx_gri
     bvx_window window;
 
     if (wanted == NULL) return BVX_OK;
+    /* Only on success is anything of the caller's replaced. */
     memcpy(window.low, from->low, sizeof window.low);
     memcpy(window.size, from->size, sizeof window.size);
     bvxi_grid_renew(ctx, &from->lattice, &window, wanted);
@@ -185,6 +197,7 @@ static bvx_status give_fills(bvx_context *ctx, const fills_work *w, const bvx_co
     BVXI_TRY(give_fill(ctx, w, &w->any, o->disagreeing, &disagreeing));
     status = give_fill(ctx, w, &w->all, o->lost, &lost);
     if (status != BVX_OK) {
+        /* The first one was made already, and is not handed out alone. */
         if (o->disagreeing != NULL && o->disagreeing->words == NULL) bvx_grid_free(ctx, &disagreeing);
         return status;
     }

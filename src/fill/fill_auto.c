@@ -32,6 +32,7 @@ static void choose_auto(auto_work *w, int32_t fill, int32_t reason)
 /* Edges that do not balance may all the same cover each other: those of T-junctions. */
 static bvx_status cover_each_other(bvx_context *ctx, const auto_work *w, int *closed)
 {
+    /* Sides of T-junctions are longer on one triangle than on its neighbours, and still close. */
     uint64_t *edges = NULL, count = 0;
     bvx_status const status = bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count);
 
@@ -77,6 +78,7 @@ static void bound_triangles(auto_work *w)
     double p[3];
     uint32_t c[3];
 
+    /* Around the triangles only, so that stray vertices do not move the centre. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
         for (int k = 0; k < 3; k++) {
@@ -143,6 +145,7 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
 
 static uint64_t count_parts(const bvxi_patches *p)
 {
+    /* A part is named after its least triangle. */
     uint64_t n = 0;
     for (uint64_t t = 0; t < p->triangles; t++) n += p->part[t] == t;
     return n;
@@ -153,6 +156,7 @@ static uint64_t sum_volumes(const auto_work *w, double *volume)
 {
     uint64_t inverted = 0;
 
+    /* From the centre, so that large coordinates do not take the digits. */
     for (uint64_t t = 0; t < w->patches.triangles; t++)
         volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
     for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
@@ -191,6 +195,7 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     }
     for (uint64_t t = 0; t < w->patches.triangles && status == BVX_OK; t++) {
         uint32_t const part = w->patches.part[t];
+        /* Inside out and crossing another: those are turned. */
         w->patches.turn[t] = crosses[part] && volume[part] < 0;
         w->choice.turned += w->patches.turn[t];
     }
@@ -234,6 +239,7 @@ static int has_more_rows(const bvx_lattice *lattice)
 
 static void double_voxels(bvx_lattice *lattice)
 {
+    /* Twice as long along each axis; an odd side is rounded up. */
     for (int a = 0; a < 3; a++) {
         lattice->spacing[a] *= 2;
         lattice->dims[a] = lattice->dims[a] / 2 + (lattice->dims[a] & 1);
@@ -370,6 +376,7 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvx_status status;
     auto_work w;
 
+    /* The view may be replaced by a turned one. */
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));

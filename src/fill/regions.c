@@ -1,7 +1,8 @@
 /* regions.c - every region that the conservative surface leaves is inside or outside as a whole.
  *
- * Source: the interior fill of "Fast voxelization based on TIN" 3, with a seed for every region in place of
- * one, and each seed's side decided by the exact rule.
+ * Source: the interior fill of Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network
+ * model. 2010, section 3, with a seed for every region in place of one, and each seed's side decided by the
+ * exact rule.
  *
  * A conservative surface lets no path between face neighbours through, so on a mesh without holes all centres
  * of a region lie on one side, and those on which the three axes agree say on which. A single wrong row is
@@ -32,8 +33,10 @@ static void look_at_run(void *user, uint32_t region, int32_t begin, int32_t end,
     const uint64_t *const in = w->solid->words + row, *const sure = w->sure + row;
     uint8_t *const sides = w->sides + region;
 
+    /* Until both sides were met: then more runs change nothing. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && *sides != (REGION_SURE_IN | REGION_SURE_OUT); k++) {
         uint64_t const known = sure[k] & bvxi_run_mask(begin, end, k);
+        /* Only sure centres count. */
         if ((known & in[k]) != 0) *sides |= REGION_SURE_IN;
         if ((known & ~in[k]) != 0) *sides |= REGION_SURE_OUT;
     }
@@ -49,6 +52,7 @@ static void settle_run(void *user, uint32_t region, int32_t begin, int32_t end, 
     } else if (w->sides[region] == REGION_SURE_OUT) {
         for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) row[k] &= ~bvxi_run_mask(begin, end, k);
     } else {
+        /* Both sides, or neither: centres keep their own votes. */
         w->report->mixed_voxels += (uint64_t)(end - begin);
     }
 }
@@ -63,6 +67,7 @@ bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *
     BVXI_TRY(bvxi_spaces_open(ctx, function, "regions", surface, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the regions' sides", &work.sides);
     if (status == BVX_OK) {
+        /* All sides first, then regions: a region is many runs. */
         bvxi_spaces_each(&spaces, look_at_run, &work);
         bvxi_spaces_each(&spaces, settle_run, &work);
         report->regions = spaces.count;

@@ -1,11 +1,12 @@
 /* seed.c - a voxel inside a surface by scanning lines of voxels, and one in each pocket: bvx_find_seed,
  * bvx_find_pockets.
  *
- * Source: "Fast voxelization based on TIN" Algorithm 2 (the depth buffer's idea: a voxel between the first
- * and the last surface voxel of its lines along x, y and z), with what it lacks. Printed, its steps 4 and 3
- * call each other for ever, 7 and 10 may lead back to a row that was tried, and a row may miss the model:
- * here the way from the middle row has a bounded number of turns, then every gap of every row is looked at,
- * spread evenly. Hidden in six directions does not prove inside: the mesh is asked (vote.c).
+ * Source: Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model. 2010, algorithm
+ * 2 (the depth buffer's idea: a voxel between the first and the last surface voxel of its lines along x, y
+ * and z), with what it lacks. Printed, its steps 4 and 3 call each other for ever, 7 and 10 may lead back to
+ * a row that was tried, and a row may miss the model: here the way from the middle row has a bounded number
+ * of turns, then every gap of every row is looked at, spread evenly. Hidden in six directions does not prove
+ * inside: the mesh is asked (vote.c).
  * Guarantee: what is found is hidden, and inside where a mesh was given; nothing found with no limit means
  * that no gap of any row begins with such a voxel. */
 #include "fill/fills.h"
@@ -35,6 +36,7 @@ static bvx_status make_seed_vote(seed_judge *j)
     uint64_t *sure = NULL;
     bvx_status status;
 
+    /* A window of the surface, and a vote over the same. */
     BVXI_TRY(bvxi_solid_open(j->ctx, j->function, j->mesh, &j->surface->lattice, &job));
     j->vote = *j->surface;
     j->vote.words = NULL;
@@ -54,6 +56,7 @@ static void close_seed_judge(seed_judge *j)
 
 static bvx_status check_seed_mesh(seed_judge *j)
 {
+    /* Without a mesh only what is hidden is looked for. */
     if (j->mesh == NULL) return BVX_OK;
     BVXI_TRY(bvxi_view_check(j->ctx, j->function, j->mesh));
     if (j->mesh->triangle_count != 0) return BVX_OK;
@@ -68,6 +71,8 @@ static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, i
 {
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
     *low = 0;
+
+    /* From both ends to the first set voxel. */
     *high = g->size[axis] - 1;
     for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
     for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
@@ -78,6 +83,7 @@ static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, i
 static int32_t next_gap(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t from, int32_t until)
 {
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
+    /* Over set voxels, up to `until`. */
     for (p[axis] = from; p[axis] < until && bvx_grid_get(g, p[0], p[1], p[2]);) p[axis]++;
     return p[axis];
 }
@@ -101,6 +107,7 @@ static int scan_for_seed(seed_search *s, int axis, int32_t *low, int32_t *high)
 
 static int may_scan(seed_search *s)
 {
+    /* A limit of 0 is none. */
     if (s->limit != 0 && s->scanned >= s->limit) s->done = 1;
     return !s->done;
 }
@@ -109,7 +116,9 @@ static int may_scan(seed_search *s)
 static bvx_status judge_seed(seed_search *s)
 {
     if (s->judge.mesh != NULL) {
+        /* Made when the first voxel needs it. */
         if (s->judge.vote.words == NULL) BVXI_TRY(make_seed_vote(&s->judge));
+        /* Hidden, but outside: a hollow of the outside. */
         if (!bvx_grid_get(&s->judge.vote, s->voxel[0], s->voxel[1], s->voxel[2])) {
             s->seed.refused++;
             return BVX_OK;
@@ -125,6 +134,7 @@ static bvx_status judge_seed(seed_search *s)
  * the line's ends; -2 when there are no more lines. */
 static int look_across(seed_search *s, int32_t *low, int32_t *high)
 {
+    /* Along y and z, as along x it was found between two. */
     for (int axis = 1; axis < 3; axis++) {
         if (!may_scan(s)) return -2;
         if (!scan_for_seed(s, axis, low, high)) *high = *low;
@@ -136,17 +146,21 @@ static int look_across(seed_search *s, int32_t *low, int32_t *high)
 /* The paper's way from the middle row: steps 2 to 10. */
 static bvx_status turn_from_middle(seed_search *s)
 {
+    /* The middle of the box, where most lines meet the model. */
     for (int32_t a = 0; a < 3; a++) s->voxel[a] = s->low[a] + s->size[a] / 2;
     s->seed.starts++;
     for (int32_t turn = 0; turn < SEED_TURNS && may_scan(s); turn++) {
         int32_t low, high;
         int across;
+        /* The middle row may miss the model. */
         if (!scan_for_seed(s, 0, &low, &high)) return BVX_OK;
         s->voxel[0] = next_gap(s->surface, s->voxel, 0, low, high);
         if (s->voxel[0] >= high) return BVX_OK;
         across = look_across(s, &low, &high);
         if (across == -1) return judge_seed(s);
+        /* The line has no room between its ends. */
         if (across == -2 || high - low < 2) return BVX_OK;
+        /* On along the line that it was not hidden on. */
         s->voxel[across] = next_gap(s->surface, s->voxel, across, low, high);
         if (s->voxel[across] >= high) return BVX_OK;
     }
@@ -161,6 +175,8 @@ static bvx_status look_at_gaps(seed_search *s)
     s->seed.starts++;
     if (!scan_for_seed(s, 0, &first, &last)) return BVX_OK;
     s->voxel[0] = first;
+
+    /* From gap to gap, each tried by its first voxel. */
     while (!s->done) {
         int32_t const row[3] = {s->voxel[0], s->voxel[1], s->voxel[2]};
         s->voxel[0] = next_gap(s->surface, row, 0, s->voxel[0], last);
@@ -179,6 +195,7 @@ static bvx_status look_at_rows(bvx_context *ctx, seed_search *s)
     uint64_t const rows = (uint64_t)s->size[1] * (uint64_t)s->size[2];
     uint64_t stride = rows / 8 * 5 + 1, at = rows / 2;
 
+    /* Without a common factor each row comes just once. */
     for (;; stride++) {
         uint64_t a = rows, b = stride;
         while (b != 0) {
@@ -189,6 +206,7 @@ static bvx_status look_at_rows(bvx_context *ctx, seed_search *s)
         if (a == 1) break;
     }
     for (uint64_t n = 0; n < rows && may_scan(s); n++) {
+        /* Seldom, as rows are short. */
         if (n % 4096 == 0) BVXI_TRY(bvxi_progress(ctx, "seed", (double)n / (double)rows));
         s->voxel[1] = s->low[1] + (int32_t)(at % (uint64_t)s->size[1]);
         s->voxel[2] = s->low[2] + (int32_t)(at / (uint64_t)s->size[1]);
@@ -205,6 +223,7 @@ static int find_seed_box(seed_search *s)
     const bvx_grid *const g = s->surface;
     int32_t high[3] = {-1, -1, -1};
 
+    /* From beyond both ends, so that the first voxel sets them. */
     for (int a = 0; a < 3; a++) s->low[a] = g->size[a];
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
@@ -213,6 +232,7 @@ static int find_seed_box(seed_search *s)
             bvxi_row_runs_start(
                 &runs, g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
                 g->size[0], 0);
+            /* A row's first and last run are its ends. */
             while (bvxi_row_runs_next(&runs, &begin, &end)) {
                 if (least < 0) least = begin;
                 most = end - 1;
@@ -246,6 +266,7 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
     s.limit = limit;
     BVXI_TRY(check_seed_mesh(&s.judge));
     if (find_seed_box(&s)) {
+        /* The paper's way first, as it takes a few lines only. */
         status = turn_from_middle(&s);
         if (status == BVX_OK && !s.done) status = look_at_rows(context, &s);
     }
@@ -272,6 +293,7 @@ typedef struct pocket_work {
 static void judge_pocket(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     pocket_work *const w = user;
+    /* Without a mesh spaces that touch a side are outside. */
     if (w->judge->mesh == NULL) {
         if (bvxi_spaces_at_side(w->judge->surface, begin, end, y, z)) w->outside[space] = 1;
     } else if (space == w->seen) { /* spaces are numbered as they come */
@@ -285,9 +307,11 @@ static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, 
     pocket_work *const w = user;
 
     (void)end;
+    /* The space's first run only: its beginning is the least voxel. */
     if (space != w->seen) return;
     w->seen++;
     if (w->outside[space]) return;
+    /* Counted in any case, given as far as there is room. */
     if (w->count < w->capacity) {
         w->seeds[3 * w->count] = begin;
         w->seeds[3 * w->count + 1] = y;
@@ -306,6 +330,7 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
     BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
     status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside);
     if (status == BVX_OK) {
+        /* Both passes meet spaces in the same order. */
         bvxi_spaces_each(&spaces, judge_pocket, &work);
         work.seen = 0;
         bvxi_spaces_each(&spaces, give_pocket, &work);

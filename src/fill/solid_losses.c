@@ -33,6 +33,7 @@ static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *
 {
     double n[3];
 
+    /* Twice the triangle's area as a vector: its parts are shadows along the axes. */
     bvxi_facet_cross((const double(*)[3])p, n);
     for (int a = 0; a < 3; a++) {
         s->volume += (p[0][a] - from[a]) * n[a];
@@ -45,6 +46,7 @@ static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end,
 {
     const unsigned char *const corners = job->mesh->indices, *const places = job->mesh->positions;
 
+    /* Without the general view's questions, as meshes of the library need none. */
     for (uint64_t t = begin; t < end; t++) {
         float f[3];
         double p[3][3];
@@ -68,6 +70,7 @@ static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
     (void)worker;
 
     bvxi_piece(m->triangle_count, job->pieces, piece, &begin, &end);
+    /* The usual layout has its own loop. */
     if (bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
         sum_packed_losses(job, begin, end, &s);
         begin = end;
@@ -93,6 +96,7 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, loss_sum
     bvxi_view_triangle(mesh, 0, c);
     bvxi_view_position(mesh, c[0], job.from);
     BVXI_TRY(bvxi_parallel(ctx, "sums", 0.0, 0.1, job.pieces, sum_losses_piece, &job));
+    /* In the order of pieces, so that sums do not depend on threads. */
     memset(all, 0, sizeof *all);
     for (int32_t i = 0; i < job.pieces; i++) {
         all->volume += job.sums[i].volume;
@@ -106,6 +110,7 @@ static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
 
+    /* A hair beyond, as vertices may lie on the window's sides. */
     for (int a = 0; a < 3; a++) {
         low[a] = g->lattice.origin[a] + (double)g->low[a] * g->lattice.spacing[a];
         high[a] = low[a] + ((double)g->size[a] + 1e-6) * g->lattice.spacing[a];
@@ -128,6 +133,7 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
     double const volume = bvxi_absolute(sums->volume) / 6.0;
     double const area = sums->shadow[0] + sums->shadow[1] + sums->shadow[2];
 
+    /* A sheet: what it encloses is next to nothing of what its area could. */
     if (!(volume > LOSS_SHEET * area * sqrt(area)) || !(volume < 1e38)) return 0;
     /* sums' last bits follow the order of triangles */
     return is_in_window(mesh, solid) ? bvxi_nearest_float(volume) : 0;
@@ -139,6 +145,7 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
  * require it say nothing of it when requested by name. */
 static int is_oriented(const bvx_solid_report *r)
 {
+    /* What was turned was not oriented. */
     if (r->turned != 0) return 0;
     return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
            (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
@@ -153,6 +160,7 @@ void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_
     walls->mesh = mesh;
     walls->solid = solid;
     walls->unoriented = !is_oriented(report);
+    /* Faces may be seen from behind through holes. */
     if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0)
         walls->open = walls->unoriented ? 2 : 1;
 }
@@ -166,8 +174,10 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     bvxi_walls_report(walls, &found);
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
+    /* Nothing is thin. */
     if (found.voxels == 0) return;
     report->thin_wall = found.wall * walls->unit;
+    /* Places are counted in the window; the report is in the lattice. */
     for (int a = 0; a < 3; a++) {
         report->thin_low[a] = found.low[a] + solid->low[a];
         report->thin_high[a] = found.high[a] + solid->low[a];
@@ -203,8 +213,10 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
 
     BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
     report->volume = (double)voxels * l->spacing[0] * l->spacing[1] * l->spacing[2];
+    /* A terrain has no walls and no volume of its own. */
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
 
+    /* Only of a sound mesh is the volume that of the body. */
     if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0) {
         BVXI_TRY(sum_mesh(ctx, mesh, &sums));
         report->mesh_volume = comparable_volume(&sums, mesh, solid);

@@ -48,6 +48,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
     uint64_t count = 0, n = 0;
 
     bvxi_walls_drop(t);
+    /* Counted first, so that both arrays have their size. */
     for (uint64_t i = 0; i < words; i++) count += bvxi_popcount(t->places.words[i]);
     if (count == 0) return BVX_OK;
 
@@ -55,6 +56,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
     t->count = count;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
+    /* In the order of the grid, so the list has one order. */
     for (uint64_t i = 0; i < words; i++)
         for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
             t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
@@ -77,6 +79,7 @@ static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b
 /* The same of a row and one beside it: pairs along the row. */
 static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, size_t beside, int32_t words)
 {
+    /* b and d are a and c moved by one voxel, over the borders of words. */
     for (int32_t k = 0; k < words; k++) {
         size_t const i = row + (size_t)k, j = beside + (size_t)k;
         uint64_t const a = in[i], c = in[j];
@@ -84,6 +87,7 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, si
         uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
         uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
 
+        /* Most words have no diagonal. */
         if ((p | q) == 0) continue;
         out[i] |= q | p << 1;
         out[j] |= p | q << 1;
@@ -99,6 +103,7 @@ static void mark_all_diagonals(const bvx_grid *g, uint64_t *out)
     int32_t const words = g->words_per_row;
     size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
 
+    /* Planes xy and xz by rows, yz by words of four rows. */
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
             size_t const at = (size_t)z * slice + (size_t)y * row;
@@ -106,6 +111,7 @@ static void mark_all_diagonals(const bvx_grid *g, uint64_t *out)
 
             if (up) mark_row_diagonals(g->words, out, at, at + row, words);
             if (on) mark_row_diagonals(g->words, out, at, at + slice, words);
+            /* Only where both rows are there. */
             for (size_t i = at; up && on && i < at + row; i++)
                 mark_diagonals(g->words, out, i, i + row, i + slice, i + row + slice);
         }
@@ -139,6 +145,7 @@ static void block_range(const bvxi_walls *t, const double low[3], const double h
         double const last = (double)t->block_size[a] - 1;
         double const l = low[a] / WALL_BLOCK, h = high[a] / WALL_BLOCK;
 
+        /* Cut to the window: what lies beyond is sorted into its border. */
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
     }
@@ -159,6 +166,7 @@ static void mark_blocks(bvxi_walls *t)
 
         bvxi_bit_centre(g, t->at[n], at);
         for (int a = 0; a < 3; a++) {
+            /* How far from a place triangles may matter, a little more for rounding. */
             double const far = 1.0 + 2 * WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
             double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
 
@@ -166,6 +174,7 @@ static void mark_blocks(bvxi_walls *t)
             high[a] = (double)at[a] + 0.5 + reach;
         }
         block_range(t, low, high, from, to);
+        /* Rows of blocks, so that each is set at once. */
         for (int32_t z = from[2]; z <= to[2]; z++)
             for (int32_t y = from[1]; y <= to[1]; y++)
                 memset(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1);
@@ -182,6 +191,7 @@ static void place_vertices_in_blocks(bvxi_walls *t)
         int32_t to[3];
 
         bvxi_view_position(t->mesh, v, p);
+        /* In voxels of the window. */
         for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
         block_range(t, p, p, t->block_of + 3 * v, to);
     }
@@ -193,12 +203,14 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
     const int32_t *const r = t->block_of + 3 * (size_t)c[2];
     int32_t from[3], to[3];
 
+    /* The box of the three corners' blocks. */
     for (int a = 0; a < 3; a++) {
         int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
 
         from[a] = r[a] < low ? r[a] : low;
         to[a] = r[a] > high ? r[a] : high;
     }
+    /* Very large triangles count without a look. */
     if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS)
         return 1;
     for (int32_t z = from[2]; z <= to[2]; z++)
@@ -218,8 +230,10 @@ static void take_triangles_nearby(bvxi_walls *t)
         uint32_t c[3];
 
         bvxi_view_triangle(body, n, c);
+        /* Far from all places. */
         if (!is_in_marked_block(t, c)) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(body, c[k], p[k]);
+        /* Without area there is no side that it could face. */
         if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
         memcpy(t->corner + 3 * count++, c, sizeof c);
     }
@@ -231,6 +245,7 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 {
     uint8_t turned = 0;
 
+    /* Three swaps sort three corners; each turns the triangle round. */
     for (int step = 0; step < 3; step++) {
         int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
         double p[2][3];
@@ -251,6 +266,7 @@ static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t 
 {
     uint64_t const count = t->near.triangle_count;
 
+    /* Corners in their order, so that the hash does not depend on how they were given. */
     for (uint64_t n = 0; n < count; n++) {
         uint32_t *const c = t->corner + 3 * n;
 
@@ -259,6 +275,8 @@ static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t 
         numbers[n] = (uint32_t)n;
     }
     BVXI_TRY(bvxi_radix_sort(t->ctx, keys, numbers, count));
+
+    /* Sides while the scratch still has them; then corners go to their new places. */
     for (uint64_t n = 0; n < count; n++) t->against[n] = (uint8_t)sorted[numbers[n]];
     for (uint64_t n = 0; n < count; n++) memcpy(sorted + 3 * n, t->corner + 3 * (uint64_t)numbers[n], 12);
     return BVX_OK;
@@ -292,6 +310,7 @@ static bvx_status order_triangles_nearby(bvxi_walls *t)
 /* Bounds of their corners; vertices that no triangle uses may be anything. */
 static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double high[3])
 {
+    /* Bounds of what the search holds. */
     for (uint64_t n = 0; n < 3 * t->near.triangle_count; n++) {
         double p[3];
 
@@ -314,6 +333,7 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
     double low[3], high[3];
     bvx_status status;
 
+    /* Blocks, so that a triangle is judged by few bytes. */
     for (int a = 0; a < 3; a++) {
         t->block_size[a] = t->places.size[a] / WALL_BLOCK + 1;
         bytes *= (uint64_t)t->block_size[a];
@@ -332,10 +352,12 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
         place_vertices_in_blocks(t);
         take_triangles_nearby(t);
     }
+    /* Both tables served the choice alone. */
     bvxi_drop(ctx, t->block_of);
     t->block_of = NULL;
     bvxi_drop(ctx, t->blocks);
     t->blocks = NULL;
+    /* No triangle is near: nothing is searched. */
     if (status != BVX_OK || t->near.triangle_count == 0) return status;
     BVXI_TRY(order_triangles_nearby(t));
     bound_triangles_nearby(t, low, high);
@@ -355,6 +377,7 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
     double p[3][3], length;
     uint32_t c[3];
 
+    /* The normal as it is, turned where its order was. */
     bvxi_view_triangle(&t->near, triangle, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
     length = bvxi_facet_normal((const double(*)[3])p, n);
@@ -370,6 +393,7 @@ static int is_inside_at(const bvx_grid *g, const double place[3])
     for (int a = 0; a < 3; a++) {
         double const v = (place[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - g->low[a];
 
+        /* Beyond the window is outside. */
         if (!(v >= 0 && v < (double)g->size[a])) return 0;
         at[a] = (int32_t)v;
     }
@@ -379,6 +403,7 @@ static int is_inside_at(const bvx_grid *g, const double place[3])
 /* Nothing of the solid behind a face: half a voxel, three quarters and one deep. */
 static int is_nothing_behind(const bvxi_walls *t, const double p[3], const double out[3])
 {
+    /* Three places, so that a single centre does not decide. */
     for (int step = 2; step <= 4; step++) {
         double at[3];
 
@@ -397,8 +422,10 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
 
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * WALL_DEPTH * t->unit;
     if (t->open == 1 && wall_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
+    /* What is nearest to a point WALL_DEPTH deep, seen from the front. */
     bvxi_closest_ask(&t->closest, behind, hint, &back);
     unit_normal(t, back.triangle, m);
+    /* How far apart both lie, and how far along the way. */
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back.position[a];
 
@@ -412,6 +439,7 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     through = wall_dot(out, n) < 0 ? -wall_dot(out, m) : wall_dot(out, m);
     if (!t->unoriented && through < facing) facing = through;
 
+    /* Facing away from each other: a wall; at one place with nothing behind: a sheet. */
     if (t->unoriented
             ? bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart
             : facing < -WALL_FACING) {
@@ -437,9 +465,11 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     found->sheet = 0;
     found->triangle = front.triangle;
     found->distance = (float)(front.distance / t->unit);
+    /* Too far from the mesh to be a place that it lost. */
     if (!(front.distance < t->limit * t->unit)) return;
 
     unit_normal(t, front.triangle, n);
+    /* On the surface the way is that of the normal. */
     for (int a = 0; a < 3; a++)
         out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
     look_behind(t, &front, out, n, &hint[1], found);
@@ -452,6 +482,7 @@ static void ask_piece(void *user, int32_t piece, int32_t worker)
     uint64_t begin, end;
     (void)worker;
 
+    /* Hints go from place to place: neighbours have near triangles. */
     bvxi_piece(t->count, t->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
 }
@@ -469,6 +500,7 @@ bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 
 static void take_into_box(bvxi_wall_report *r, const int32_t at[3])
 {
+    /* The first place opens the box. */
     for (int a = 0; a < 3; a++) {
         if (r->voxels == 0 || at[a] < r->low[a]) r->low[a] = at[a];
         if (r->voxels == 0 || at[a] > r->high[a]) r->high[a] = at[a];
@@ -487,6 +519,7 @@ static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
     uint64_t below = 0;
     int bin = 0;
 
+    /* Ranges from thin to thick, until a tenth of the places is passed. */
     while (bin + 1 < WALL_BINS && (below += bins[bin].count) * 10 <= all) bin++;
     return bins[bin].count != 0 ? bins[bin].sum / (double)bins[bin].count : 0;
 }
@@ -498,6 +531,7 @@ int32_t bvxi_wall_resolution(int32_t longest, double wall)
 
     if (!(wall > 0)) return 0;
     needed = (double)longest * BVXI_THIN_WALL / wall;
+    /* Finer than any lattice may be. */
     if (!(needed <= (double)(1 << 24))) return 0;
     whole = (int32_t)needed;
     return whole < needed ? whole + 1 : whole;
@@ -513,6 +547,7 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
         int32_t at[3];
         int bin;
 
+        /* No wall here: the place is taken out of the grid too. */
         if (p->wall == BVXI_NO_WALL) {
             t->places.words[t->at[n] / 64] &= ~(UINT64_C(1) << (t->at[n] & 63));
             continue;
@@ -529,6 +564,7 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report)
 
 bvx_status bvxi_walls_open(bvxi_walls *t)
 {
+    /* Distances are counted in the largest spacing. */
     t->unit = bvxi_largest_spacing(&t->solid->lattice);
     t->places = *t->solid;
     t->places.words = NULL;
@@ -547,6 +583,7 @@ void bvxi_walls_close(bvxi_walls *t)
 
 bvx_status bvxi_walls_find(bvxi_walls *t)
 {
+    /* Places first; most bodies have none, and nothing is searched. */
     BVXI_TRY(bvxi_walls_mark(t));
     BVXI_TRY(bvxi_walls_list(t));
     if (t->count == 0) return BVX_OK;

@@ -82,6 +82,7 @@ static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, 
 /* Columns of rows that balance, as bits along x. */
 static void mark_even_columns(const uint8_t *odd, int32_t nx, int32_t rows, uint64_t *even)
 {
+    /* Turned grids have x along their rows, so bits along x are gathered here. */
     int32_t const words = bvxi_row_words(nx);
     memset(even, 0, (size_t)rows * (size_t)words * 8);
     for (int32_t r = 0; r < rows; r++)
@@ -98,6 +99,7 @@ static int drop_odd_rows(vote_work *w)
     size_t const words = (size_t)g->words_per_row;
     uint64_t unsure = 0;
 
+    /* Sure is a centre whose rows balance along all three axes. */
     for (uint64_t row = 0; row < rows; row++) {
         const uint64_t *const even_y = w->even_y + (size_t)(row / ny) * words;
         const uint64_t *const even_z = w->even_z + (size_t)(row % ny) * words;
@@ -105,6 +107,7 @@ static int drop_odd_rows(vote_work *w)
         uint64_t const even_x = w->odd_rows[0][row] ? 0 : ~UINT64_C(0);
         for (size_t k = 0; k < words; k++) {
             sure[k] &= even_x & even_y[k] & even_z[k];
+            /* One unsure centre is enough for a look at holes. */
             unsure |= sure[k] ^ (k + 1 == words ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
         }
     }
@@ -122,6 +125,7 @@ static void vote_rows(const bvxi_turns_job *job, const bvxi_turns_block *b, cons
             uint32_t const row = bvxi_turns_row(y, z);
             const bvxi_row_codes *const r = &b->crossed[row];
             uint32_t odd = 0;
+            /* Nothing is open here, or nothing crosses it. */
             if (b->open[row] == 0 || (!b->dirty && r->count == 0)) continue;
 
             /* From each crossing on all following bits turn: prefix parity, 32 centres at a time. */
@@ -186,6 +190,7 @@ static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w,
 
     BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &w->solid->lattice, &sheet));
     w->sheet = &sheet;
+    /* The balance of rows is that of the mesh, not of the sheet. */
     job->odd_rows = NULL;
     status = move_sheet(ctx, job, w, holes, from, to);
     w->sheet = NULL;

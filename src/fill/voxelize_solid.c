@@ -39,9 +39,11 @@ static const bvxi_option voxelize_rows[] = {
 
 static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 {
+    /* Options are held to the rule that they belong to, so that none is ignored without a word. */
     int const below = o->fill == BVX_FILL_BELOW;
 
     BVXI_TRY(bvxi_check_options(ctx, solid_name, o, BVXI_OPTIONS(voxelize_rows)));
+    /* Not a number compares unequal to itself. */
     if (o->base != o->base)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number",
                              solid_name);
@@ -61,6 +63,7 @@ static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
 static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, const bvx_voxelize_options *o,
                               const bvx_window *window)
 {
+    /* Other rules see only what lies in a row. */
     if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
     for (int32_t a = 0; a < 3; a++)
         if (window->size[a] != lattice->dims[a])
@@ -76,11 +79,13 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
                                   const bvx_voxelize_options *given, bvx_voxelize_options *o,
                                   bvx_window *window)
 {
+    /* The cheapest checks first; all before any memory is taken. */
     BVXI_TRY(bvxi_take_options(ctx, solid_name, given, o, sizeof *o));
     BVXI_TRY(check_choices(ctx, o));
     BVXI_TRY(bvxi_view_check(ctx, solid_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
+    /* A second surface has to be as sound as the first. */
     if (o->second != NULL) {
         BVXI_TRY(bvxi_view_check(ctx, solid_name, o->second));
         if (o->second->triangle_count == 0)
@@ -98,6 +103,7 @@ static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_vo
 {
     bvxi_solid_job second;
     bvx_status status;
+    /* One surface: down to the base. */
     if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
     status = bvxi_below(ctx, job, &second, o, solid, report);
@@ -135,6 +141,7 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     walls.sure = sure;
     status = bvxi_vote(bvxi_solid_step(ctx, job, 0.1, voted), job, more, solid, sure, report);
+    /* A shell parts the centres; regions and floods go by it. */
     if (status == BVX_OK && more) {
         status = BVXI_SHARE(ctx, voted, shelled,
                             bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
@@ -157,6 +164,7 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
+    /* Rules of rows need no look at anything else. */
     if (o->fill <= BVX_FILL_NONZERO)
         status = bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
     else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
@@ -199,6 +207,7 @@ static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx
     uint64_t const words = bvxi_grid_words(solid);
     bvx_grid shell;
     BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
+    /* Word by word, as both grids have one window. */
     for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
     bvxi_shell_close(ctx, &shell);
     return BVX_OK;
@@ -207,6 +216,7 @@ static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx
 static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_solid_report *report)
 {
     bvx_certificate c;
+    /* Only counted here; the rule has been applied already. */
     BVXI_TRY(bvx_mesh_check(ctx, mesh, 1, &c));
     report->boundary_edges = c.boundary_edges;
     report->flipped_edges = c.flipped_edges;
@@ -233,6 +243,8 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     made = *solid;
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
+
+    /* Shares of progress follow from what is requested. */
     checked = o.report != NULL ? 0.8 : 1.0;
     shelled = o.check_edges ? 0.6 * checked : checked;
     filled = o.add_shell ? 0.6 * shelled : shelled;
@@ -245,6 +257,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
         status = BVXI_SHARE(context, checked, 1.0,
                             bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     if (status != BVX_OK) {
+        /* The caller's own array stays the caller's. */
         if (solid->words == NULL) bvx_grid_free(context, &made);
         return status;
     }

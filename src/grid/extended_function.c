@@ -1,10 +1,11 @@
 /* extended_function.c - the extended voxel function: trilinear between voxel centres, compared with a
  * threshold.
  *
- * Source: "LOD by voxelization and downsampling" 2.4.2 and 2.4.4 (VoxExt, EdgeRatio), with two corrections:
- * an edge's vertex sits inside the step in which the state changes, where a line between the step's ends
- * meets the threshold (the middle of the step would lie an eighth of a voxel inside at whole ratios, where
- * steps end exactly at the threshold), and samples stand in the middle of their stretches.
+ * Source: Lian. LOD by voxelization and downsampling (docs/papers.md, 3), sections 2.4.2 and 2.4.4 (VoxExt,
+ * EdgeRatio), with two corrections: an edge's vertex sits inside the step in which the state changes, where a
+ * line between the step's ends meets the threshold (the middle of the step would lie an eighth of a voxel
+ * inside at whole ratios, where steps end exactly at the threshold), and samples stand in the middle of their
+ * stretches.
  * Guarantee: weights are integers, sums are exact, every comparison is; each edge is walked once, from its
  * low end. */
 #include "grid/downsample.h"

@@ -1,10 +1,11 @@
 /* lod.c - a chain of meshes from one solid: bvx_build_lods.
  *
- * Source: "LOD by voxelization and downsampling". The solid is sampled at each level's resolution
- * (extended_function.c or coverage.c), marching cubes runs over the samples' bits (march.c), and each crossed
- * edge asks its ratio once. A level by triangle count searches the resolution: it counts without making
- * positions, guesses from triangles ~ resolution^2, and ends at neighbours of which one keeps the target and
- * the next does not. With collapse the search aims higher and edges go until the target is kept (collapse.c).
+ * Source: Lian. LOD by voxelization and downsampling (docs/papers.md, 3). The solid is sampled at each
+ * level's resolution (extended_function.c or coverage.c), marching cubes runs over the samples' bits
+ * (march.c), and each crossed edge asks its ratio once. A level by triangle count searches the resolution: it
+ * counts without making positions, guesses from triangles ~ resolution^2, and ends at neighbours of which one
+ * keeps the target and the next does not. With collapse the search aims higher and edges go until the target
+ * is kept (collapse.c).
  * */
 #include "grid/downsample.h"
 #include "mesh/mesh.h"

@@ -1,7 +1,7 @@
 /* plan_lods.c - how fine the solid must be that levels by samples are made from: bvx_plan_lods.
  *
- * Source: "LOD by voxelization and downsampling": levels are good where each sample stands for 5 to 15 voxels
- * along an axis. Eight are taken, or as many as memory allows.
+ * Source: Lian. LOD by voxelization and downsampling (docs/papers.md, 3): levels are good where each sample
+ * stands for 5 to 15 voxels along an axis. Eight are taken, or as many as memory allows.
  * Guarantee: the plan follows from mesh, options and memory limit, not from the machine. */
 #include "core/core.h"
 #include "mesh/view.h"

@@ -1,9 +1,10 @@
 /* repair.c - any mesh in, a closed manifold oriented mesh out: bvx_repair.
  *
- * Source: "Model repair by a vector distance field": the mesh is measured from the centres of voxels, and
- * marching cubes put the surface back between inside and outside centres, where the vectors to the closest
- * points say. Here the sides come from the solid's exact rules with a smooth lid over holes, so no hole is
- * too wide, and only the centres next to the surface are measured. What encloses nothing becomes a shell.
+ * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013: the mesh is measured
+ * from the centres of voxels, and marching cubes put the surface back between inside and outside centres,
+ * where the vectors to the closest points say. Here the sides come from the solid's exact rules with a smooth
+ * lid over holes, so no hole is too wide, and only the centres next to the surface are measured. What
+ * encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
 #include "pipeline/repair.h"
 #include "mesh/view.h"

@@ -1,7 +1,8 @@
 /* choose.c - the base and the levels with which refinement takes least time: bvx_refine_choose.
  *
- * Source: the observation of "Refinement of surface voxels by boundary states" that for one finest resolution
- * there is a best pair of base and levels. Time is predicted for every pair, in nanoseconds of one thread:
+ * Source: the observation of Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states
+ * (docs/papers.md, 4) that for one finest resolution there is a best pair of base and levels. Time is
+ * predicted for every pair, in nanoseconds of one thread:
  *   TRIANGLE t + FINEST s(n)                  what every pair costs: t triangles, s(n) touched voxels at
  *   resolution n
  *   WORD w(base)                              the base's rows of bits, w words of 64

@@ -1,9 +1,9 @@
 /* refine.c - voxels of several sizes from a mesh: bvx_refine.
  *
- * Source: "Refinement of surface voxels by boundary states". Vertices are snapped once, to the last level's
- * lattice. A grid of some level gives that and all coarser ones (refine_start.c); from there the touched
- * voxels of each level are split and their children tested against their triangles (refine_level.c); at the
- * end boundary states find what is outside (states.c).
+ * Source: Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states (docs/papers.md, 4).
+ * Vertices are snapped once, to the last level's lattice. A grid of some level gives that and all coarser
+ * ones (refine_start.c); from there the touched voxels of each level are split and their children tested
+ * against their triangles (refine_level.c); at the end boundary states find what is outside (states.c).
  * Guarantee: the same tree for any threads and any start level; at the last level the uniform surface and its
  * flood. */
 #include "refine/refine.h"

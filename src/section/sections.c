@@ -1,8 +1,8 @@
 /* sections.c - the closed surface of a body through its section contours.
  *
- * Source: the paper on surface modelling in section data fields (distances on sections, marching cubes over
- * cells from section to section, contour points as vertices, faces with four crossings decided at the meeting
- * of the lines joining opposite ones).
+ * Source: Wang. Three-dimensional surface modelling in section data fields (docs/papers.md, 5; distances on
+ * sections, marching cubes over cells from section to section, contour points as vertices, faces with four
+ * crossings decided at the meeting of the lines joining opposite ones).
  *
  * What is different: on a section's plane nothing is interpolated. A plane's contours are cut at the grid's
  * lines, and at those of subdivided cells on either side, into one ring of vertices; the cells above and

@@ -1,7 +1,7 @@
 /* solid.c - the rows of centres inside a mesh, along any axis.
  *
- * Source: the scanline solid of "LOD by voxelization and downsampling" 2.3, its offsets replaced by an exact
- * tie rule (covered_rows.h).
+ * Source: the scanline solid of Lian. LOD by voxelization and downsampling (docs/papers.md, 3), section 2.3,
+ * its offsets replaced by an exact tie rule (covered_rows.h).
  *
  * Vertices are snapped once. In rounds, chunks of triangles find their crossings with rows (crossings.c,
  * triangle_rows.c) and tiles of rows toggle one bit for each; at the end prefix parity turns toggles into
