@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""house.py - what the sources look like in numbers: a table of rooms, and the figures that pages are measured by.
+"""house.py - what the sources look like in numbers: a table of rooms, the figures that pages are measured by, and their goals.
 
 A body is what stands between braces at the start of a line. Comments in bodies are lines that are nothing else.
 """
 
 import glob
+import os
 import re
 import statistics
+import subprocess
+import sys
 
 COLUMNS = 110
 COMMENT = re.compile(r"\s*(/\*|\*|//)")
@@ -59,23 +62,91 @@ def measure(paths):
     }
 
 
-def main():
-    rooms = sorted({path.split("/")[1] for path in glob.glob("src/*/*.[ch]")})
-    table = {room: measure(glob.glob(f"src/{room}/*.[ch]")) for room in rooms}
+GOALS = {
+    "files": "300",
+    "lines": "47000",
+    "median, longest file": "180, 700",
+    "functions, median and nine tenths": "12, 35",
+    "bodies of 8 lines with a blank one": "70 %",
+    "comment lines in them": "8 %",
+    f"lines over {COLUMNS}": "0.0 %",
+}
+
+
+def print_rooms():
+    names = sorted({path.split("/")[1] for path in glob.glob("src/*/*.[ch]")})
+    table = {room: measure(glob.glob(f"src/{room}/*.[ch]")) for room in names}
     table["all"] = measure(glob.glob("src/*/*.[ch]"))
-    names = list(table["all"])
+    table["goal of all"] = GOALS
 
-    print("| room | " + " | ".join(names) + " |")
-    print("|---|" + "--:|" * len(names))
+    print("| room | " + " | ".join(GOALS) + " |")
+    print("|---|" + "--:|" * len(GOALS))
     for room, row in table.items():
-        print(f"| {room} | " + " | ".join(str(row[name]) for name in names) + " |")
+        print(f"| {room} | " + " | ".join(str(row[name]) for name in GOALS) + " |")
+    return table["all"]
 
-    includes = [sum(x.startswith('#include "') for x in read(path)) for path in glob.glob("src/*/*.c")]
-    header = read("include/bitvox.h")
+
+REPEATED_RUN = 6  # lines
+
+
+def repeated_code(paths):
+    """Share of the lines of code in runs of six and more that stand somewhere else too; blank lines and comments aside."""
+    lines, places = {}, {}
+    for path in paths:
+        code = re.sub(r"/\*.*?\*/", "", "\n".join(read(path)), flags=re.S).split("\n")
+        lines[path] = [line for line in map(str.strip, code) if line and not line.startswith("#include")]
+        for i in range(len(lines[path]) - REPEATED_RUN + 1):
+            places.setdefault(tuple(lines[path][i : i + REPEATED_RUN]), []).append((path, i))
+    repeated = {(path, i + k) for runs in places.values() if len(runs) > 1 for path, i in runs for k in range(REPEATED_RUN)}
+    return share(len(repeated), sum(map(len, lines.values())))
+
+
+def changing_state(paths):
+    """Variables of files and functions that are not constant; of the library check_house.sh looks at the objects too."""
+    state = re.compile(r"^\s*static (?!inline\b)(?![^=;(]*\bconst\b)[\w \*]+(?:\[[^\]]*\])*(?: =|;)", re.M)
+    return sum(len(state.findall(plain(path))) for path in paths)
+
+
+def complaints(*command):
+    """Lines of a check that holds when it prints none."""
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.splitlines()
+
+
+def print_side_by_side(every):
+    """The table of section 7 in the study that set these goals, for the library and the program together."""
+    sources, header = glob.glob("src/*/*.[ch]"), read("include/bitvox.h")
+    library = [path for path in sources if not path.startswith("src/cli_")]
+    code = [path for path in sources if not path.endswith("surface/tables.h")]
+    lines = [line for path in sources for line in read(path)]
     tests = sum(len(read(path)) for path in glob.glob("tests/**/*.[ch]", recursive=True))
-    print(f"\nincludes of a .c file, median: {int(statistics.median(includes))}")
-    print(f"header: {len(header)} lines, {share(comment_lines(header), len(header))} comments")
-    print(f"tests : sources, in lines: {tests / table['all']['lines']:.2f}")
+    includes = [sum(x.startswith("#include ") for x in read(path)) for path in sources if path.endswith(".c")]
+    uses = complaints(sys.executable, "tests/tools/check_rooms.py")
+    circles = [x for x in uses if "circle" in x] + complaints("sh", "tests/tools/check_circles.sh")
+    has = [os.path.exists("CONTRIBUTING.md"), os.path.exists(".clang-format")]
+
+    print("\n| all of src | now | goal |\n|---|--:|--:|")
+    for what, now, goal in (
+        ("source files / lines", f"{every['files']} / {every['lines']}", "300 / 47000"),
+        ("median, longest file", every["median, longest file"], "180, 700"),
+        ("functions, median and nine tenths", every["functions, median and nine tenths"], "12, 35"),
+        ("bodies of 8 lines with a blank one", every["bodies of 8 lines with a blank one"], "70 %"),
+        ("own-line comments in bodies of 8 lines", every["comment lines in them"], "8 %"),
+        ("own-line comments, all", share(sum(comment_lines(read(path)) for path in sources), len(lines)), "12 %"),
+        ("lines over 120 columns", sum(len(line) > 120 for line in lines), "0"),
+        ("includes of a .c file, median", int(statistics.median(includes)), "2 to 3"),
+        ("header: lines, comments", f"{len(header)}, {share(comment_lines(header), len(header))}", "2000, 50 %"),
+        ("uses against the order of rooms", sum("circle" not in x for x in uses), "0"),
+        ("circles of files", len(circles), "0"),
+        (f"repeated code, runs of {REPEATED_RUN} lines", repeated_code(code), "< 1 %"),
+        ("global state that changes: library, program", f"{changing_state(library)}, {changing_state(set(sources) - set(library))}", "0, -"),
+        ("tests : sources, in lines", f"{tests / every['lines']:.2f}", "0.9"),
+        ("README kB / files of docs", f"{os.path.getsize('README.md') / 1000:.0f} / {len(glob.glob('docs/*.md'))}", "10 / 8"),
+        ("CONTRIBUTING, formatter", ", ".join("yes" if x else "no" for x in has), "yes, yes"),
+        ("callers that parse error text", "check_house.sh", "0"),
+        ("facts kept in three places", "check_house.sh", "0"),
+        ("a stranger names the file of a stage", "judged", "yes"),
+    ):
+        print(f"| {what} | {now} | {goal} |")
 
 
 # What the rooms are held to (docs/architecture.md): counted in the library, without the program.
@@ -106,7 +177,7 @@ def vector_lines(text):
     return count
 
 
-def rooms():
+def print_library():
     paths = [p for p in sorted(glob.glob("src/*/*.[ch]")) if not p.startswith("src/cli_")]
     code = {path: plain(path) for path in paths}
     every = "\n".join(code.values())
@@ -130,5 +201,5 @@ def rooms():
         print(f"| {what} | {count} | {goal} |")
 
 
-main()
-rooms()
+print_side_by_side(print_rooms())
+print_library()
