@@ -39,6 +39,7 @@ static void mix_vertices(void *user, int32_t piece, int32_t worker)
         const int32_t *const p = w->xyz + 3 * v;
         uint64_t const xy = (uint64_t)(uint32_t)p[0] << 32 | (uint32_t)p[1];
 
+        /* Two rounds, so that neighbouring places have numbers far apart. */
         w->mixed[v] =
             (uint32_t)(mix_once(mix_once(xy + 1) ^ (uint64_t)(uint32_t)p[2] << 16 ^ (uint32_t)p[2]) >> 16);
     }
@@ -57,6 +58,7 @@ static uint64_t sum_packed(const balance_work *w, uint64_t begin, uint64_t end, 
         uint32_t c[3];
 
         memcpy(c, indices + 12 * t, sizeof c);
+        /* Checked here, so that the view need not be gone over before. */
         if (BVXI_UNLIKELY((c[0] >= vertices) | (c[1] >= vertices) | (c[2] >= vertices))) break;
         a = w->mixed[c[0]];
         b = w->mixed[c[1]];
@@ -75,6 +77,7 @@ static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uin
         uint64_t a, b, d;
         uint32_t c[3];
 
+        /* The slow way for other layouts; the sum is the same. */
         if (BVXI_UNLIKELY(!bvxi_view_triangle(w->view, t, c))) break;
         a = w->mixed[c[0]];
         b = w->mixed[c[1]];
@@ -115,11 +118,13 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     bvxi_drop(ctx, w.mixed);
     if (status != BVX_OK) return status;
 
+    /* Sums modulo 2^64: in any order the same. */
     for (int32_t i = 0; i < w.pieces; i++) {
         sum += w.sum[i];
         bad = w.bad[i] < bad ? w.bad[i] : bad;
     }
     if (bad != UINT64_MAX) return bvxi_view_fail_index(ctx, job->function, job->view, bad);
+    /* Only zero says that all edges balance. */
     *balanced = sum == 0;
     return BVX_OK;
 }

@@ -24,11 +24,13 @@ BVXI_VECTOR_INLINE int snap_run(const float *BVXI_RESTRICT p, const double *BVXI
     uint64_t outside[3 * SNAP_RUN], any = 0;
 
     for (int32_t i = 0; i < 3 * SNAP_RUN; i++) {
+        /* No branch in this loop: numbers that do not fit become 0 and are counted. */
         double const v = ((double)p[i] - origin[i]) * scale[i];
         int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
         double const u = (inside ? v : 0.0) + 0.5;
         double const t = (double)(int32_t)u;
         outside[i] = inside ? 0 : 1;
+        /* The cast goes towards 0; below 0 that is one too high, but for whole numbers. */
         q[i] = (int32_t)(t - (u < t ? 1.0 : 0.0));
     }
     for (int32_t i = 0; i < 3 * SNAP_RUN; i++) any |= outside[i];
@@ -58,6 +60,7 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
         int32_t *const q = job->out->xyz + 3 * v;
         double p[3];
         bvxi_view_position(view, v, p);
+        /* Marked, not refused: no triangle may use it. */
         if (BVXI_UNLIKELY(!bvxi_snap_vertex(p, job->origin, job->scale, q))) {
             q[0] = SNAP_BAD;
             fits = 0;
@@ -101,8 +104,10 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
         if (!bvxi_view_triangle(view, t, corner)) continue;
         for (int32_t i = 0; i < 3; i++) {
             double p[3];
+            /* Only a vertex that is used matters. */
             if (job->out->xyz[3 * (uint64_t)corner[i]] != SNAP_BAD) continue;
             bvxi_view_position(view, corner[i], p);
+            /* Not finite is another fault than too far away. */
             for (int32_t a = 0; a < 3; a++)
                 if (!(p[a] - p[a] == 0.0))
                     return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
@@ -116,6 +121,8 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
                 BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));
         }
     }
+
+    /* Unused ones become any place, so that later loops need no test. */
     for (uint64_t v = 0; v < view->vertex_count; v++)
         if (job->out->xyz[3 * v] == SNAP_BAD) job->out->xyz[3 * v] = 0;
     return BVX_OK;
@@ -133,6 +140,7 @@ bvx_status bvxi_snap_scale(bvx_context *ctx, const char *function, const bvx_lat
 {
     for (int32_t a = 0; a < 3; a++) {
         scale[a] = (double)(1 << lattice->fraction_bits) / lattice->spacing[a];
+        /* Less spacing than doubles can divide by. */
         if (!(scale[a] - scale[a] == 0.0))
             return bvxi_fail(ctx, BVX_ERR_RANGE,
                              "%s: the lattice's spacing of %g is too small to divide by; scale the "
@@ -161,6 +169,7 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job);
     for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
+    /* Gone over once more only where something did not fit. */
     if (status == BVX_OK && any_bad) status = snap_judge(ctx, function, &job, lattice);
     if (status != BVX_OK) bvxi_snap_free(ctx, out);
     return status;
@@ -183,6 +192,7 @@ static void cell_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
+        /* Cut to the block's rows, so that both fit 16 bits. */
         uint32_t const y = clamp_side(bvxi_centres_below(xyz[3 * v + 1], f) - block.y0, block.ny);
         uint32_t const z = clamp_side(bvxi_centres_below(xyz[3 * v + 2], f) - block.z0, block.nz);
         cell[v] = z << 16 | y;
@@ -209,6 +219,7 @@ static void swap_piece(void *user, int32_t index, int32_t worker)
     bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         int32_t *const q = job->out->xyz + 3 * v;
+        /* Two coordinates change places: exact, and back in the same way. */
         int32_t const first = q[0];
         q[0] = q[job->swap];
         q[job->swap] = first;
@@ -222,6 +233,8 @@ bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_
 
     job.out = s;
     job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
+
+    /* One exchange for each step from axis to axis. */
     while (s->axis != axis) {
         job.swap = s->axis < axis ? s->axis + 1 : s->axis;
         BVXI_TRY(bvxi_parallel(ctx, "solid", progress, progress, job.pieces, swap_piece, &job));

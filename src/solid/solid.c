@@ -45,6 +45,7 @@ static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint6
     for (int32_t k = 0; k < n; k++) {
         uint64_t const w = words[k];
         words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
+        /* Up where a run begins, down where it ends. */
         for (uint64_t left = w; left != 0; left &= left - 1) {
             int32_t const bit = bvxi_lowest(left);
             uint64_t const step = bvxi_step_sum(row, k * BVXI_WORD_BITS + bit);
@@ -119,6 +120,7 @@ static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_sol
 
     BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.4, &lists));
     for (int32_t c = 0; c < job->chunks; c++) {
+        /* Counted here, as the rule may go over the triangles again. */
         report->triangles_used += job->chunk[c].used;
         job->chunk[c].used = 0;
     }
@@ -139,9 +141,11 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     memset(job->unbalanced, 0, sizeof job->unbalanced);
     memset(job->dropped, 0, sizeof job->dropped);
     memset(job->tile_sums, 0, sizeof job->tile_sums);
+    /* Tiles by rows: no two workers write one row. */
     bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
     BVXI_TRY(
         bvxi_snap_cells(ctx, &job->grid->lattice, &job->block, bvxi_solid_progress(job, 0), &job->snapped));
+    /* A rule of its own takes the lists; else toggles are the quick way. */
     if (job->take_lists != NULL) {
         status = fill_from_lists(ctx, job, report);
     } else if (job->fill == BVX_FILL_BELOW) {
@@ -174,6 +178,7 @@ bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *
     /* The engine always works along x. For another axis the snapped coordinates are permuted, which is
      * exact. */
     BVXI_TRY(bvxi_snap_turn(step.ctx, axis, step.from, &job->snapped));
+    /* Fields of the job follow the call, so that one job may fill several grids. */
     job->grid = g;
     job->fill = fill;
     job->progress_share = (step.to - step.from) / blocks;
@@ -196,6 +201,7 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
 {
     unsigned char *memory;
 
+    /* Chunks are pieces of the mesh, whatever the threads are. */
     job->chunks = bvxi_piece_count(job->view->triangle_count, CHUNK_GRAIN);
     if (job->chunks > BVXI_SOLID_CHUNKS) job->chunks = BVXI_SOLID_CHUNKS;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)bvxi_threads(ctx) * sizeof *job->batch,
@@ -203,6 +209,8 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
     job->chunk = (bvxi_chunk *)(void *)memory;
+
+    /* Chunks, then their crossings, then large triangles: from wide to narrow. */
     memory += (size_t)job->chunks * sizeof *job->chunk;
     for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
         job->chunk[c].sorted = (bvxi_crossing *)(void *)memory;

@@ -45,6 +45,7 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
 /* Rows are listed under parity when their crossings are odd in number. */
 static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c, uint32_t n)
 {
+    /* What is left is even: pairs of begin and end. */
     uint32_t const drop = drop_for_parity(c, n), kept = n - 1;
     for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
     for (uint32_t i = 0; i < kept; i += 2) fill_span(job, row, crossing_at(c[i]), crossing_at(c[i + 1]));
@@ -93,6 +94,8 @@ static uint64_t fill_nonzero(const bvxi_solid_job *job, uint64_t *row, int32_t *
 
     for (uint32_t i = 0; i < n; i++) sum += (c[i] & 1) != 0 ? -1 : 1;
     if (sum != 0) kept = drop_for_winding(c, n, sum);
+
+    /* A span goes on until as many have left as came in. */
     for (uint32_t i = 0, from = 0; i < kept; i++) {
         if (winding == 0) from = i;
         winding += (c[i] & 1) != 0 ? -1 : 1;
@@ -118,6 +121,7 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
             uint32_t const n = (uint32_t)(job->lists.row_end[row] - begin);
             uint64_t *const words = bvxi_block_words(job, j, k);
             uint64_t lost;
+            /* Balanced rows have their bits already. */
             if (job->listed != NULL && !job->listed[row]) continue;
             memset(words, 0, row_bytes);
             if (n == 0) continue;

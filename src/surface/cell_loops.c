@@ -33,10 +33,14 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     }
     for (uint32_t i = 0; i < 3 * count; i++)
         out[edge[i]] = (uint16_t)(out[edge[i]] | 1u << edge[i % 3 == 2 ? i - 2 : i + 1]);
+
+    /* A side that only one triangle has lies on the loop; sides inside are there both ways. */
     for (int u = 0; u < BVXI_CELL_EDGES; u++)
         for (int v = 0; v < BVXI_CELL_EDGES; v++)
             if ((out[u] >> v & 1) != 0 && (out[v] >> u & 1) == 0) next[u] = (uint8_t)v;
     loops->count = 0;
+
+    /* A triangle of a loop that is known belongs to it; the first of a new one begins to follow. */
     for (uint32_t t = 0; t < count; t++) {
         bvxi_cell_loop *l;
         uint8_t u = edge[3 * t];

@@ -17,6 +17,8 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
     bvxi_slot_row(m, slot, &j, &k);
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 4; a++) has[a] = bvxi_slot_has(m, a, j, k) ? ~UINT64_C(0) : 0;
+
+    /* By blocks of words, so that the cases of active cells are listed and then counted in one loop. */
     for (int32_t first = 0; first < m->edge_words; first += BVXI_CELL_BLOCK) {
         int32_t const block = m->edge_words - first < BVXI_CELL_BLOCK ? m->edge_words - first
                                                                       : BVXI_CELL_BLOCK;
@@ -27,6 +29,7 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
             bvxi_cell_words c;
             uint64_t active;
             bvxi_load_cells(row, w, words, &c);
+            /* Edges are owned by the slot at their low end, so none is counted twice. */
             n[0] += bvxi_count_bits((c.low[0] ^ c.high[0]) & visited & has[0], fast);
             n[1] += bvxi_count_bits((c.high[0] ^ c.high[1]) & has[1], fast);
             n[2] += bvxi_count_bits((c.high[0] ^ c.high[2]) & has[2], fast);
@@ -56,6 +59,8 @@ BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
         vertices += (uint64_t)m->slots[s].edge[0] + m->slots[s].edge[1] + m->slots[s].edge[2];
         triangles += m->slots[s].triangle;
     }
+
+    /* Sums of this piece: prefix sums of pieces give each its first numbers. */
     m->piece_counts[3 * piece] = vertices;
     m->piece_counts[3 * piece + 1] = triangles;
     m->piece_counts[3 * piece + 2] = past;

@@ -44,6 +44,8 @@ int bvxi_triangles_apart(const double one[3][3], const double two[3][3])
 
     for (int a = 0; a < 3; a++)
         if (are_apart_along(one, two, axes[a])) return 1;
+
+    /* Normals first, then products of sides: most triangles that are apart are so along an axis. */
     cross_sides(one[0], one[1], one[0], one[2], n);
     if (are_apart_along(one, two, n)) return 1;
     cross_sides(two[0], two[1], two[0], two[2], n);

@@ -46,6 +46,8 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
 
     f->options = faces_defaults;
     BVXI_TRY(check_faces(ctx, f, grid, options));
+
+    /* A row of corners more than of voxels: the last voxels' high sides. */
     f->words = grid->size[0] / BVXI_WORD_BITS + 1;
     f->row_count = ((uint64_t)grid->size[1] + 1) * ((uint64_t)grid->size[2] + 1);
     f->pieces = bvxi_piece_count(f->row_count, FACE_GRAIN);

@@ -80,6 +80,8 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
 
     for (int32_t v = 0; v < rows; v++) {
         uint64_t *const row = p->bits + (size_t)v * (size_t)words;
+
+        /* The lowest face left begins the next rectangle. */
         for (int32_t k = 0; k < words; k++)
             while (row[k] != 0) {
                 int32_t const begin = k * BVXI_WORD_BITS + bvxi_lowest(row[k]);
@@ -89,6 +91,7 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
                 while (next < rows && take_run(p->bits + (size_t)next * (size_t)words, begin, end)) next++;
                 if (m->list != NULL) {
                     face_rectangle const r = {p->axis, p->positive, p->plane, begin, end, v, next};
+                    /* Counting and listing go the same way, so numbers agree. */
                     m->list[at] = r;
                 }
                 at++;
@@ -199,6 +202,7 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
     /* ends of u (1) and v (2) */
     static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}};
 
+    /* Counter-clockwise as seen from the positive side; the other side turns it. */
     for (int n = 0; n < 4; n++) {
         int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0;
         int32_t const v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
@@ -214,6 +218,7 @@ static void mark_corners(face_merge *m)
     for (uint64_t n = 0; n < m->f->face_count; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
+        /* Rectangles share corners: a bit is set as often as needed. */
         for (int c = 0; c < 4; c++)
             m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
     }
@@ -263,6 +268,7 @@ static void emit_rectangles(void *user, int32_t piece, int32_t worker)
 
 static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 {
+    /* Counts become places. */
     uint64_t total = 0;
 
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
@@ -291,6 +297,7 @@ static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
 
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
+    /* What the caller brought is not freed, only emptied. */
     int const mine = mesh->positions == NULL;
     bvx_status status;
 
@@ -323,6 +330,7 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
     m.scratch_words = plane_bits(f->grid);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before);
+    /* Scratch for each worker, as planes are cut side by side. */
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch);
     if (status == BVX_OK) status = count_rectangles(ctx, &m);

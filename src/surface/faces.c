@@ -27,6 +27,7 @@ static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
+    /* A corner is used where its eight voxels are not alike. */
     for (int32_t n = 0; n < 4; n++) {
         uint64_t before, here = bvxi_face_word(f, v->row[n], w, &before);
         any |= here | before;
@@ -45,6 +46,7 @@ static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int3
     uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused);
     uint64_t const below_z = bvxi_face_word(f, v->row[1], w, &unused);
 
+    /* A face is owned by its low corner; the last rows have none beyond the window. */
     face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
     face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
     face[2] = j < f->grid->size[1] ? here ^ below_z : 0;
@@ -70,6 +72,7 @@ static void count_face_row(bvxi_faces *f, uint64_t row)
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t const used = used_corners(f, &v, w);
         uint64_t face[3], behind;
+        /* Nothing changes in this word: no corner, no face. */
         if (used == 0) continue;
         corners += bvxi_popcount(used);
         faces_of_word(f, &v, j, k, w, face, &behind);
@@ -101,6 +104,7 @@ bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
 static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
 {
     f->vertex_count = f->face_count = 0;
+    /* With 64 bits, as the sum may pass what is possible. */
     for (uint64_t row = 0; row < f->row_count; row++) {
         f->vertex_count += f->rows[row].vertex;
         f->face_count += f->rows[row].face;
@@ -130,6 +134,7 @@ typedef struct face_reach {
 
 static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_t k, face_reach *c)
 {
+    /* Corners of a face lie in four rows: its own and those after it along y and z. */
     for (int32_t n = 0; n < 4; n++) {
         uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
         c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
@@ -225,6 +230,7 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
         status = bvxi_faces_open_mesh(ctx, f, mesh);
         if (status == BVX_OK) {
             status = bvxi_parallel(ctx, "faces", 0.3, 1.0, f->pieces, emit_face_piece, f);
+            /* What the caller brought is not freed, only emptied. */
             if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
             else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
         }

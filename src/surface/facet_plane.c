@@ -33,6 +33,7 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
     double const scale = 1.0 / c->unit;
     uint32_t corner[3];
 
+    /* From the centre, in the largest spacing: sizes near 1 whatever the coordinates are. */
     bvxi_view_triangle(mesh, triangle, corner);
     for (int32_t k = 0; k < 3; k++) {
         bvxi_view_position(mesh, corner[k], f->corners[end][k]);
@@ -40,6 +41,7 @@ static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge
     }
     bvxi_order_corners(f->corners[end]);
     f->size[end] = bvxi_facet_normal((const double(*)[3])f->corners[end], f->normal[end]);
+    /* Not finite: such a triangle has no plane. */
     if (f->size[end] - f->size[end] != 0.0) f->size[end] = 0.0;
 }
 
@@ -55,6 +57,7 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_rule *v, const bv
     for (int32_t a = 0; a < 3; a++) {
         f->closest[0][a] = e->low[a] * scale;
         f->closest[1][a] = e->high[a] * scale + (a == e->axis ? f->length : 0.0);
+        /* Away from the inside: against the vector on one end, along it on the other. */
         f->outward[0][a] = f->along * e->low[a] * scale;
         f->outward[1][a] = -f->along * e->high[a] * scale;
     }
@@ -62,6 +65,7 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_rule *v, const bv
     if (triangles == NULL) return;
     uint32_t const low = triangles[(size_t)e->value[0]], high = triangles[(size_t)e->value[1]];
     load_facet(c, v->mesh, f, 0, low, centre);
+    /* One triangle for both ends is loaded once. */
     if (low != high || f->size[0] == 0.0) load_facet(c, v->mesh, f, 1, high, centre);
 }
 
@@ -80,6 +84,7 @@ static int pass_triangle(const facet_edge *f, int32_t end, double *ratio)
     int32_t const x = f->axis, y = x == 2 ? 0 : x + 1, z = y == 2 ? 0 : y + 1;
     double const a = t[1][y] * t[2][z] - t[1][z] * t[2][y], b = t[2][y] * t[0][z] - t[2][z] * t[0][y];
     double const c = t[0][y] * t[1][z] - t[0][z] * t[1][y];
+    /* Different signs: the line passes beside the triangle. */
     if ((a < 0.0 || b < 0.0 || c < 0.0) && (a > 0.0 || b > 0.0 || c > 0.0)) return 0;
     *ratio = (a * t[0][x] + b * t[1][x] + c * t[2][x]) / ((a + b + c) * f->length);
     return *ratio >= 0.0 && *ratio <= 1.0;
@@ -100,6 +105,7 @@ static double distance2_to_facets(const facet_edge *f, double ratio)
     for (int32_t end = 0; end < 2; end++) {
         double d2;
         if (f->size[end] == 0.0) continue;
+        /* The nearer triangle decides. */
         d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
         if (best < 0.0 || d2 < best) best = d2;
     }
@@ -111,12 +117,14 @@ static double cut_facets(const facet_edge *f, double ratio)
     double place[2] = {ratio, ratio}, best;
     int passes[2];
 
+    /* Through both triangles: the one nearer to what the formula says. */
     for (int32_t end = 0; end < 2; end++)
         passes[end] = f->size[end] != 0.0 && pass_triangle(f, end, &place[end]);
     if (passes[0] && passes[1])
         return (place[1] - ratio) * (place[1] - ratio) < (place[0] - ratio) * (place[0] - ratio) ? place[1]
                                                                                                  : place[0];
     if (passes[0] || passes[1]) return place[passes[0] ? 0 : 1];
+    /* Through neither: a plane's place is taken only where it is nearer to the triangles. */
     best = distance2_to_facets(f, ratio);
     for (int32_t end = 0; end < 2; end++) {
         double d2;
@@ -136,6 +144,7 @@ static void put_plane(const double cut[3], const double n[3], double length, con
 {
     double offset = 0.0;
     for (int32_t a = 0; a < 3; a++) {
+        /* A unit normal, and how far the plane lies from the cut along it. */
         plane->n[a] = (float)(n[a] / length);
         offset += n[a] / length * (on[a] - cut[a]);
     }
@@ -148,6 +157,7 @@ static double side_of_facet(const facet_edge *f, int32_t end)
 {
     double const s = bvxi_vec_dot(f->normal[end], f->outward[end]);
     double const size = f->size[end] * sqrt(bvxi_vec_dot(f->outward[end], f->outward[end]));
+    /* Clearly along the vector, or against it; in between the edge's direction decides. */
     if (s > 0.5 * size) return 1.0;
     if (s < -0.5 * size) return -1.0;
     return f->normal[end][f->axis] * f->along < 0.0 ? -1.0 : 1.0;
@@ -161,6 +171,7 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
     for (int32_t end = 0; end < 2; end++) {
         double q[3], d2;
         if (f->size[end] == 0.0) continue;
+        /* The nearer facet comes first. */
         d2 = bvxi_closest_on_triangle(cut, (const double(*)[3])f->corners[end], q);
         put_plane(cut, f->normal[end], side_of_facet(f, end) * f->size[end], q, &planes[found]);
         if (found != 0 && d2 < best) {
@@ -184,6 +195,7 @@ static void planes_of_vectors(const facet_edge *f, const double cut[3], bvxi_fac
     for (int32_t k = 0; k < 2; k++) {
         int32_t const end = k == 0 ? nearer : 1 - nearer;
         double const length2 = bvxi_vec_dot(f->outward[end], f->outward[end]);
+        /* Too short to have a direction, or not finite. */
         if (!(length2 > SHORTEST2) || length2 - length2 != 0.0) continue;
         put_plane(cut, f->outward[end], sqrt(length2), f->closest[end], &planes[found++]);
     }
@@ -197,6 +209,7 @@ double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const 
 
     open_facet_edge(cuts, values, edge, centre, &f);
     if (cuts->interpolation != BVX_EDGE_MIDDLE) ratio = cut_facets(&f, ratio);
+    /* Strictly inside, so that no triangle is without area. */
     ratio = bvxi_keep_off_ends(ratio);
     point_of_edge(&f, ratio, cut);
     if (!planes_of_facets(&f, cut, planes)) planes_of_vectors(&f, cut, planes);

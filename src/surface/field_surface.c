@@ -41,6 +41,8 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
     uint64_t total = 0;
 
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
+
+    /* Row by row: what is given against the bits before it. */
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -62,6 +64,7 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
     static const double local_origin[3] = {0, 0, 0};
     const double *const origin = o->local_frame ? local_origin : grid->lattice.origin;
 
+    /* Floats need no such check: they round, and the surface stays closed. */
     if (o->position_type == BVX_F32) return BVX_OK;
     if (o->position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
     return bvxi_check_f64(ctx, function, grid, origin);
@@ -76,6 +79,7 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
                              "%s: offset is used with grid, which is NULL", function);
     if (o->grid == NULL) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, o->grid));
+    /* Voxels are looked up by their place in both grids. */
     if (!bvxi_lattice_equal(&o->grid->lattice, &f->inside.lattice) ||
         memcmp(o->grid->low, f->inside.low, sizeof o->grid->low) != 0 ||
         memcmp(o->grid->size, f->inside.size, sizeof o->grid->size) != 0)
@@ -87,6 +91,7 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
                               const bvx_field_surface_options *o)
 {
+    /* Only what the chosen way reads has to be there. */
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
                         o->sharp != 0;
 
@@ -100,6 +105,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->inside));
     BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
+    /* Middles need no value of the field. */
     if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) ||
@@ -128,6 +134,7 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
 {
     double low[3], high[3];
 
+    /* Before any of them is looked up. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
@@ -144,6 +151,7 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
 {
     double low[3], high[3], share;
 
+    /* Requested or forbidden: the mesh is not looked at. */
     if (o->sharp >= 0) return BVX_OK;
     if (mesh == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
@@ -162,6 +170,7 @@ static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
         report->own += c->piece_counts[(BVXI_CUT_KINDS + 1) * p + BVXI_CUT_KINDS];
         for (int32_t by = 0; by < BVXI_CUT_KINDS; by++) {
             uint64_t const n = c->piece_counts[(BVXI_CUT_KINDS + 1) * p + by];
+            /* Lids are edges over holes, where the field has no value. */
             report->edges += n;
             report->scalar += by == BVXI_CUT_SCALAR ? n : 0;
             report->middle += by == BVXI_CUT_MIDDLE ? n : 0;
@@ -184,6 +193,7 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
                              bvx_field_surface_report *report)
 {
+    /* On failure the caller's own mesh is emptied, the library's freed. */
     int const mine = surface->positions == NULL;
     bvx_status status;
 
@@ -205,6 +215,7 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     bvx_mesh plain = {0};
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes);
 
+    /* As large as the plain surface is: it is made here first. */
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
@@ -236,6 +247,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
 
     memset(&report, 0, sizeof report);
     bvx_extract_options_init(&extract, sizeof extract);
+    /* Choices of the field's surface that marching cubes has too. */
     extract.face_rule = options->face_rule;
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
@@ -245,6 +257,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     cuts.values = values;
     cuts.interpolation = options->interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
+    /* Both ways share the march; sharpening only adds to it. */
     if (status == BVX_OK)
         status = options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                                 : make_plain(ctx, &m, &cuts, surface, &report);
@@ -272,8 +285,10 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
     BVXI_TRY(check_field(context, name, field, &o));
+    /* Remembered, as looking for sharp edges takes its share of progress. */
     asked = o.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
+    /* Triangles make planes exact; without them vectors stand in. */
     if (o.sharp && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));

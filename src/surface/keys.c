@@ -30,6 +30,8 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     bvxi_slot_row(m, slot, &j, &k);
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
+
+    /* Keys in the order of the arrays. */
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t const visited = bvxi_visited(m, w);
         bvxi_cell_words c;
@@ -41,6 +43,7 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
         if (!bvxi_slot_has(m, 3, j, k)) continue;
         for (uint64_t active = bvxi_active_cells(&c) & visited; active != 0; active &= active - 1) {
             int32_t const i = bvxi_lowest(active);
+            /* A cell's triangles have one key: a stable sort keeps their order. */
             for (uint8_t n = triangles[bvxi_cell_case(&c, i)]; n > 0; n--)
                 *triangle++ = make_key(m, w * 64 + i - 1, j, k, 0);
         }

@@ -42,6 +42,7 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
             if (!(m->frame[a] == first->frame[a]))
                 return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                                      "%s: part %i has another frame than part 0", merge_name, p);
+        /* Before any is looked up. */
         for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
             if (m->triangles[i] >= m->vertex_count)
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -50,6 +51,7 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         w->vertices += m->vertex_count;
         w->triangles += m->triangle_count;
     }
+    /* Of all parts together too. */
     if (w->vertices >= UINT32_MAX || w->triangles >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible",
@@ -63,6 +65,7 @@ static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
 
+    /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
         uint64_t const count = triangles ? m->triangle_count : m->vertex_count;
@@ -103,12 +106,14 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
 
     for (uint64_t i = 0; i < w->vertices; i++) {
         uint64_t const place = w->order[i];
+        /* The first of equal keys gives the position: they are the same in all parts. */
         if (i == 0 || w->keys[i] != w->keys[i - 1]) {
             uint64_t const p = part_of(start, w->part_count, place);
             memcpy((unsigned char *)whole->positions + n * bytes,
                    (const unsigned char *)w->parts[p].positions + (place - start[p]) * bytes, bytes);
             whole->vertex_keys[n++] = w->keys[i];
         }
+        /* All of them become that vertex. */
         w->renumber[place] = (uint32_t)(n - 1);
     }
 }
@@ -138,6 +143,7 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     bvx_status status;
 
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
+    /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
     start_parts(w, 0, vertex_start);
     memset(whole, 0, sizeof *whole);
@@ -146,6 +152,7 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
     status = bvxi_progress(ctx, "merge", 0.5);
+    /* The same arrays serve the triangles. */
     if (status == BVX_OK) status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
@@ -163,6 +170,8 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     uint64_t *start = NULL;
     bvx_mesh made;
     bvx_status status;
+
+    /* Parts that contradict each other are refused before memory is taken. */
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");

@@ -31,6 +31,7 @@ static const bvxi_option scalar_rows[] = {
 /* Before samples are read. */
 static bvx_status check_scalar_options(bvx_context *ctx, const char *function, const bvx_scalar_options *o)
 {
+    /* NaN compares with nothing: all samples would be outside. */
     if (o->level != o->level)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows)));
@@ -46,6 +47,7 @@ static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     inside->lattice = volume->lattice;
+    /* Words follow: the caller gives the room. */
     memcpy(inside->low, volume->low, sizeof inside->low);
     memcpy(inside->size, volume->size, sizeof inside->size);
     inside->words_per_row = bvxi_row_words(volume->size[0]);
@@ -66,11 +68,14 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     bvx_status status;
 
     bvx_extract_options_init(&extract, sizeof extract);
+
+    /* Choices that the march has too. */
     extract.face_rule = o->face_rule;
     extract.position_type = o->position_type;
     extract.open_sides = o->open_sides;
     extract.keys = o->keys;
     extract.local_frame = o->local_frame;
+    /* Samples above the level, or below it; both ends are finite. */
     bvxi_range_make(volume->sample_type, o->below ? -end : o->level, o->below ? o->level : end, &range);
     level.samples = volume->samples;
     memcpy(level.stride, stride, sizeof level.stride);
@@ -78,9 +83,11 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     level.level = o->level;
     m.function = function;
     m.level = &level;
+    /* Bits first; then samples are read only at the ends of crossed edges. */
     status = bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range,
                             o->report != NULL ? &report : NULL, inside);
     if (status == BVX_OK) status = bvxi_march_open(ctx, &m, inside, &extract);
+    /* Neighbouring positions must differ as doubles. */
     if (status == BVX_OK && m.options.position_type == BVX_F64)
         status = bvxi_check_f64(ctx, function, inside, m.origin);
     if (status == BVX_OK) status = bvxi_march_fill(ctx, &m, mesh);
@@ -98,6 +105,7 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     int64_t stride[3];
     bvx_status status;
 
+    /* Everything is checked before the bits' memory is taken. */
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));

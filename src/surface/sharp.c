@@ -38,6 +38,7 @@ static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_
                             const bvxi_sharp_loop *s, int32_t face)
 {
     const bvxi_sharp_loop *beside;
+    /* The mark of a turned side stands with the cell on its negative side. */
     if (!s->alone || ((face & 1) != 0 && (s->turned >> (face >> 1) & 1) == 0)) return UINT32_MAX;
     if (bvxi_face_is_cut_twice(c->cell_case, face)) return UINT32_MAX;
     beside = bvxi_sharp_beside(w, slot, c->x, face);
@@ -50,6 +51,7 @@ static uint32_t apex_beyond(const bvxi_sharp_work *w, uint64_t slot, const bvxi_
 static uint32_t *write_fan(const bvxi_sharp_work *w, uint64_t slot, const bvxi_cell_walk *c,
                            const bvxi_cell_loop *l, const bvxi_sharp_loop *s, uint32_t *out)
 {
+    /* From corner to corner; a turned side takes the neighbour's apex in place of its second vertex. */
     for (int32_t i = 0; i < l->corners; i++) {
         int32_t const next = i + 1 < l->corners ? i + 1 : 0;
         uint32_t const beyond = apex_beyond(w, slot, c, s, bvxi_face_of_edges(l->edge[i], l->edge[next]));
@@ -69,6 +71,7 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
     const bvxi_sharp_loop *s = w->loops + w->first[slot], *const end = w->loops + w->first[slot + 1];
     bvxi_cell_walk c;
 
+    /* Rows without sharp cells are copied whole. */
     if (s == end) {
         memcpy(out, m->mesh->triangles + 3 * (size_t)from->triangle,
                (size_t)(from[1].triangle - from->triangle) * 12);
@@ -77,6 +80,7 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
     for (bvxi_start_cells(m, slot, &c); bvxi_next_cell(&c);) {
         const uint32_t *const old = m->mesh->triangles + 3 * (size_t)c.triangle;
         bvxi_cell_loops loops;
+        /* Not listed: the cell keeps its triangles. */
         if (s == end || s->x != c.x) {
             size_t const n = 3 * (size_t)bvxi_cell_triangle_count[m->options.face_rule][c.cell_case];
             memcpy(out, old, n * sizeof *out);
@@ -87,6 +91,7 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
         for (int32_t l = 0; l < loops.count; l++) {
             const bvxi_cell_loop *const loop = &loops.loop[l];
             int const listed = s != end && s->x == c.x && s->loop == l;
+            /* An apex that was taken back leaves the loop as it was. */
             if (listed && s->kept) out = write_fan(w, slot, &c, loop, s, out);
             else {
                 memcpy(out, old + 3 * (size_t)loop->first, 3 * (size_t)loop->triangles * sizeof *out);
@@ -111,6 +116,7 @@ static void write_vertices(const bvxi_sharp_work *w)
     const bvxi_march *const m = w->march;
     size_t const bytes = m->options.position_type == BVX_F32 ? 12 : 24;
 
+    /* Vertices of the surface first, with their numbers; apexes after them. */
     memcpy(w->surface->positions, m->mesh->positions, (size_t)m->vertex_count * bytes);
     for (uint64_t n = 0; n < w->first[m->slot_count]; n++) {
         const bvxi_sharp_loop *const s = &w->loops[n];
@@ -130,6 +136,7 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
 {
     uint64_t total = 0;
 
+    /* Counts become places. */
     for (uint64_t s = 0; s < w->march->slot_count; s++) {
         uint32_t const n = w->first[s];
         w->first[s] = (uint32_t)total;
@@ -137,6 +144,7 @@ static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *c
     }
     w->first[w->march->slot_count] = (uint32_t)total;
     *count = total;
+    /* Each apex adds two triangles: a fan has as many as corners, where there were two less. */
     if (w->march->vertex_count + total >= UINT32_MAX || w->march->triangle_count + 2 * total >= UINT32_MAX)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -161,7 +169,6 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
     const bvxi_march *const m = w->march;
     int const mine = surface->positions == NULL;
     bvx_status status;
-
     BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, 0, m->vertex_count + kept,
                             m->triangle_count + 2 * (uint64_t)kept, surface));
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
@@ -184,6 +191,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     uint32_t kept = 0;
     bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first);
 
+    /* Sharp loops are counted, then filled, so that one array holds all. */
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts);
     if (status == BVX_OK)
@@ -194,6 +202,7 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     if (status == BVX_OK)
         status = bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w);
     if (status == BVX_OK) kept = number_apexes(&w, count);
+    /* Sides are turned when all apexes are known. */
     if (status == BVX_OK)
         status = bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, bvxi_sharp_turn_piece, &w);
     if (status == BVX_OK) status = write_sharp(ctx, &w, kept, surface);

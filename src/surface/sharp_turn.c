@@ -8,6 +8,7 @@
 /* The kept loop of the cell at x of a slot, where it is the cell's only one; else NULL. */
 static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot, int32_t x)
 {
+    /* Loops lie in the order of cells: by bisection. */
     uint32_t low = w->first[slot], high = w->first[slot + 1];
 
     while (low < high) {
@@ -25,6 +26,7 @@ bvxi_sharp_loop *bvxi_sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int3
     uint64_t const rows = (uint64_t)w->march->grid->size[1] + 1;
     uint64_t const step = face >> 1 == 0 ? 0 : face >> 1 == 1 ? 1 : rows;
     int32_t const up = face & 1;
+    /* The neighbour across y and z lies in another row. */
     if (face >> 1 == 0) x += up ? 1 : -1;
     /* a cell with a cut face has a neighbour there */
     return sharp_loop_alone(w, up ? slot + step : slot - step, x);
@@ -48,6 +50,8 @@ static int better_turned(const bvxi_sharp_work *w, uint32_t a, uint32_t b, const
     if (!bvxi_sharp_normal(w, a, na) || !bvxi_sharp_normal(w, b, nb)) return 0;
     bvxi_sharp_vertex(w->march, a, at);
     bvxi_sharp_vertex(w->march, b, bt);
+
+    /* A triangle without area has no side: then nothing is turned. */
     if (!bvxi_normal_of(at, bt, p, unit, n)) return 0;
     keep = follows(n, nb, follows(n, na, keep));
     if (!bvxi_normal_of(bt, at, q, unit, n)) return 0;
@@ -72,6 +76,7 @@ static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_c
         int32_t const next = i + 1 < l->corners ? i + 1 : 0;
         int32_t const face = bvxi_face_of_edges(l->edge[i], l->edge[next]);
         const bvxi_sharp_loop *beside;
+        /* Each face is decided once, by the cell on its negative side. */
         if ((face & 1) == 0 || bvxi_face_is_cut_twice(c->cell_case, face)) continue;
         beside = bvxi_sharp_beside(w, slot, c->x, face);
         if (beside == NULL || !better_turned(w, l->vertex[i], l->vertex[next], s->apex, beside->apex))
@@ -91,6 +96,7 @@ void bvxi_sharp_turn_piece(void *work, int32_t piece, int32_t worker)
     bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
+        /* No sharp cell in this row. */
         if (w->first[s + 1] == w->first[s]) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
             bvxi_sharp_loop *const here = sharp_loop_alone(w, s, c.x);
