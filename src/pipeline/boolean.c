@@ -65,6 +65,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
                              boolean_name, (int64_t)operation);
     BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
+    /* A lattice that is given needs no resolution. */
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
     if (o->resolution < 1 || o->resolution > 1 << 24)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -80,6 +81,7 @@ static const char *const boolean_mesh[2] = {"bvx_boolean, mesh a", "bvx_boolean,
 /* The meshes are checked on the way. */
 static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *result)
 {
+    /* Bounds of both, as a lattice is fitted to what the operation leaves. */
     for (int32_t i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_view_check(job->ctx, boolean_mesh[i], job->body[i].mesh));
         BVXI_TRY(bvxi_view_bounds(job->ctx, boolean_mesh[i], job->body[i].mesh, job->box[i].low,
@@ -104,6 +106,7 @@ static bvx_status open_boolean_grids(boolean_job *job)
 {
     uint64_t const words = bvx_grid_bound(&job->lattice, NULL);
 
+    /* A size that no memory could hold is reported as that, before anything is taken. */
     if (words == 0 || words > SIZE_MAX / 8)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
                          "%s: a grid of %d x %d x %d voxels is beyond this machine's addresses", boolean_name,
@@ -118,6 +121,7 @@ static bvx_status open_boolean_grids(boolean_job *job)
 /* A body, or the result, of few voxels: which, and what would show it. */
 static void advise_boolean(boolean_job *job, int32_t what, double voxels, double wanted)
 {
+    /* The finest advice counts: it shows all that was too small. */
     int32_t const advised = bvxi_advised_resolution(&job->lattice, voxels, wanted);
 
     job->report.few |= what;
@@ -133,6 +137,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvxi_walls walls;
     bvx_status status;
 
+    /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.beside = keep;
     status = bvxi_walls_open(&walls);
@@ -153,6 +158,7 @@ static int32_t resolution_of_lost_body(const boolean_job *job, int32_t i, double
     const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
     int32_t const of_box = bvxi_advised_resolution(&job->lattice, shortest, 2.0);
 
+    /* Walls were found, but no resolution holds them. */
     if (r->thin_voxels != 0 && r->thin_resolution == 0) return 0;
     return r->thin_resolution > of_box ? r->thin_resolution : of_box;
 }
@@ -186,6 +192,7 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
     if (voxels == 0 && sides.longest > 0.0) {
         int32_t const advised = resolution_of_lost_body(job, i, sides.shortest);
 
+        /* A body that lies on the lattice in part only: few voxels of it are no error. */
         advise_boolean(job, i == 0 ? BVX_FEW_A : BVX_FEW_B, sides.shortest, 2.0);
         if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
     } else if (sides.longest > 0.0 && sides.longest < BVXI_BOOLEAN_FEW) {
@@ -210,6 +217,7 @@ static bvx_status judge_result(boolean_job *job)
 /* Of the time that both meshes take: by their triangles, and by the lattice's rows of centres. */
 static double share_of_first(const boolean_job *job)
 {
+    /* Triangles and rows: what the fill of each takes. */
     double const a = (double)(job->body[0].mesh->triangle_count + job->rows);
     double const b = (double)(job->body[1].mesh->triangle_count + job->rows);
 
@@ -234,6 +242,7 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
 
 static bvx_status fill_boolean(boolean_job *job)
 {
+    /* In the order of the operations' numbers. */
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
@@ -262,6 +271,7 @@ static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
 {
     for (int32_t i = 0; i < 2; i++) {
         const bvx_mesh_view *const mesh = job->body[i].mesh;
+        /* A vertex of each place stands for all that are there. */
         uint32_t *representative;
         uint64_t different;
         bvx_status status;
@@ -302,6 +312,7 @@ static bvx_status drop_boolean_parts(boolean_job *job)
     bvx_keep_options keep;
 
     if (job->report.voxels == 0) return BVX_OK;
+    /* Crumbs first: they are sorted out by shape, parts by size alone. */
     if (!o->keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
     if (o->least_part > 1) {
         bvx_keep_options_init(&keep, sizeof keep);
@@ -387,6 +398,7 @@ static bvx_status choose_boolean_sharp(boolean_job *job)
 {
     job->report.sharp = job->options->sharp;
     for (int32_t i = 0; i < 2 && job->options->sharp < 0 && job->report.sharp != 1; i++) {
+        /* The first mesh with sharp edges decides. */
         double share;
         BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp, &share));
     }
@@ -405,6 +417,8 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, fill_boolean(job)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, drop_boolean_parts(job)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.61, choose_boolean_sharp(job)));
+
+    /* The bar follows the triangles of each mesh. */
     measured = 0.61 + 0.18 * share_of_first(job);
     BVXI_TRY(BVXI_SHARE(ctx, 0.61, measured, measure_body(job, &job->body[0])));
     BVXI_TRY(BVXI_SHARE(ctx, measured, 0.79, measure_body(job, &job->body[1])));
@@ -434,6 +448,7 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     mine = result->positions == NULL;
     job.body[1].mesh = b;
     status = boolean_steps(&job, result);
+    /* Only what the library made is freed. */
     if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
     bvxi_drop(context, job.inside.words);
     for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);

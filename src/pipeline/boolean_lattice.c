@@ -27,6 +27,7 @@ static bvxi_body_box common_box(const bvxi_body_box box[2])
     for (int a = 0; a < 3; a++) {
         r.low[a] = box[1].low[a] > r.low[a] ? box[1].low[a] : r.low[a];
         r.high[a] = box[1].high[a] < r.high[a] ? box[1].high[a] : r.high[a];
+        /* Without common space: nothing is left, and any lattice shows that. */
         if (!(r.low[a] < r.high[a])) return box[0];
     }
     return r;
@@ -39,6 +40,7 @@ static void give_way(const bvxi_body_box box[2], bvx_lattice *l)
 
     for (int i = 0; i < 2; i++)
         for (int a = 0; a < 3; a++) {
+            /* How far the farther ends of both boxes lie, in voxels. */
             double const below = (l->origin[a] - box[i].low[a]) / l->spacing[a];
             double const above = (box[i].high[a] - l->origin[a]) / l->spacing[a];
             farthest = below > farthest ? below : farthest;
@@ -59,6 +61,7 @@ bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t res
 
     bvx_lattice_options_init(&o, sizeof o);
     o.resolution = resolution;
+    /* A layer around, so that the surface closes within the lattice. */
     o.padding = 1;
     BVXI_TRY(bvx_lattice_fit_box(ctx, fit.low, fit.high, &o, lattice));
     give_way(box, lattice);
@@ -75,6 +78,7 @@ bvxi_box_sides bvxi_sides_on_lattice(const bvxi_body_box *box, const bvx_lattice
         double const low = box->low[a] > lattice->origin[a] ? box->low[a] : lattice->origin[a];
         double const high = box->high[a] < far_end ? box->high[a] : far_end, n = (high - low) / h;
 
+        /* Beside the lattice: nothing of the body is there. */
         if (n < 0.0) return none;
         r.whole &= low == box->low[a] && high == box->high[a];
         r.longest = n > r.longest ? n : r.longest;
@@ -88,6 +92,7 @@ int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, doubl
     int32_t longest = 1;
     double n;
 
+    /* The padding's voxels hold nothing. */
     for (int a = 0; a < 3; a++) longest = lattice->dims[a] - 2 > longest ? lattice->dims[a] - 2 : longest;
     n = voxels > 0.0 ? longest * (wanted / voxels) : 1e300;
     return n < (double)(1 << 24) ? (int32_t)-floor(-n) : 1 << 24;

@@ -96,6 +96,7 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
 {
     uint64_t finest = 1;
 
+    /* By error any triangle may be needed; without targets each level has half of the one before. */
     if (o->target_errors != NULL) return triangles;
     if (o->target_triangles == NULL) return triangles / 2;
     for (uint64_t i = 0; i < level_count; i++)
@@ -154,6 +155,7 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
 
         corners_of(surface, t, p);
         bvxi_view_triangle(surface, t, v);
+        /* The volume of the tetrahedron with the origin, by its sign. */
         volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                                 p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
                                 p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
@@ -162,6 +164,7 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
     *total = 0;
     for (uint64_t v = 0; v < surface->vertex_count; v++) {
         if (piece[v] == v) pieces++;
+        /* Inside out pieces count by their size too. */
         volume[v] = volume[v] < 0 ? -volume[v] : volume[v];
         *total += volume[v];
     }
@@ -191,6 +194,7 @@ static bvx_status mark_crumbs(levels_job *job, const surface_pieces *s)
     }
     BVXI_TRY(bvxi_radix_sort(job->ctx, s->keys, s->order, s->count));
 
+    /* The smallest first, as far as there are more than the input has, and each is small. */
     for (n = 0; n < surplus && s->volume[s->order[n]] < most; n++) s->volume[s->order[n]] = -1;
     job->report.crumbs = n;
     return BVX_OK;
@@ -217,6 +221,8 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 
     bvx_mesh_view_of(surface, &view);
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the surface's pieces", &s.volume));
+
+    /* One block: from the widest items to the narrowest. */
     s.keys = (uint64_t *)(void *)(s.volume + vertices);
     s.same = (uint32_t *)(void *)(s.keys + vertices);
     s.piece = s.same + vertices;
@@ -225,6 +231,7 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
     for (uint64_t v = 0; v < vertices; v++) s.same[v] = (uint32_t)v;
     bvxi_pieces(&view, s.same, s.piece);
     s.count = piece_volumes(&view, s.piece, s.volume, &s.total);
+    /* Crumbs are pieces beyond those that the input has. */
     if (s.count > job->report.before.components) BVXI_TRY(mark_crumbs(job, &s));
     if (job->report.crumbs != 0) drop_pieces(surface, s.piece, s.volume);
     bvxi_drop(job->ctx, s.volume);
@@ -254,6 +261,7 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t th
     r.least_part = o->least_part;
     r.keep_crumbs = o->least_part != 0;
     r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
+    /* Positions of the surface are those of the levels. */
     r.position_type = o->position_type;
     r.thin = thin;
     r.report = &job->report.repair;
@@ -297,6 +305,7 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
     BVXI_TRY(repair_surface(job, resolution, BVX_THIN_KEEP, surface));
     if (!has_new_handles(job)) return BVX_OK;
 
+    /* The report is written anew; the better surface's one stays. */
     with = *report;
     status = repair_surface(job, resolution, BVX_THIN_SHELL, &without);
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
@@ -334,6 +343,7 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
     bvx_mesh_view view;
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.25, measure_surface(job, resolution, &surface));
 
+    /* Of this resolution only: a coarser one may be tried after it. */
     job->report.crumbs = 0;
 
     if (status == BVX_OK) status = drop_crumbs(job, &surface);
@@ -342,6 +352,8 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
         bvx_mesh_view_of(&surface, &view);
         job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
+
+        /* Levels are made of the measured surface, in its type. */
         job->chain.collapse.position_type = surface.position_type;
         status = BVXI_SHARE(job->ctx, 0.25, 1.0, simplify_surface(job, &view));
     }
@@ -358,6 +370,7 @@ static bvx_status simplify_measured(levels_job *job)
     int const is_given = o->lattice != NULL || o->resolution != 0;
     bvx_status status;
 
+    /* A resolution that was given is not changed. */
     if (!is_given) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &resolution));
     job->report.planned_resolution = resolution;
 
@@ -371,6 +384,7 @@ static bvx_status simplify_measured(levels_job *job)
 /* What a certificate says against simplifying the mesh as it is. */
 static int32_t reason_of(const bvx_certificate *c)
 {
+    /* In the order of what repairs take: open first. */
     if (!c->closed) return BVX_MEASURED_OPEN;
     if (!c->edge_manifold || !c->vertex_manifold) return BVX_MEASURED_MANIFOLD;
     if (!c->oriented) return BVX_MEASURED_FLIPPED;
@@ -386,6 +400,7 @@ static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
     int32_t *const reason = &job->report.reason;
 
     *reason = BVX_MEASURED_NOT;
+    /* Requested as it is: nothing speaks against it. */
     if (o->source == BVX_LEVELS_MESH) return BVX_OK;
     *reason = o->source == BVX_LEVELS_MEASURED || wants_measured(o) ? BVX_MEASURED_ASKED : reason_of(c);
     if (*reason != BVX_MEASURED_NOT) return BVX_OK;
@@ -407,6 +422,7 @@ static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
 /* The first edge that no sheet can have, in the report. */
 static void report_refused(levels_job *job, const bvx_mesh_view *welded, const bvxi_sheets_report *sheets)
 {
+    /* What was turned and left out, and where no sheet could be made. */
     job->report.doubles = sheets->doubles;
     job->report.turned = sheets->turned;
     job->report.refused_edges = sheets->refused;
@@ -423,6 +439,7 @@ static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *
 
     BVXI_TRY(bvxi_sheets_prepare(job->ctx, welded, corner, &sheets));
     report_refused(job, welded, &sheets);
+    /* Kept borders need edges of at most two triangles each. */
     if (open == BVX_OPEN_KEEP && sheets.refused != 0) return BVX_OK;
 
     job->report.reason = BVX_MEASURED_NOT;
@@ -435,6 +452,7 @@ static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *
  * are kept, and the reason to measure is gone too. */
 static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
 {
+    /* Crossings are let through while levels are made, then looked for in each. */
     uint64_t crossings = 0;
 
     job->chain.collapse.lenient = 1;
@@ -467,6 +485,7 @@ static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded)));
     chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25
                                                                                                     : 0.05;
+    /* Open meshes may stay open where that was requested. */
     if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
         BVXI_TRY(keep_sheets(job, welded, corner));
 
@@ -496,6 +515,7 @@ static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t 
                          levels_name, job->mesh->triangle_count);
 
     status = levels_of_mesh(job, welded, corner);
+    /* Measured instead: the lattice can be made coarser, the mesh cannot. */
     if (may_go_over(job, status)) {
         job->report.reason = BVX_MEASURED_MEMORY;
         job->chain.collapse.lenient = 0;
@@ -511,6 +531,7 @@ static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t 
 /* Most bytes that levels of the mesh itself take, as the header states them. */
 static uint64_t bytes_as_it_is(const levels_job *job)
 {
+    /* By what each triangle and vertex takes at most. */
     uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
     uint64_t bytes = 175 * n + 24 * job->report.before.boundary_edges + 400000;
 
@@ -527,6 +548,7 @@ static bvx_status explain_budget(const levels_job *job, uint64_t used)
     int const measured = job->report.reason == BVX_MEASURED_MEMORY;
     uint64_t const needed = used + bytes_as_it_is(job), limit = bvxi_memory_limit(job->ctx);
 
+    /* Other reasons have their own message. */
     if (job->report.reason != BVX_MEASURED_NOT && !measured) return BVX_ERR_BUDGET;
     if (limit >= needed) return BVX_ERR_BUDGET; /* something else was in the way: its message stays */
     return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET,
@@ -577,6 +599,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
+    /* Before anything is read: options that contradict each other. */
     if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a "
@@ -590,6 +613,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
             "lattice, a resolution, a sign, least_part, least_cavity and outer",
             levels_name, (int64_t)o.open);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
+    /* No level may be the mesh itself. */
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));
     take_chain(&job, level_count, levels);
@@ -598,6 +622,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     if (mesh->triangle_count == 0)
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
+    /* Triangles by welded vertices, so that equal positions hang together. */
     status = bvxi_welded_view(context, mesh, &welded, &corner);
     if (status == BVX_OK) status = levels_steps(&job, &welded, corner);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);

@@ -31,6 +31,8 @@ static void mark_ends_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+
+    /* A piece takes rows: no two write one word. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = (int32_t)(r % rows), z = (int32_t)(r / rows);
@@ -38,6 +40,7 @@ static void mark_ends_piece(void *user, int32_t index, int32_t worker)
         for (int32_t k = 0; k < g->words_per_row; k++) {
             size_t const i = at + (size_t)k;
             uint64_t found = 0;
+            /* Where the result and the body both change. */
             for (int up = 0; up < 2; up++)
                 found |= differ_along_row(g->words + at, g->words_per_row, k, up) &
                          differ_along_row(job->body->words + at, g->words_per_row, k, up);
@@ -47,6 +50,7 @@ static void mark_ends_piece(void *user, int32_t index, int32_t worker)
             if (z + 1 < g->size[2]) found |= differ(job, i, i + slice);
             job->where->words[i] = found;
         }
+        /* Bits past the row's end are no centres. */
         job->where->words[at + words - 1] &= bvxi_tail_mask(g->size[0]);
     }
 }

@@ -53,6 +53,7 @@ static uint64_t crumb_word(const crumb_job *job, int32_t k, int32_t y, int32_t z
     const bvx_grid *const g = job->inside;
     uint64_t w;
 
+    /* Beyond the window is not of the part. */
     if (k < 0 || y < 0 || z < 0 || k >= g->words_per_row || y >= g->size[1] || z >= g->size[2]) return 0;
     w = g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row + (size_t)k];
     return job->empty ? ~w : w;
@@ -74,12 +75,14 @@ static void measure_crumb_run(void *user, uint32_t space, int32_t begin, int32_t
     crumb_job *const job = user;
     crumb_part *const p = &job->part[space];
 
+    /* The first run's beginning stands for the part. */
     if (p->voxels == 0) {
         p->at[0] = begin;
         p->at[1] = y;
         p->at[2] = z;
     }
     p->voxels += (uint64_t)(end - begin);
+    /* What touches the window's side is no pocket. */
     if (job->empty && bvxi_spaces_at_side(job->inside, begin, end, y, z)) p->outside = 1;
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !p->core; k++)
         p->core = (crumb_cores(job, k, y, z) & bvxi_run_mask(begin, end, k)) != 0;
@@ -102,6 +105,8 @@ static void find_small_parts(crumb_job *job)
     bvxi_spaces_each(&job->spaces, measure_crumb_run, job);
     for (uint64_t n = 0; n < job->spaces.count; n++)
         if (!job->part[n].outside) total += job->part[n].voxels;
+
+    /* Small is a share of all, but a few voxels at least. */
     most = (uint64_t)(CRUMB_SHARE * (double)total);
     if (most < CRUMB_VOXELS) most = CRUMB_VOXELS;
 
@@ -120,12 +125,14 @@ static int crumb_at(const crumb_job *job, const double at[3])
     uint64_t bit;
     size_t word;
 
+    /* Beyond the window: nothing, or the outside. */
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)job->inside->size[a])) return job->empty;
     bit = UINT64_C(1) << ((size_t)at[0] & 63);
     word = ((size_t)at[2] * (size_t)job->inside->size[1] + (size_t)at[1]) *
                (size_t)job->inside->words_per_row +
            ((size_t)at[0] >> 6);
+    /* Not of the kind that parts are made of. */
     if (((job->inside->words[word] & bit) != 0) == (job->empty != 0)) return 0;
     return (job->small.words[word] & bit) != 0 ? 2 : 1;
 }
@@ -142,6 +149,7 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
     for (int d = 0; d < 4; d++) {
         double at[3];
         int found;
+        /* The middle, and from there along the normal. */
         for (int a = 0; a < 3; a++)
             at[a] = ((p[0][a] + p[1][a] + p[2][a]) / 3.0 + n[a] / length * depth[d] * h - l->origin[a]) /
                         l->spacing[a] -
@@ -159,6 +167,7 @@ static int find_only_piece(const crumb_job *job, uint32_t *only)
     const uint32_t *const piece = job->source[0].piece;
     uint32_t v[3];
 
+    /* With two meshes the nearest one is not known beforehand. */
     if (job->sources != 1) return 0;
     bvxi_view_triangle(mesh, 0, v);
     *only = piece[v[0]];
@@ -182,6 +191,7 @@ static void count_beside(crumb_job *job, int32_t s, uint64_t enough)
 
         bvxi_view_triangle(mesh, t, v);
         for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
+        /* By the piece of the first corner, as all three are of one. */
         piece = &job->piece[s][job->source[s].piece[v[0]]];
         found = crumb_beside(job, (const double(*)[3])p);
         piece->large += found == 1;
@@ -202,6 +212,7 @@ static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest
     for (int a = 0; a < 3; a++)
         centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
     bvxi_closest_ask(closest, centre, hint, &found);
+    /* Of two meshes the nearer one decides. */
     if (s > 0 && !(found.distance < *distance)) return;
     *distance = found.distance;
     bvxi_view_triangle(job->source[s].mesh, found.triangle, v);
@@ -216,6 +227,7 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, double *distanc
 
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), job->source[s].mesh,
                                &closest));
+    /* Parts in their order: the hint of one serves the next. */
     for (uint64_t n = 0; n < job->spaces.count; n++)
         if (job->part[n].small) ask_nearest_piece(job, s, &closest, &job->part[n], &hint, &distance[n]);
     bvxi_closest_shut(job->ctx, &closest);
@@ -240,6 +252,7 @@ static uint64_t judge_crumbs(crumb_job *job)
 {
     uint64_t dropped = 0;
 
+    /* The largest small part of each piece first. */
     for (uint64_t n = 0; n < job->spaces.count; n++) {
         const crumb_part *const p = &job->part[n];
         crumb_piece *piece;
@@ -252,6 +265,7 @@ static uint64_t judge_crumbs(crumb_job *job)
         const crumb_piece *piece;
         if (!p->small) continue;
         piece = &job->piece[p->source][p->piece];
+        /* A piece of something larger, or not its largest part: a crumb. */
         p->dropped = piece->large > piece->small || piece->best != (uint32_t)n + 1;
         dropped += p->dropped;
     }
@@ -278,6 +292,7 @@ static bvx_status find_pieces(crumb_job *job)
         count_beside(job, 0, job->source[0].mesh->triangle_count / 2 + 1);
         return BVX_OK;
     }
+    /* Triangles of all pieces are counted, as parts may be nearest to any. */
     for (int32_t s = 0; s < job->sources; s++) count_beside(job, s, UINT64_MAX);
     return ask_meshes(job);
 }
@@ -286,6 +301,7 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 {
     bvx_status status;
 
+    /* A grid of the small parts alone, by which triangles are judged. */
     job->small = *job->inside;
     job->small.words = NULL;
     job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
@@ -299,6 +315,7 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
         status = find_pieces(job);
     }
     if (status == BVX_OK) *dropped = judge_crumbs(job);
+    /* Only now bits change: all was judged by the solid as it was. */
     if (status == BVX_OK && *dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
     for (int32_t s = job->sources; s-- > 0;) bvxi_drop(job->ctx, job->piece[s]);
     bvxi_drop(job->ctx, job->small.words);

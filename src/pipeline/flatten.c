@@ -65,6 +65,7 @@ static double reach_at(const bvxi_thin *thin, const int32_t at[3])
 {
     const bvx_grid *const g = &thin->near.where;
 
+    /* Beyond the window lies no wall. */
     for (int a = 0; a < 3; a++)
         if (at[a] < 0 || at[a] >= g->size[a]) return 0;
     if (!bvx_grid_get(g, at[0], at[1], at[2])) return 0;
@@ -76,6 +77,7 @@ static int changes_along(const bvxi_flat_body *body, const int32_t low[3], const
 {
     int side[2];
 
+    /* Without a solid any edge counts, and so does a vertex at a centre. */
     if (body->solid == NULL || memcmp(low, high, 3 * sizeof *low) == 0) return 1;
     for (int end = 0; end < 2; end++) {
         const int32_t *const at = end == 0 ? low : high;
@@ -96,6 +98,7 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
     uint32_t found = 0;
     int axes = 0;
 
+    /* Between two centres along one axis, or on a centre: those ends differ along one axis at most. */
     for (int a = 0; a < 3; a++) {
         double const v = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - (double)g->low[a] - 0.5;
 
@@ -103,6 +106,7 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
         high[a] = (int32_t)floor(v + 1.0 - FLATTEN_ON_EDGE);
         axes += high[a] != low[a];
     }
+    /* Inside a cell: no vertex of an edge. */
     if (axes > 1) return 0;
     for (int32_t b = 0; b < f->body_count; b++) {
         const bvxi_thin *const thin = f->bodies[b].thin;
@@ -111,6 +115,7 @@ static uint32_t thin_walls_at(const flatten_job *f, const double p[3])
         if (thin->near.where.words == NULL || !changes_along(&f->bodies[b], low, high)) continue;
         first = reach_at(thin, low);
         second = reach_at(thin, high);
+        /* Beside a sheet nothing moves: it has no second side. */
         if (first < 0 || second < 0) return 0;
         if (first > 0 || second > 0) found |= UINT32_C(1) << b;
     }
@@ -133,6 +138,7 @@ static uint64_t list_moved(flatten_job *f)
         double p[3];
 
         world_position(f, &view, v, p);
+        /* Numbers from 1; 0 stays where it is. */
         f->number[v] = thin_walls_at(f, p) != 0 ? (uint32_t)++count : 0;
     }
     return count;
@@ -156,12 +162,14 @@ static void aim_piece(void *user, int32_t piece, int32_t worker)
         if (f->number[v] == 0) continue;
         m = &f->moved[f->number[v] - 1];
         world_position(f, &view, v, p);
+        /* Each body's walls aim at its own mesh. */
         if ((thin_walls_at(f, p) >> f->asked & 1) == 0) continue;
         bvxi_closest_ask(&f->closest, p, &hint, &q);
         if (m->distance >= 0 && m->distance <= q.distance) continue; /* the other body's wall is nearer */
         m->distance = q.distance;
         for (int a = 0; a < 3; a++) {
             m->from[a] = p[a] - f->mesh->frame[a];
+            /* A small part of the way stays, so that vertices with one nearest point stay apart. */
             m->to[a] = q.position[a] + (p[a] - q.position[a]) * FLATTEN_LEFT - f->mesh->frame[a];
         }
         m->vertex = (uint32_t)v;
@@ -187,6 +195,7 @@ static void blocks_of(const flatten_job *f, const bvx_mesh_view *all, const uint
     for (int k = 0; k < 3; k++) {
         double p[2][3]; /* before and after */
 
+        /* A vertex may stand anywhere between both places. */
         bvxi_view_position(all, c[k], p[0]);
         memcpy(p[1], p[0], sizeof p[1]);
         if (f->number[c[k]] != 0) memcpy(p[1], f->moved[f->number[c[k]] - 1].to, sizeof p[1]);
@@ -211,6 +220,7 @@ static void mark_block_range(flatten_job *f, const int32_t low[3], const int32_t
 {
     int32_t from[3], to[3];
 
+    /* Cut to the window, wider by the blocks requested. */
     for (int a = 0; a < 3; a++) {
         from[a] = low[a] > more ? low[a] - more : 0;
         to[a] = high[a] + more < f->block_size[a] ? high[a] + more : f->block_size[a] - 1;
@@ -228,6 +238,7 @@ static void mark_blocks_around(flatten_job *f, const bvx_mesh_view *all)
         const uint32_t *const c = f->mesh->triangles + 3 * t;
         int32_t low[3], high[3];
 
+        /* No vertex of it moves. */
         if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) == 0) continue;
         blocks_of(f, all, c, low, high);
         mark_block_range(f, low, high, 0, FLATTEN_REACHED);
@@ -241,6 +252,8 @@ static int is_around(const flatten_job *f, const bvx_mesh_view *all, const uint3
     double p[3];
 
     if ((f->number[c[0]] | f->number[c[1]] | f->number[c[2]]) != 0) return 1;
+
+    /* The block of one corner first, as most triangles lie far from any wall. */
     bvxi_view_position(all, c[0], p);
     if (*flatten_blocks(f, block_along(f, 0, p[0]), block_along(f, 1, p[1]), block_along(f, 2, p[2])) == 0)
         return 0;
@@ -262,6 +275,7 @@ static void take_around(flatten_job *f, const bvx_mesh_view *all)
 
         if (!is_around(f, all, c)) continue;
         for (uint64_t k = 0; k < 3; k++) {
+            /* First which vertices there are, then the triangles by their numbers. */
             if (f->corner == NULL) f->local[c[k]] = 1;
             else f->corner[3 * triangles + k] = f->local[c[k]] - 1;
         }
@@ -276,6 +290,7 @@ static void take_around(flatten_job *f, const bvx_mesh_view *all)
 
 static void number_around(flatten_job *f, uint64_t vertices)
 {
+    /* Their own numbers, so that checks cost what lies around walls, not the mesh. */
     for (uint64_t v = 0; v < vertices; v++)
         if (f->local[v] != 0) f->vertex[f->local[v] - 1] = (uint32_t)v;
     f->near.positions = f->position;
@@ -293,6 +308,7 @@ static bvx_status open_around(flatten_job *f)
     uint64_t bytes = 1;
 
     for (int a = 0; a < 3; a++) {
+        /* Blocks over the window: what lies nearby is found by them. */
         f->block_size[a] = g->size[a] / FLATTEN_BLOCK + 1;
         f->block_origin[a] = g->lattice.origin[a] + g->lattice.spacing[a] * (double)g->low[a] -
                              f->mesh->frame[a];
@@ -303,6 +319,7 @@ static bvx_status open_around(flatten_job *f)
     bvx_mesh_view_of(f->mesh, &all);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin walls", &f->blocks));
     mark_blocks_around(f, &all);
+    /* Counted first, so that the arrays have their size. */
     take_around(f, &all);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls",
                         &f->corner);
@@ -319,6 +336,7 @@ static bvx_status open_around(flatten_job *f)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles that change",
                             &f->part_corner);
     if (status == BVX_OK) {
+        /* Listed by now, with the numbers found before. */
         take_around(f, &all);
         number_around(f, all.vertex_count);
     }
@@ -340,6 +358,7 @@ static void write_position(const flatten_job *f, const flatten_vertex *m)
 {
     static const double share[3] = {1.0, 0.5, 0.0};
 
+    /* As it was, or a share of the way; rounded as the mesh holds it. */
     for (int a = 0; a < 3; a++) {
         double const p = m->step == FLATTEN_STAYS ? m->from[a]
                                                   : m->from[a] + (m->to[a] - m->from[a]) * share[m->step];
@@ -358,6 +377,7 @@ static void mark_vertex(flatten_job *f, uint64_t v)
 
     if (number == 0) return;
     m = &f->moved[number - 1];
+    /* It cannot go back further, or does already. */
     if (m->step == FLATTEN_STAYS || m->back) return;
     m->back = 1;
     f->marked++;
@@ -376,6 +396,7 @@ static int reach_of_triangle(const flatten_job *f, uint64_t t, int32_t low[3], i
     for (int k = 0; k < 3; k++) {
         uint32_t const v = f->corner[3 * t + (uint64_t)k], number = f->number[f->vertex[v]];
 
+        /* Of its own vertices any that has gone since the last look. */
         changed |= number != 0 && f->moved[number - 1].changed;
         for (int a = 0; a < 3; a++) {
             int32_t const at = block_along(f, a, f->position[3 * (uint64_t)v + (uint64_t)a]);
@@ -404,6 +425,8 @@ static void take_changed(flatten_job *f)
     uint64_t count = 0;
 
     memset(f->blocks, 0, (size_t)f->block_count);
+
+    /* Blocks with a change in them; then the triangles that reach one. */
     for (uint64_t t = 0; t < f->near.triangle_count; t++)
         if (reach_of_triangle(f, t, low, high)) mark_block_range(f, low, high, 0, FLATTEN_REACHED);
     for (uint64_t t = 0; t < f->near.triangle_count; t++) {
@@ -427,6 +450,7 @@ static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
 
     BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, NULL, 0));
     if (count == 0) return BVX_OK;
+    /* Counted first, as nearly always there is none. */
     room = count; /* a call that fails leaves no count */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
     status = bvx_mesh_crossings(ctx, view, &count, pairs, room);
@@ -457,6 +481,7 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
 
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, bytes, "the places of vertices", &same));
     status = bvxi_weld(f->ctx, view, same, &different);
+    /* All at places of their own: nothing to look for. */
     for (uint64_t v = 0; status == BVX_OK && different != view->vertex_count && v < view->vertex_count; v++) {
         if (same[v] == v) continue;
         mark_vertex(f, v);
@@ -472,6 +497,7 @@ static void step_back(flatten_job *f, int32_t round)
     for (uint64_t n = 0; n < f->count; n++) {
         flatten_vertex *const m = &f->moved[n];
 
+        /* A change is what the next look goes by. */
         m->changed = m->back || (round >= FLATTEN_ROUNDS && m->step != FLATTEN_STAYS);
         if (round >= FLATTEN_ROUNDS) m->step = FLATTEN_STAYS;
         else if (m->back) m->step = round >= FLATTEN_SINGLE ? FLATTEN_STAYS : (uint8_t)(m->step + 1);
@@ -483,13 +509,16 @@ static void step_back(flatten_job *f, int32_t round)
 static bvx_status move_vertices(flatten_job *f)
 {
     for (int32_t round = 0;; round++) {
+        /* From the start, so that a step back replaces the way before. */
         for (uint64_t n = 0; n < f->count; n++) write_position(f, &f->moved[n]);
         if (round > FLATTEN_ROUNDS) return BVX_OK;
         read_positions(f);
         take_changed(f);
         mark_flat(f, &f->around_change);
+        /* Of all of them: vertices meet wherever triangles are. */
         BVXI_TRY(mark_common_places(f, &f->near));
         BVXI_TRY(mark_crossings(f, &f->around_change));
+        /* Nothing meets: done. */
         if (f->marked == 0) return BVX_OK;
         step_back(f, round);
     }
@@ -514,6 +543,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
 
 static bvx_status aim_vertices(flatten_job *f)
 {
+    /* Vertices are shared by pieces, each with its own hint. */
     uint64_t const pieces = f->mesh->vertex_count / FLATTEN_GRAIN + 1;
 
     f->pieces = pieces < FLATTEN_PIECES ? (int32_t)pieces : FLATTEN_PIECES;
@@ -540,10 +570,12 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     f.bodies = bodies;
     f.body_count = count;
     f.mesh = mesh;
+    /* Any wall's grid has the window. */
     for (int32_t b = count; b-- > 0;)
         if (bodies[b].thin->near.where.words != NULL) f.window = &bodies[b].thin->near.where;
     if (f.window == NULL || mesh->vertex_count == 0) return BVX_OK;
 
+    /* Which vertices, then where to, then what lies around them; then they move. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
     if (f.count != 0) status = aim_vertices(&f);

@@ -5,8 +5,7 @@
  * (march.c), and each crossed edge asks its ratio once. A level by triangle count searches the resolution: it
  * counts without making positions, guesses from triangles ~ resolution^2, and ends at neighbours of which one
  * keeps the target and the next does not. With collapse the search aims higher and edges go until the target
- * is kept (collapse.c).
- * */
+ * is kept (collapse.c). */
 #include "grid/downsample.h"
 #include "mesh/mesh.h"
 #include "simplify/room.h"
@@ -54,6 +53,7 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
                                     uint64_t level_count)
 {
     for (uint64_t l = 0; l < level_count; l++) {
+        /* The longest side counts for one ratio, each axis for three. */
         for (int32_t a = 0; a < 3; a++) {
             int32_t const n = o->resolutions != NULL ? longest_side(solid) : solid->size[a];
             int32_t const r = o->resolutions != NULL ? o->resolutions[l]
@@ -82,12 +82,14 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, con
                                     uint64_t level_count)
 {
     BVXI_TRY(bvxi_check_options(ctx, lod_name, o, BVXI_OPTIONS(lod_rows)));
+    /* Strictly between: at either end all or nothing would be inside. */
     if (!(o->threshold > 0 && o->threshold < 1))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
     if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: edge_samples requires BVX_LOD_EDGE_RATIO", lod_name);
+    /* Each way of saying how large levels are excludes the others. */
     if ((o->resolutions != NULL) + (o->axis_resolutions != NULL) + (o->target_triangles != NULL) != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: give exactly one of resolutions, axis_resolutions and target_triangles",
@@ -127,6 +129,8 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
 
     memset(w, 0, sizeof *w);
     w->march.function = lod_name;
+
+    /* Samples first; the march over their bits asks for ratios at crossed edges only. */
     level_ratio(job, resolution, by.n, by.r);
     BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, &by, &w->samples));
     if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
@@ -138,6 +142,7 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     w->march.ratio = o->method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
     w->march.ratio_user = &w->samples;
     BVXI_TRY(bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract));
+    /* One try with doubles: all that follow are compared with it. */
     if (w->march.options.position_type == BVX_F64) job->position_type = BVX_F64;
     return BVX_OK;
 }
@@ -162,6 +167,7 @@ static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *
 {
     bvx_lod_report *report;
 
+    /* Reports are made only where the caller has room for them. */
     if (job->options->reports == NULL) return;
     report = &job->options->reports[job->level];
     memset(report, 0, sizeof *report);
@@ -187,6 +193,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
 
     bvx_mesh_view_of(fine, &view);
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
+    /* No fewer than requested, as more collapse than needed loses shape. */
     status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
     if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
         status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
@@ -208,6 +215,7 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
                      .triangle_capacity = march->triangle_count};
     bvx_status status;
 
+    /* Scratch: the caller gets the collapsed mesh only. */
     status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes,
                         "the positions before collapse", &fine.positions);
     if (status == BVX_OK)
@@ -225,6 +233,7 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
     level_work w;
     bvx_status status = open_level(ctx, job, resolution, 0, &w);
 
+    /* Nothing at all would look like success. */
     if (status == BVX_OK && w.march.triangle_count == 0)
         status = bvxi_fail(ctx, BVX_ERR_EMPTY,
                            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid", lod_name,
@@ -246,6 +255,7 @@ static int32_t guess_between(int32_t low, uint64_t low_count, int32_t high, uint
                              uint64_t target, uint64_t tries)
 {
     double const a = sqrt((double)low_count), b = sqrt((double)high_count), t = sqrt((double)target);
+    /* Six tries by the square law, then by bisection, which always ends. */
     int32_t guess = low + (high - low) / 2;
     if (tries < 6 && b > a) guess = low + (int32_t)((double)(high - low) * ((t - a) / (b - a)));
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
@@ -263,6 +273,7 @@ static uint64_t search_target(uint64_t asked, double collapse)
 static bvx_status search_downwards(bvx_context *ctx, lod_job *job, uint64_t target, int32_t from,
                                    int32_t *resolution, uint64_t *seen)
 {
+    /* One by one: counts do not fall evenly there. */
     for (int32_t r = from - 1; r > 0; r--) {
         uint64_t count;
         BVXI_TRY(count_level(ctx, job, r, &count));
@@ -287,6 +298,7 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     while (high - low > 1) {
         uint64_t count;
         BVXI_TRY(count_level(ctx, job, guess, &count));
+        /* Within the target: from here upwards. */
         if (count <= target) {
             low = guess;
             low_count = count;
@@ -303,6 +315,7 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
             if (guess <= low) guess = low + 1;
         }
     }
+    /* Nothing below, something above: single resolutions may still do. */
     if (low_count == 0 && high_count != 0)
         BVXI_TRY(search_downwards(ctx, job, target, high, &low, &high_count));
     if (low == 0 && high_count == 0)
@@ -331,6 +344,7 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     BVXI_TRY(check_lod_options(context, solid, &o, level_count));
     job.solid = solid;
     job.options = &o;
+    /* Levels are independent: each has its own search. */
     for (job.level = 0; job.level < level_count && status == BVX_OK; job.level++) {
         int32_t resolution = o.resolutions != NULL ? o.resolutions[job.level] : 0;
         job.position_type = o.position_type;

@@ -26,6 +26,7 @@ typedef struct octree_mesh_job {
 static void block_window(const octree_mesh_job *job, const int32_t b[3], bvx_window *w)
 {
     for (int a = 0; a < 3; a++) {
+        /* Blocks share a layer of voxels, so their surfaces have vertices in common. */
         int32_t const rest = job->tree->lattice.dims[a] - (b[a] << BLOCK_SHIFT);
         int32_t const most = (1 << BLOCK_SHIFT) + 1;
         w->low[a] = b[a] << BLOCK_SHIFT;
@@ -53,6 +54,7 @@ static bvx_status block_may_hold(const octree_mesh_job *job, const int32_t b[3],
     bvx_window w;
     uint64_t count = 0;
 
+    /* As many large voxels as the block reaches into. */
     block_window(job, b, &w);
     for (int a = 0; a < 3; a++) {
         int32_t const last = (w.low[a] + w.size[a] - 1) >> down;
@@ -74,6 +76,7 @@ static bvx_status extract_block(octree_mesh_job *job, const int32_t b[3])
     bvx_status status;
 
     block_window(job, b, &w);
+    /* The block at the finest level; its open sides are left to others. */
     BVXI_TRY(bvx_octree_expand(job->ctx, job->tree, job->tree->levels, job->states, &w, &grid));
     job->options.open_sides = open_sides_of_block(job, b);
     status = bvx_extract_surface(job->ctx, &grid, &job->options, &job->part[job->part_count]);
@@ -89,6 +92,7 @@ static void choose_for_block(octree_mesh_job *job, const int32_t b[3])
     bvx_grid grid = {.lattice = job->tree->lattice};
     bvx_window w;
 
+    /* Chosen already, or by an earlier block. */
     if (job->options.position_type != BVX_POSITION_AUTO) return;
     block_window(job, b, &w);
     memcpy(grid.low, w.low, sizeof grid.low);
@@ -115,6 +119,7 @@ static bvx_status visit_blocks(octree_mesh_job *job)
     double const all = (double)job->blocks[0] * job->blocks[1] * job->blocks[2];
     double n = 0;
 
+    /* Each block has its share of the bar. */
     for (int32_t z = 0; z < job->blocks[2]; z++)
         for (int32_t y = 0; y < job->blocks[1]; y++)
             for (int32_t x = 0; x < job->blocks[0]; x++) {
@@ -136,6 +141,7 @@ static bvx_status merge_blocks(octree_mesh_job *job, bvx_mesh *mesh)
             bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *job->part, "the blocks' surfaces", &job->part));
         BVXI_TRY(extract_block(job, first));
     }
+    /* Keys bring common vertices together, in the order of the whole. */
     BVXI_TRY(bvx_mesh_merge(job->ctx, job->part, job->part_count, &made));
     if (!job->keys) bvxi_mesh_release(job->ctx, &made, BVXI_MESH_KEYS);
     bvx_mesh_free(job->ctx, mesh);
@@ -147,6 +153,7 @@ static bvx_status run_blocks(octree_mesh_job *job, bvx_mesh *mesh)
 {
     bvx_status status;
 
+    /* Counted first, so that positions of all blocks have one type. */
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, visit_blocks(job)));
     if (job->room > 0) {
         if (job->options.position_type == BVX_POSITION_AUTO) job->options.position_type = BVX_F32;
@@ -180,6 +187,8 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: open_sides is %d; all sides are closed", octree_mesh_name,
                              (int64_t)job.options.open_sides);
+
+    /* Keys are needed for merging, even where the caller has none of them. */
     job.options.struct_size = sizeof job.options;
     job.ctx = context;
     job.tree = tree;

@@ -50,6 +50,7 @@ static double finest_samples(const lods_plan *p)
         uint64_t const n = o->resolutions != NULL ? p->level_count : 3 * p->level_count;
         const int32_t *const given = o->resolutions != NULL ? o->resolutions : o->axis_resolutions;
 
+        /* The finest of what is given. */
         for (uint64_t i = 0; i < n; i++) finest = given[i] > finest ? given[i] : finest;
         return finest;
     }
@@ -74,6 +75,7 @@ static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *me
     uint64_t const beside = bvx_memory_used(ctx) + 16 * mesh->vertex_count + 4 * mesh->triangle_count;
     uint64_t room;
 
+    /* Without a limit the most that is ever planned. */
     if (limit == 0) return PLAN_MOST_BYTES;
     room = limit > beside ? (limit - beside) / 2 : 0;
     return room < PLAN_MOST_BYTES ? room : PLAN_MOST_BYTES;
@@ -92,6 +94,7 @@ static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t reso
     o.padding = p->padding;
     status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
     *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
+    /* Too large a lattice is an answer here, not an error. */
     return status == BVX_ERR_RANGE ? BVX_OK : status;
 }
 
@@ -102,6 +105,7 @@ static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *
     int32_t low = finest < PLAN_FINEST_GRID ? (int32_t)finest : PLAN_FINEST_GRID;
     int32_t high = wanted < PLAN_FINEST_GRID ? (int32_t)wanted : PLAN_FINEST_GRID;
 
+    /* By bisection from what is wanted; limited says that memory decided. */
     *limited = 0;
     for (int32_t next = high; low < high; next = low + (high - low + 1) / 2) {
         int32_t fits;
@@ -131,6 +135,7 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
     bvx_lod_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
+    /* Fewer options than a call of levels has, and by the same rules. */
     BVXI_TRY(check_planned_levels(context, &o, level_count));
     if (padding < 0 || padding > 65536)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,

@@ -62,6 +62,7 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
             "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
             bvxi_repair_name, (int64_t)o->sign);
+    /* A lattice has its resolution: nothing is left to look for. */
     if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
@@ -107,6 +108,7 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 /* Triangles grow as the square of the resolution; from the middle when that has stopped helping. */
 static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
 {
+    /* Five tries by the square law, then by bisection. */
     int32_t guess = low + (high - low) / 2;
     if (tries < 5 && high_count != 0)
         guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
@@ -174,6 +176,8 @@ static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR
     int const sound = !taken ||
                       (c->boundary_edges == 0 && c->nonmanifold_edges == 0 && c->flipped_edges == 0);
     double weight[REPAIR_STEPS] = {0}, all = 0.0, sum = 0.0;
+
+    /* Weights in one unit of time, so that shares follow. */
     double const begin = first > 0 ? end[first - 1] : 0.0;
 
     weight[REPAIR_TAKE] = 0.5 * n;
@@ -210,6 +214,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     uint64_t voxels;
     double end[REPAIR_STEPS];
 
+    /* Planned anew whenever more is known. */
     plan_repair(job, REPAIR_TAKE, end);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, end[REPAIR_TAKE], bvxi_repair_take(job)));
     plan_repair(job, REPAIR_NEEDS, end);
@@ -257,6 +262,7 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
+    /* The result is not the mesh that it is made of. */
     BVXI_TRY(bvxi_view_check(context, bvxi_repair_name, mesh));
     BVXI_TRY(bvxi_view_apart(context, bvxi_repair_name, mesh, repaired));
     BVXI_TRY(check_repair_choices(context, &o));

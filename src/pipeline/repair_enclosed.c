@@ -30,6 +30,7 @@ static int is_whole_off(const bvxi_repair_job *job, const double middle[3], cons
     const bvx_lattice *const l = &job->lattice;
     double const one = (double)((int64_t)1 << l->fraction_bits);
     int64_t place[3];
+    /* The place in fixed point, as winding numbers take it. */
     for (int a = 0; a < 3; a++)
         place[a] = (int64_t)floor((middle[a] + normal[a] * off - l->origin[a]) / l->spacing[a] * one + 0.5);
     return bvxi_winding_off(job->winding, place) < ENCLOSED_OFF;
@@ -44,6 +45,8 @@ static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
 
     bvxi_view_triangle(&job->mesh, t, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
+
+    /* The middle and the normal; half a voxel off on both sides. */
     for (int a = 0; a < 3; a++) {
         int const i = (a + 1) % 3, j = (a + 2) % 3;
         middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3.0;
@@ -62,6 +65,7 @@ static void ask_triangles(void *user, int32_t piece, int32_t worker)
     uint64_t begin, end;
     (void)worker;
     bvxi_piece(e->job->mesh.triangle_count, e->pieces, piece, &begin, &end);
+    /* Only triangles that are asked about. */
     for (uint64_t t = begin; t < end; t++)
         if (e->answer[t] == BVXI_TRIANGLE_ASKED && is_enclosed(e->job, t))
             e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
@@ -76,6 +80,7 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
     enclosed_job e;
     bvx_status status;
 
+    /* Sheets are left out of the body, so its holes are others. */
     if (parted)
         BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &of_body));
     status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill,
@@ -83,6 +88,7 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
     e.job = job;
     e.answer = answer;
     e.pieces = pieces < ENCLOSED_PIECES ? (int32_t)pieces : ENCLOSED_PIECES;
+    /* No winding number where there is no body. */
     if (status == BVX_OK && job->winding != NULL)
         status = bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e);
     bvxi_winding_close(job->ctx, job->winding);

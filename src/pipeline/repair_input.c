@@ -17,11 +17,13 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     bvxi_patches patches;
     bvx_status status = BVX_OK;
 
+    /* Around the middle, so that volumes keep their digits. */
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
     BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
     if (patches.unorientable != 0 || (patches.odd_edges == 0 && patches.open_edges != 0)) {
         *sign = BVX_SIGN_VOTE;
     } else {
+        /* Scratch may be there from leaving out copies. */
         if (job->corner == NULL)
             status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
                                 "the turned triangles", &job->corner);
@@ -39,6 +41,7 @@ static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const d
 {
     int32_t sign = job->options->sign;
 
+    /* Winding numbers need triangles of one mind; where none were flipped nothing is turned. */
     if (sign == BVX_SIGN_AUTO) {
         sign = BVX_SIGN_WINDING;
         if (job->report.before.flipped_edges != 0)
@@ -64,6 +67,7 @@ static bvx_status drop_duplicates(bvxi_repair_job *job, const uint32_t *represen
 {
     uint64_t kept;
 
+    /* Each triangle is there once already. */
     if (job->report.before.duplicates + job->report.before.collapsed == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the triangles once each",
                         &job->corner));
@@ -86,6 +90,7 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
     memcpy(welded.high, high, sizeof welded.high);
     BVXI_TRY(bvxi_weld(job->ctx, job->given, representative, &welded.different));
     if (job->known != NULL) {
+        /* A certificate that is known is not made again. */
         *r = *job->known;
         r->collapsed = job->given->triangle_count - r->triangles;
         r->unused_vertices = welded.different - r->vertices;
@@ -104,6 +109,7 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
     int32_t const asked = job->options->sharp;
     bvx_repair_report *const r = &job->report;
 
+    /* The report says how sharp the mesh is, even where the choice was given. */
     if (asked < 0 || job->options->report != NULL)
         BVXI_TRY(bvxi_sharp_edges(job->ctx, &job->mesh, representative, &r->sharp, &r->sharp_share));
     if (asked >= 0) r->sharp = asked;
@@ -122,6 +128,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvxi_repair_name);
     BVXI_TRY(bvxi_view_bounds(ctx, bvxi_repair_name, job->given, low, high));
     job->mesh = *job->given;
+    /* First of all, as what follows goes by welded vertices. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
     status = check_given(job, low, high, representative);
     if (status == BVX_OK) status = drop_duplicates(job, representative);

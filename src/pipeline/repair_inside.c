@@ -14,6 +14,7 @@ static bvx_status open_scratch_grid(bvxi_repair_job *job, bvx_grid *grid)
 
 static bvx_status open_grids(bvxi_repair_job *job)
 {
+    /* What an earlier resolution left goes first. */
     bvxi_thin_close(job->ctx, &job->thin);
     bvxi_drop(job->ctx, job->inside.words);
     bvxi_drop(job->ctx, job->solid.words);
@@ -53,6 +54,7 @@ bvx_status bvxi_repair_inside(bvxi_repair_job *job)
     BVXI_TRY(BVXI_SHARE(job->ctx, filled, filled + 0.04, bvxi_repair_part(job)));
     if (job->sheets.triangle_count != 0)
         BVXI_TRY(BVXI_SHARE(job->ctx, filled + 0.04, filled + 0.1, fill_solid(job, &job->body)));
+    /* The body's solid stays, as shells are joined to a copy of it. */
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
     if (job->sheets.triangle_count != 0)

@@ -31,6 +31,7 @@ static void add_to_piece(needs_piece *s, const double p[3][3])
 
     s->volume6 += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
                   a[2] * (b[0] * c[1] - b[1] * c[0]);
+    /* Its box begins with its first corner. */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) {
             if ((s->triangles == 0 && k == 0) || p[k][i] < s->low[i]) s->low[i] = p[k][i];
@@ -51,6 +52,7 @@ static int cavities_lie_within(const needs_piece *pieces, uint64_t count)
 {
     for (uint64_t n = 0; n < count; n++) {
         int within = 0;
+        /* No piece, or one that faces outwards. */
         if (pieces[n].triangles == 0 || pieces[n].volume6 > 0) continue;
         for (uint64_t m = 0; m < count && !within; m++)
             within = pieces[m].triangles != 0 && pieces[m].volume6 > 0 &&
@@ -75,6 +77,7 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
         bvxi_view_triangle(&job->mesh, t, v);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(&job->mesh, v[k], p[k]);
+            /* Around the middle, so that far coordinates keep their digits. */
             for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * low[a] + 0.5 * high[a];
         }
         add_to_piece(&pieces[job->piece[v[0]]], (const double(*)[3])p);
@@ -93,6 +96,7 @@ static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
     uint64_t bytes = 0;
     bvx_status status = bvxi_repair_lattice(job, job->options->resolution);
 
+    /* Both rules on one lattice; equal bits say that neither part hides another. */
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
     if (status == BVX_OK) bytes = bvx_grid_bound(&job->lattice, NULL) * 8;
@@ -116,6 +120,7 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 
+    /* Cheapest first: volumes, then two fills, then crossings. */
     if (r->before.components > 1) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
     if (r->before.components > 1 && right)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.3, judge_nesting(job, &right)));
@@ -148,6 +153,7 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
     BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)from->position_type, 0, vertices,
                             from->triangle_count, copy));
 
+    /* Corners by their new numbers, positions once for each. */
     for (uint64_t t = 0; t < from->triangle_count; t++) {
         uint32_t v[3];
         bvxi_view_triangle(from, t, v);
@@ -182,6 +188,7 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     bvxi_drop(job->ctx, representative);
     if (status != BVX_OK) return status;
 
+    /* Nothing was made sharp: the copy has the edges that the mesh has. */
     job->report.copied = 1;
     job->report.sharp = 0;
     if (job->options->report == NULL) return BVX_OK;

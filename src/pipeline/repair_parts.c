@@ -12,6 +12,8 @@ static void judge_parts(const uint64_t *voxels, uint8_t *marks, uint64_t count, 
                         uint64_t *kept, uint64_t *gone)
 {
     *kept = *gone = 0;
+
+    /* What touches the window's side is the outside. */
     for (uint64_t i = 0; i < count; i++) {
         int const outside = marks[i] != 0;
         marks[i] = !outside && voxels[i] < least;
@@ -35,6 +37,7 @@ static bvx_status clean_spaces(bvxi_repair_job *job, int32_t empty, uint64_t lea
     if (status == BVX_OK)
         status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of parts", &marks);
     if (status == BVX_OK) {
+        /* Parts need no look at the sides: they are cut off by none. */
         bvxi_spaces_measure(&spaces, voxels, empty ? marks : NULL);
         judge_parts(voxels, marks, count, least, kept, gone);
         if (*gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);

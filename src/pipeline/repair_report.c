@@ -11,6 +11,7 @@
 
 static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
 {
+    /* Loop by loop, from its first vertex around to it. */
     uint64_t begin = 0;
 
     job->report.holes = holes->loops;
@@ -33,6 +34,7 @@ static bvx_status find_holes(bvxi_repair_job *job)
 {
     bvxi_holes holes;
 
+    /* The holes of the fill are those of the mesh, where it has no sheets and no edge twice. */
     if (job->sheets.triangle_count == 0 && !job->holes.repeated) {
         measure_loops(job, &job->holes);
         return BVX_OK;
@@ -51,6 +53,7 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
     bvx_grid grid[2];
     bvx_status status = BVX_OK;
 
+    /* The same mesh by both rules: what one has and the other has not. */
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
     for (int i = 0; i < 2 && status == BVX_OK; i++) {
@@ -71,6 +74,7 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
 /* far[v] of the result: 1 when it stands off the input. */
 static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *result, uint8_t *far)
 {
+    /* Farther than a crossing can lie from the surface that makes it. */
     const double *const h = job->lattice.spacing;
     double const most = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) * 0.6;
     bvx_closest closest;
@@ -91,6 +95,7 @@ static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *r
 
 static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *result)
 {
+    /* A view of the triangles off the holes, over the same vertices. */
     bvx_mesh_view near = *result;
     bvx_distance_report report;
     uint32_t *corner = NULL;
@@ -133,6 +138,7 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
 {
     double p[3];
 
+    /* In the world, as the frame is not part of a view. */
     for (uint64_t v = 0; v < result->vertex_count; v++) {
         bvxi_view_position(result, v, p);
         for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
@@ -172,6 +178,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     double const overlaps = job->options->measure ? 0.1 : 1.0;
     bvx_mesh_view result;
 
+    /* What is made is looked at as any mesh is. */
     bvx_mesh_view_of(repaired, &result);
     job->report.lattice = job->lattice;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, check, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));

@@ -59,6 +59,7 @@ static double vector_length(const double v[3])
 static int is_set_at(const bvx_grid *solid, const double at[3])
 {
     size_t row;
+    /* Beyond the window nothing is set. */
     for (int a = 0; a < 3; a++)
         if (!(at[a] >= 0 && at[a] < (double)solid->size[a])) return 0;
     row = (size_t)at[2] * (size_t)solid->size[1] + (size_t)at[1];
@@ -76,6 +77,7 @@ static int has_solid_behind(const bvx_grid *solid, const double step[3], const d
     double const part = 1.0 / length;
     double middle[3], way[3], at[3];
 
+    /* In voxels, as the grid is looked at. */
     for (int a = 0; a < 3; a++) {
         middle[a] = ((p[0][a] + p[1][a] + p[2][a]) * (1.0 / 3.0) - solid->lattice.origin[a]) /
                     solid->lattice.spacing[a];
@@ -97,12 +99,14 @@ static void corners_of_triangle(const bvx_mesh_view *mesh, uint64_t t, uint32_t 
 static void take_into_piece(piece_sums *piece, const double p[3][3])
 {
     for (int a = 0; a < 3; a++) {
+        /* The first triangle opens the box. */
         if (piece->triangles == 0) piece->low[a] = piece->high[a] = piece->first[a] = p[0][a];
         for (int k = 0; k < 3; k++) {
             if (p[k][a] < piece->low[a]) piece->low[a] = p[k][a];
             if (p[k][a] > piece->high[a]) piece->high[a] = p[k][a];
         }
     }
+    /* From a corner of the piece, so that large coordinates do not take the digits. */
     for (int a = 0; a < 3; a++) {
         int const i = (a + 1) % 3, j = (a + 2) % 3;
         double const *const o = piece->first;
@@ -121,6 +125,8 @@ static void find_rods(const bvxi_repair_job *job, all_sums *sums)
     double const side = bvxi_largest_spacing(&job->lattice);
 
     if (job->options->thin == BVX_THIN_DROP) return;
+
+    /* Each piece by its own area, length and volume. */
     for (uint64_t i = 0; i < sums->count; i++) {
         piece_sums *const s = &sums->piece[i];
         double length = 0;
@@ -140,6 +146,7 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
 {
     double step[3];
 
+    /* A step of one voxel of the largest spacing along each axis. */
     for (int a = 0; a < 3; a++) step[a] = bvxi_largest_spacing(&job->lattice) / job->lattice.spacing[a];
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         double p[3][3], n[3], length;
@@ -150,6 +157,7 @@ static void sum_areas(const bvxi_repair_job *job, all_sums *sums)
         take_into_piece(piece, (const double(*)[3])p);
         bvxi_facet_cross((const double(*)[3])p, n);
         length = vector_length(n);
+        /* Without area it covers nothing. */
         if (!(length > 0)) continue;
         piece->area += 0.5 * length;
         if (has_solid_behind(&job->solid, step, (const double(*)[3])p, n, length))
@@ -163,6 +171,7 @@ static void sum_loops(const bvxi_repair_job *job, const bvxi_holes *holes, all_s
     uint64_t begin = 0;
 
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        /* A fan from the loop's first vertex: any would have the same sum. */
         double first[3], sum[3] = {0, 0, 0};
         bvxi_view_position(&job->mesh, holes->vertex[begin], first);
         for (uint64_t i = begin + 1; i + 1 < holes->loop_end[l]; i++) {
@@ -183,6 +192,7 @@ static bvx_status sum_lids(bvxi_repair_job *job, all_sums *sums)
 {
     bvxi_holes holes;
 
+    /* Closed meshes have no loop. */
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0) return BVX_OK;
     if (!job->holes.repeated) {
         sum_loops(job, &job->holes, sums);
@@ -208,6 +218,7 @@ static int is_joined(const piece_sums *s)
 
 static int is_sheet(const piece_sums *s)
 {
+    /* A joined piece is part of a body, whatever its lid is. */
     if (!(s->area > 0) || is_joined(s)) return 0;
     return s->lid >= SHEET_LID * s->area || ((s->open || s->rod) && s->kept < SHEET_KEPT * s->area);
 }
@@ -219,6 +230,7 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
     uint64_t sheet_triangles = 0, next[2];
     uint32_t c[3];
 
+    /* Counted first: bodies from the front, sheets from where they begin. */
     for (uint64_t i = 0; i < sums->count; i++)
         if (is_sheet(&sums->piece[i])) sheet_triangles += sums->piece[i].triangles;
     job->body = job->mesh;
@@ -248,6 +260,7 @@ static uint64_t ask_open_pieces(const bvxi_repair_job *job, const all_sums *sums
     uint64_t count = 0;
     uint32_t c[3];
 
+    /* Only pieces that are open by their own lid. */
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         bvxi_view_triangle(&job->mesh, t, c);
         answer[t] = is_open_piece(sums_of(job, sums, c[0])) ? BVXI_TRIANGLE_ASKED : 0;
@@ -261,6 +274,7 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
     double p[3][3], n[3];
     uint32_t c[3];
 
+    /* By the area of what lies on a common body's border. */
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] != BVXI_TRIANGLE_ENCLOSED) continue;
@@ -278,6 +292,7 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
     uint64_t count = 0;
     uint32_t c[3];
 
+    /* One lid over all that remain: the sum of their vectors. */
     for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
         if (answer[t] == 0) continue;
         corners_of_triangle(&job->mesh, t, c, p);
@@ -304,6 +319,8 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
     if (job->fill == BVX_FILL_PARITY) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the open triangles", &answer));
     asked = ask_open_pieces(job, sums, answer);
+
+    /* Each round leaves out what turned out as sheets, which changes the winding number. */
     for (int round = 0; status == BVX_OK && asked != 0 && asked != before; round++) {
         before = asked;
         if (round > 0) status = list_parted(job, sums);
@@ -324,6 +341,7 @@ static bvx_status open_sums(bvxi_repair_job *job, all_sums *sums)
     memset(sums, 0, sizeof *sums);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the pieces' numbers",
                         &sums->number));
+    /* A piece is named after its least vertex. */
     for (uint64_t v = 0; v < job->given->vertex_count; v++)
         if (job->piece[v] == v) sums->number[v] = (uint32_t)sums->count++;
     status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sums->count * sizeof *sums->piece, "the pieces' areas",
@@ -345,6 +363,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
+    /* Without shells all is body. */
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
     sum_areas(job, &sums);
@@ -375,6 +394,7 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
     if (status == BVX_OK)
         status = bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
                                    0.5 * job->options->shell * most, &band, first);
+    /* Shells are joined to the solid, word by word. */
     for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
     bvxi_drop(job->ctx, first);
     if (band.words != job->inside.words) bvxi_drop(job->ctx, band.words);

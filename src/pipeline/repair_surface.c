@@ -18,6 +18,7 @@
 static bvx_status measure_mesh(bvxi_repair_job *job, const bvxi_sparse *v, const bvx_mesh_view *mesh,
                                double off, double from, double to)
 {
+    /* As far as an edge is long; a little more for rounding. */
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
     double const part = from + (to - from) * 0.3;
     bvxi_nearest *nearest = NULL;
@@ -46,6 +47,7 @@ static void join_values(const bvxi_repair_job *job, const bvxi_sparse *v, double
             double shell[3], distance = ((const double *)sheets->distances)[n];
             memcpy(shell, (const double *)sheets->vectors + 3 * n, sizeof shell);
             bvxi_thin_value(thick, shell, &distance); /* half its thickness off the sheet */
+            /* The body is nearer. */
             if (body <= distance) continue;
             memcpy(vectors + 3 * n, shell, sizeof shell);
             distances[n] = distance;
@@ -91,6 +93,7 @@ static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge 
     double told[BVXI_MISSING_MOST];
     int32_t number[BVXI_MISSING_MOST], n = 0;
 
+    /* Edges at the window's side, or without winding numbers, are cut in the middle. */
     for (int32_t e = 0; e < count; e++) {
         const int32_t *const v = edge[e].at;
         int32_t const axis = edge[e].axis;
@@ -136,6 +139,7 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
     bvxi_sparse v = {.count = 0};
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.65, open_values(job, &v));
 
+    /* Lids lie where the winding number is a half; parity has none. */
     if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
         status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                    &job->holes, &job->winding);

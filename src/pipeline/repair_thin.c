@@ -27,6 +27,8 @@ static bvx_status count_thin_components(repair_walls *t)
     uint8_t *own;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, vertices, "the pieces with thin walls", &own));
+
+    /* Each piece counts once, however many places it has. */
     for (uint64_t n = 0; n < t->walls.count; n++)
         if (t->walls.point[n].wall != BVXI_NO_WALL)
             own[job->piece[t->walls.corner[3 * (size_t)t->walls.point[n].triangle]]] = 1;
@@ -43,6 +45,7 @@ static bvx_status tell_walls(repair_walls *t)
     bvxi_walls_report(&t->walls, &found);
     r->thin_voxels = found.voxels;
     r->thin_wall = found.wall * t->walls.unit;
+    /* Nothing is thin. */
     if (found.voxels == 0) return BVX_OK;
     memcpy(r->thin_low, found.low, sizeof found.low);
     memcpy(r->thin_high, found.high, sizeof found.high);
@@ -66,6 +69,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     repair_walls t;
     bvx_status status;
 
+    /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
     job->report.thin_voxels = job->report.thin_components = 0;
     job->report.thin_wall = 0;

@@ -33,6 +33,7 @@ static void widen_places(thin_job *t)
 
         if (t->walls->point[n].wall == BVXI_NO_WALL) continue;
         bvxi_bit_centre(g, t->walls->at[n], at);
+        /* The places' neighbours, cut to the window. */
         for (int a = 0; a < 3; a++) {
             low[a] = at[a] > 0 ? at[a] - 1 : 0;
             high[a] = at[a] + 1 < g->size[a] ? at[a] + 1 : at[a];
@@ -45,6 +46,7 @@ static void widen_places(thin_job *t)
                     g->words[bit / 64] |= UINT64_C(1) << (bit & 63);
                 }
     }
+    /* Centres inside already need no place. */
     for (uint64_t i = 0; i < t->walls->bytes / 8; i++) g->words[i] &= ~t->inside->words[i];
 }
 
@@ -64,6 +66,7 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
     for (int n = 0; n < count; n++) {
         int32_t at[3];
 
+        /* A centre that is not of a place belongs to the solid. */
         if ((t->walls->places.words[found[n] / 64] >> (found[n] & 63) & 1) == 0) return 0;
         bvxi_bit_centre(g, found[n], at);
         for (int side = 0; side < 6; side++) {
@@ -78,6 +81,7 @@ static int gather_crumb(const thin_job *t, uint64_t from, uint64_t found[THIN_CR
             bit = bvxi_centre_bit(g, to[0], to[1], to[2]);
             for (int k = 0; k < count; k++) known |= found[k] == bit;
             if (known) continue;
+            /* More than a few: no crumb. */
             if (count == THIN_CRUMB) return 0;
             found[count++] = bit;
         }
@@ -93,6 +97,7 @@ static void drop_thin_crumbs(thin_job *t)
     for (uint64_t n = 0; n < t->walls->count; n++) {
         int count;
 
+        /* Not inside: nothing to take back. */
         if ((t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1) == 0) continue;
         count = gather_crumb(t, t->walls->at[n], found);
         for (int k = 0; k < count; k++) t->inside->words[found[k] / 64] &= ~(UINT64_C(1) << (found[k] & 63));
@@ -112,6 +117,7 @@ static void widen_walls(thin_job *t)
 static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
 {
     *more = 0;
+    /* What the widened solid loses, near the walls only. */
     BVXI_TRY(bvxi_walls_mark(t->walls));
     for (uint64_t n = 0; n < t->walls->bytes / 8; n++) t->walls->places.words[n] &= near[n];
     BVXI_TRY(bvxi_walls_list(t->walls));
@@ -141,6 +147,7 @@ static bvx_status keep_reach(thin_job *t)
         int const inside = (int)(t->inside->words[t->walls->at[n] / 64] >> (t->walls->at[n] & 63) & 1);
         float reach = thin_reach_of(p);
 
+        /* A centre inside must lie within its reach, or the surface would pass on its wrong side. */
         if (inside && reach <= p->distance) reach = p->distance + THIN_BEYOND;
         ((float *)near->distances)[n] = p->sheet ? -reach : reach;
     }
@@ -178,6 +185,8 @@ static bvx_status widen(thin_job *t)
     BVXI_TRY(
         bvxi_alloc(t->walls->ctx, BVXI_SCRATCH, t->walls->bytes, "the centres beside thin walls", &near));
     memcpy(near, t->walls->places.words, (size_t)t->walls->bytes);
+
+    /* The answers for all centres are kept while mending asks for some. */
     asked = *t->walls;
     t->walls->at = NULL;
     t->walls->point = NULL;
