@@ -73,6 +73,7 @@ corners() { # LOW, HIGH X, HIGH Y, HIGH Z
 { corners 0 2 1 1; echo "$others" | sides 0; echo '4 5 1
 4 5 8' | sides 0; } >flipped.obj
 { corners 0 16 16 16; corners 6 10 10 10; { echo "$others"; echo "$low_x"; } >all; sides 0 <all; sides 8 <all; } >nested.obj
+{ corners 0 16 16 16; corners 0.3 15.7 15.7 15.7; sides 0 <all; sides 8 <all; } >thin_nested.obj
 flat() { # HEIGHT, HIGH X
     printf 'v 0 0 %s\nv %s 0 %s\nv %s 4 %s\nv 0 4 %s\nf 1 2 3\nf 1 3 4\n' "$1" "$2" "$1" "$2" "$1" "$1"
 }
@@ -126,6 +127,8 @@ sets 4096 nested.obj --spacing 1 --padding 2 --fill nonzero
 sets 4032 nested.obj --spacing 1 --padding 2
 reports 'auto keeps cavities and says why' 'r["solid"]["fill"] == "parity" and r["solid"]["reason"] == "nested" and len(r["warnings"]) == 1' \
     voxelize nested.obj -o x.bvx --spacing 1 --padding 2
+reports 'nested shells and no voxel are two warnings' 'len(r["warnings"]) == 2 and r["warnings"][0].endswith("has it solid")' \
+    voxelize thin_nested.obj -o x.bvx --spacing 1 --padding 2
 # The flood leaves the hollow to the solid, but voxels of its surface vote: 4 x 4 x 4 less 2 x 2 x 2 stay empty.
 sets 4096 nested.obj --spacing 1 --padding 2 --fill flood
 reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["regions"] == 3 and r["solid"]["mixed_regions"] == 0
