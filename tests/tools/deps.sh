@@ -12,7 +12,7 @@ proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-to
     musl-tools gcc-mingw-w64-x86-64 wine64 wine debhelper dpkg-dev lintian ccache emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
 if [ "${1:-}" = proof ]; then packages="$packages $proof"; fi
 if [ "${1:-}" = js ]; then
-    packages='emscripten chromium'
+    packages='emscripten zopfli chromium'
     command -v node >/dev/null 2>&1 || packages="$packages nodejs"
     command -v npm >/dev/null 2>&1 || packages="$packages npm"
 fi
