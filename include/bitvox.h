@@ -625,7 +625,15 @@ typedef struct bvx_solid_report {
                                   [Units: world] */
     int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, both ends in it [Units: voxels of the
                                             lattice] */
-    uint64_t reserved[2];
+    double crossing_volume;    /**< where walls were looked for and no shell was added: volume, with the solid
+                                 ending where lines of centres cross the mesh and not half way between
+                                 centres; what the voxels lose or close is not in it. Rounded to a float
+                                 [Units: world] */
+    int32_t volume_resolution; /**< the resolution from which volume is within 1 % of mesh_volume, or of
+                                    crossing_volume where that is 0: the volume is off by no more per
+                                    resolution than now, and by half a voxel on faces along the lattice; 0:
+                                    it is, or none does. Not in bvx_boolean_report */
+    int32_t reserved;
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {

@@ -326,7 +326,9 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
                 "has it solid",
                 cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
-        if (!is_thin_kept(b, i)) cli_tell_losses(&made->warnings, of, "", &run->report.lattice, &b->solid[i]);
+        if (!is_thin_kept(b, i))
+            cli_tell_losses(&made->warnings, of, "", b->by_mesh ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF,
+                            &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0)

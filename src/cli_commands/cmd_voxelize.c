@@ -260,13 +260,14 @@ static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
     return status == BVX_OK ? bvx_grid_count(run->context, &job->grid, &made->set) : status;
 }
 
-static void tell_voxels(const cli_options *o, const voxel_job *job, const voxel_reports *reports,
+static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_reports *reports,
                         cli_made *made)
 {
+    const cli_options *const o = run->options;
     int const solid = !job->cloud && o->mode == CLI_MODE_SOLID;
 
     if (job->cloud) cli_tell_cloud(o, &reports->cloud, made);
-    else if (solid) cli_tell_solid(o, &job->grid, &reports->solid, made);
+    else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
     else tell_surface(o, &reports->surface, made);
     if (solid && o->compare_fills) cli_tell_fills(&job->fills, made);
 
@@ -295,7 +296,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     if (made->field != NULL || result != CLI_DONE) return result;
 
-    tell_voxels(o, job, &reports, made);
+    tell_voxels(run, job, &reports, made);
     job->voxels.name = o->input[0];
     job->voxels.grid = job->voxels.solid = &job->grid;
     if (!job->cloud && o->mode == CLI_MODE_SOLID && !o->add_shell && o->second == NULL)

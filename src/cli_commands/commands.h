@@ -23,20 +23,23 @@ int cli_fill_input(cli_run *run, cli_input *in);
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why, as a line. */
 void cli_tell_fill(cli_text *text, const bvx_solid_report *report);
+/* How far off a volume may be without a warning: of voxels that are the result; of those that a surface is made
+ * of, whose vertices lie on the mesh. */
+#define CLI_MOST_OFF         0.01
+#define CLI_MOST_OFF_SURFACE 0.05
 /* Thin walls and volume that a solid has lost, as warnings; of: an input among several with ": ", or ""; remedy:
  * what else helps, with "; " before it, or "". */
-void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, const bvx_lattice *lattice,
-                     const bvx_solid_report *report);
+void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, double most_off,
+                     const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
 /* All that is wrong with a solid, as warnings. */
-void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *grid,
+void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, const bvx_grid *grid,
                      const bvx_solid_report *report);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 /* The solid as a member of the JSON report; that, lines and warnings. */
 void cli_report_solid(cli_text *members, const cli_options *o, const bvx_lattice *lattice,
                       const bvx_solid_report *report);
-void cli_tell_solid(const cli_options *o, const bvx_grid *grid, const bvx_solid_report *report,
-                    cli_made *made);
+void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *report, cli_made *made);
 
 /* ---- clouds.c: voxels of a cloud of points ---- */
 

@@ -41,8 +41,32 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
  * rough at the size of a voxel some always show. */
 enum { LEAST_WALL = 8 };
 
-void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, const bvx_lattice *lattice,
-                     const bvx_solid_report *r)
+/* By how much the voxels' volume is off, and why; 0 in *wanted where nothing is known. */
+static double part_off(const bvx_solid_report *r, double *wanted)
+{
+    *wanted = r->mesh_volume > 0 ? r->mesh_volume : r->volume > 0 ? r->crossing_volume : 0;
+    return *wanted > 0 ? r->volume / *wanted - 1.0 : 0;
+}
+
+static void tell_volume(cli_text *warnings, const char *of, double most_off, const bvx_solid_report *r)
+{
+    char advice[80] = "take a higher --resolution";
+    double wanted, off = part_off(r, &wanted);
+
+    if (fabs(off) <= most_off) return;
+    if (r->volume_resolution > 0)
+        snprintf(advice, sizeof advice, "--resolution %d is within 1 %%", (int)r->volume_resolution);
+    cli_add_warning(warnings,
+                    "%sthe volume of the voxels is %.6g, that of the mesh %s%.6g (%+.1f %%): %s; %s", of,
+                    r->volume, r->mesh_volume > 0 ? "" : "about ", wanted, off * 100.0,
+                    r->thin_voxels >= LEAST_WALL && off < 0
+                        ? "walls are lost, and faces lie up to half a voxel from where voxels end"
+                        : "faces lie up to half a voxel from where voxels end",
+                    advice);
+}
+
+void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, double most_off,
+                     const bvx_lattice *lattice, const bvx_solid_report *r)
 {
     char advice[80] = "";
     double box[6];
@@ -57,11 +81,7 @@ void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, con
             "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
             " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
             of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice, remedy);
-    if (r->mesh_volume != 0 && fabs(r->volume - r->mesh_volume) > 0.05 * r->mesh_volume)
-        cli_add_warning(
-            warnings,
-            "%sthe volume of the voxels is %.6g, that of the mesh %.6g (%+.1f %%), and no parts overlap; take a higher --resolution",
-            of, r->volume, r->mesh_volume, (r->volume / r->mesh_volume - 1.0) * 100.0);
+    tell_volume(warnings, of, most_off, r);
 }
 
 void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -71,6 +91,8 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     thin_box(lattice, r, box);
     cli_json_value(t, "volume", r->volume);
     if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
+    if (r->crossing_volume != 0) cli_json_value(t, "crossing_volume", r->crossing_volume);
+    cli_json_count(t, "volume_resolution", (uint64_t)r->volume_resolution);
     cli_json_truth(t, "thin_checked", r->thin_checked);
     cli_json_count(t, "thin_voxels", r->thin_voxels);
     cli_json_value(t, "thin_wall", r->thin_wall);
@@ -80,7 +102,8 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
                      box[3], box[4], box[5]);
 }
 
-void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *grid, const bvx_solid_report *r)
+void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, const bvx_grid *grid,
+                     const bvx_solid_report *r)
 {
     uint64_t const rows = rows_of(grid, r->fill);
 
@@ -113,14 +136,20 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, const bvx_grid *gri
             " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
             " voxels kept its own vote",
             r->mixed_regions, r->regions, r->mixed_voxels);
-    cli_tell_losses(warnings, "", remedy, &grid->lattice, r);
+    cli_tell_losses(warnings, "", remedy, most_off, &grid->lattice, r);
+}
+
+/* Of a mesh it is the surface that counts. */
+static double allowed_off(const cli_run *run)
+{
+    return run->command->bit == CLI_LOD || cli_makes_mesh(run) ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF;
 }
 
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
 {
     cli_text warnings = {0};
 
-    cli_tell_faults(&warnings, "", grid, r);
+    cli_tell_faults(&warnings, "", allowed_off(run), grid, r);
     cli_warn_lines(run, &warnings);
 }
 
@@ -252,9 +281,12 @@ void cli_report_solid(cli_text *t, const cli_options *o, const bvx_lattice *latt
     cli_text_add(t, "}");
 }
 
-void cli_tell_solid(const cli_options *o, const bvx_grid *grid, const bvx_solid_report *r, cli_made *made)
+void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *r, cli_made *made)
 {
+    const cli_options *const o = run->options;
+
     tell_lines(&made->text, o, &grid->lattice, r);
     cli_report_solid(&made->members, o, &grid->lattice, r);
-    cli_tell_faults(&made->warnings, "; --add-shell sets the surface's voxels too", grid, r);
+    cli_tell_faults(&made->warnings, "; --add-shell sets the surface's voxels too", allowed_off(run), grid,
+                    r);
 }

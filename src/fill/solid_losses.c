@@ -13,16 +13,21 @@
 
 enum { LOSS_GRAIN = 4096 };
 
-#define LOSS_SHEET 1e-6 /* of the volume of a cube of that surface: folded sheets enclose less */
+#define LOSS_SHEET   1e-6  /* of the volume of a cube of that surface: folded sheets enclose less */
+#define LOSS_FLAT    256.0 /* a face that rises less than this once lies along the lattice */
+#define LOSS_MOST    0.01  /* of a volume that is as it should be */
+#define LOSS_LARGEST 1e6   /* times that no resolution is known for */
 
-/* Sums over some triangles: six times the volume, twice the shadows along each axis. */
+/* Sums over some triangles: six times the volume, twice the shadows along each axis, and of these those of
+ * faces along the lattice. */
 typedef struct loss_sums {
-    double volume, shadow[3];
+    double volume, shadow[3], flat[3];
 } loss_sums;
 
 typedef struct loss_job {
     const bvx_mesh_view *mesh;
     double from[3]; /* a vertex: volumes are taken from there */
+    int flat;       /* 1: flat only, 0: the others */
     int32_t pieces;
     loss_sums sums[256]; /* by piece */
 } loss_job;
@@ -38,6 +43,20 @@ static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *
     for (int a = 0; a < 3; a++) {
         s->volume += (p[0][a] - from[a]) * n[a];
         s->shadow[a] += bvxi_absolute(n[a]);
+    }
+}
+
+/* That of a face along the lattice. */
+static inline void add_flat_face(double p[3][3], loss_sums *s)
+{
+    double n[3];
+
+    bvxi_facet_cross((const double(*)[3])p, n);
+    for (int a = 0; a < 3; a++) {
+        double const most = bvxi_absolute(n[a]) / LOSS_FLAT;
+        double const u = bvxi_absolute(n[(a + 1) % 3]), v = bvxi_absolute(n[(a + 2) % 3]);
+
+        if (u <= most && v <= most) s->flat[a] += bvxi_absolute(n[a]);
     }
 }
 
@@ -65,13 +84,13 @@ static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
 {
     loss_job *const job = user;
     const bvx_mesh_view *const m = job->mesh;
-    loss_sums s = {0, {0, 0, 0}};
+    loss_sums s = {0, {0, 0, 0}, {0, 0, 0}};
     uint64_t begin, end;
     (void)worker;
 
     bvxi_piece(m->triangle_count, job->pieces, piece, &begin, &end);
     /* The usual layout has its own loop. */
-    if (bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
+    if (!job->flat && bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
         sum_packed_losses(job, begin, end, &s);
         begin = end;
     }
@@ -81,17 +100,19 @@ static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
 
         bvxi_view_triangle(m, t, c);
         for (int k = 0; k < 3; k++) bvxi_view_position(m, c[k], p[k]);
-        add_to_sums(job->from, p, &s);
+        if (job->flat) add_flat_face(p, &s);
+        else add_to_sums(job->from, p, &s);
     }
     job->sums[piece] = s;
 }
 
-static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, loss_sums *all)
+static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat, loss_sums *all)
 {
     loss_job job;
     uint32_t c[3];
 
     job.mesh = mesh;
+    job.flat = flat;
     job.pieces = bvxi_piece_count(mesh->triangle_count, LOSS_GRAIN);
     bvxi_view_triangle(mesh, 0, c);
     bvxi_view_position(mesh, c[0], job.from);
@@ -101,6 +122,7 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, loss_sum
     for (int32_t i = 0; i < job.pieces; i++) {
         all->volume += job.sums[i].volume;
         for (int a = 0; a < 3; a++) all->shadow[a] += job.sums[i].shadow[a];
+        for (int a = 0; a < 3; a++) all->flat[a] += job.sums[i].flat[a];
     }
     return BVX_OK;
 }
@@ -165,6 +187,21 @@ void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_
         walls->open = walls->unoriented ? 2 : 1;
 }
 
+static double voxel_size(const bvx_lattice *l)
+{
+    return l->spacing[0] * l->spacing[1] * l->spacing[2];
+}
+
+/* As many times as long along each axis as the crossings say: a box comes out exact. */
+static double volume_by_crossings(const bvxi_walls *walls, double volume)
+{
+    double made = volume;
+
+    if (!(volume > 0)) return 0;
+    for (int a = 0; a < 3; a++) made *= 1.0 + walls->beyond[a] * voxel_size(&walls->solid->lattice) / volume;
+    return made > 0 && made < 1e38 ? bvxi_nearest_float(made) : 0;
+}
+
 void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
 {
     const bvx_grid *const solid = walls->solid;
@@ -174,6 +211,7 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     bvxi_walls_report(walls, &found);
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
+    report->crossing_volume = volume_by_crossings(walls, report->volume);
     /* Nothing is thin. */
     if (found.voxels == 0) return;
     report->thin_wall = found.wall * walls->unit;
@@ -200,6 +238,30 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
     return status;
 }
 
+/* From which resolution on the volume is right. What is off shrinks with the voxels; but faces along the
+ * lattice may lie half a voxel off at any, where here they are lucky. */
+static bvx_status advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *l,
+                                    bvx_solid_report *report)
+{
+    double const wanted = report->mesh_volume > 0 ? report->mesh_volume : report->crossing_volume;
+    double off = wanted > 0 ? bvxi_absolute(report->volume - wanted) / wanted : 0, flat = 0;
+    int32_t longest = 0;
+    loss_sums sums;
+
+    if (off <= LOSS_MOST || off > LOSS_LARGEST) return BVX_OK;
+    BVXI_TRY(sum_mesh(ctx, mesh, 1, &sums));
+    for (int a = 0; a < 3; a++) {
+        flat += 0.25 * sums.flat[a] * l->spacing[a] / wanted;
+        if (l->dims[a] > longest) longest = l->dims[a];
+    }
+    if (flat > off) off = flat < LOSS_LARGEST ? flat : LOSS_LARGEST;
+
+    /* As walls: so much larger are voxels than they should be. Sums' last bits follow the order of triangles. */
+    report->volume_resolution = bvxi_wall_resolution(longest,
+                                                     BVXI_THIN_WALL * LOSS_MOST / bvxi_nearest_float(off));
+    return BVX_OK;
+}
+
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
 {
@@ -212,18 +274,19 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     uint64_t voxels;
 
     BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
-    report->volume = (double)voxels * l->spacing[0] * l->spacing[1] * l->spacing[2];
+    report->volume = (double)voxels * voxel_size(l);
     /* A terrain has no walls and no volume of its own. */
     if (report->fill == BVX_FILL_BELOW) return BVX_OK;
 
     /* Only of a sound mesh is the volume that of the body. */
     if (report->fill_reason == BVX_FILL_REASON_SOUND && !o->add_shell && report->turned == 0) {
-        BVXI_TRY(sum_mesh(ctx, mesh, &sums));
+        BVXI_TRY(sum_mesh(ctx, mesh, 0, &sums));
         report->mesh_volume = comparable_volume(&sums, mesh, solid);
     }
-    if (!look) return BVX_OK;
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
-    status = BVXI_SHARE(ctx, 0.1, 1.0, look_for_walls(ctx, function, mesh, solid, report));
-    return status == BVX_ERR_BUDGET && o->check_thin == -1 ? BVX_OK : status;
+    status = look ? BVXI_SHARE(ctx, 0.1, 0.95, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
+    if (status == BVX_ERR_BUDGET && o->check_thin == -1) status = BVX_OK;
+    if (o->add_shell) report->crossing_volume = 0;
+    return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
 }

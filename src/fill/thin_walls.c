@@ -119,7 +119,7 @@ static void mark_all_diagonals(const bvx_grid *g, uint64_t *out)
 
 bvx_status bvxi_walls_mark(bvxi_walls *t)
 {
-    BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places));
+    BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
     mark_all_diagonals(t->solid, t->places.words);
     return BVX_OK;
 }

@@ -29,7 +29,8 @@ typedef struct bvxi_walls {
     int32_t open;
     int32_t beside; /* 1: centres around the places are asked too */
 
-    double unit; /* the largest spacing */
+    double unit;      /* the largest spacing */
+    double beyond[3]; /* of bvxi_lost_surface [Units: voxels] */
 
     /* walls further from the centre than this are not looked at [Units: largest spacings] */
     double limit;

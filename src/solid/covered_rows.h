@@ -132,12 +132,19 @@ static inline void bvxi_divider_setup(const bvxi_triangle *t, int32_t fraction_b
                d->scale;
 }
 
+/* Where the row whose centre is (y, z) in fixed point crosses the plane, to the divider's error [Units: centres]. */
+static inline double bvxi_cross_place(const bvxi_divider *d, double y, double z)
+{
+    double const s = d->ny * (y - d->ay) + d->nz * (z - d->az);
+
+    return (d->ax - s * d->inverse) * d->scale;
+}
+
 /* First centre of row (j, k) beyond the plane, (y, z) being the row's centre in fixed point. */
 static inline int32_t bvxi_cross(const bvxi_triangle *t, const bvxi_divider *d, int32_t fraction_bits,
                                  double y, double z, int32_t j, int32_t k)
 {
-    double const s = d->ny * (y - d->ay) + d->nz * (z - d->az);
-    double const v = (d->ax - s * d->inverse) * d->scale;
+    double const v = bvxi_cross_place(d, y, z);
 
     /* v is off by no more, and the row crosses the plane in the triangle: it is below 2^30 */
     if (BVXI_LIKELY(d->error < 0.25)) {

@@ -45,6 +45,8 @@ typedef struct bvxi_surface_job {
     uint32_t *last; /* by voxel: the triangle counted last, plus 1 */
 
     uint64_t used[BVXI_SURFACE_TILES], samples[BVXI_SURFACE_TILES], parts[BVXI_SURFACE_TILES]; /* by tile */
+    /* with solid, by tile and axis: what the surface has more than its voxels [Units: 2^-16 voxels] */
+    int64_t beyond[BVXI_SURFACE_TILES][3];
 } bvxi_surface_job;
 
 /* A task's view of its tile. */
@@ -114,9 +116,13 @@ static inline void bvxi_touch_voxel(bvxi_surface_job *job, int32_t i, int32_t j,
 /* Set in lost, a grid of solid's window whose words may hold anything, the thin voxels of
  * crossings that solid does not show: a line of centres crosses the mesh between two neighbours, and neither
  * is in solid. So each is in no piece of solid, but for parts narrower than a voxel along the line and
- * sheets. Exact; any threads. Scratch: as bvx_voxelize_surface. */
+ * sheets. Exact; any threads. Scratch: as bvx_voxelize_surface.
+ * beyond: by axis, the voxels by which solid would grow if it ended where lines of centres leave the mesh, not
+ * half way between two centres. Each crossing counts along the axis that its triangle faces most. What solid
+ * does not show, and what it closes without a surface, is not in it. Its last bits follow the order of
+ * triangles' corners. */
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *solid, bvx_grid *lost);
+                             const bvx_grid *solid, bvx_grid *lost, double beyond[3]);
 /* The conservative surface of a mesh over the window of solid, in
  * scratch words, and how many voxels it has. */
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,

@@ -28,7 +28,8 @@ typedef struct thin_lines {
     uint32_t triangle;
     /* voxels along the line that the tile holds; lines across: centres in the triangle's range */
     int32_t low[3], high[3];
-    int32_t ready; /* 1: divider is set up */
+    int32_t ready;  /* 1: divider is set up */
+    int32_t facing; /* 1: no other axis is nearer to the triangle's normal; of several the first */
     bvxi_triangle t;
     bvxi_divider divider;
 } thin_lines;
@@ -50,8 +51,9 @@ static double thin_extent(const bvxi_triangle *t, int a)
 }
 
 /* The last centre of a line before it crosses the triangle; -1: that is before the first of the window. Where
- * cross_along has moved the triangle by half a voxel, it is the voxel that holds the crossing. */
-static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
+ * cross_along has moved the triangle by half a voxel, it is the voxel that holds the crossing. *place: where it
+ * crosses. */
+static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v, double *place)
 {
     int32_t const f = l->tile->job->fraction_bits;
     double const step = (double)(1 << f), half = 0.5 * step;
@@ -61,6 +63,7 @@ static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v)
         bvxi_divider_setup(&l->t, f, thin_extent(&l->t, 1), thin_extent(&l->t, 2), &l->divider);
         l->ready = 1;
     }
+    *place = bvxi_cross_place(&l->divider, (double)u * step + half, (double)v * step + half);
     return bvxi_cross(&l->t, &l->divider, f, (double)u * step + half, (double)v * step + half, u, v) - 1;
 }
 
@@ -88,15 +91,33 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
     return bvxi_cross_exact(&moved, f, u, v) - 1 > w ? w + 1 : w;
 }
 
+/* The solid ends half way between centres w and w + 1 of which it has one; the surface does at place. Counted
+ * by the tile of the voxel that holds the place. */
+static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
+{
+    double const part = place - (double)w;
+    int32_t const holder = part < 0.5 && w >= 0 ? w : w + 1;
+    int32_t beyond;
+
+    /* faces through a centre: there, but for rounding */
+    if (!(part > -0.25 && part < 1.25) || holder < l->low[0] || holder > l->high[0]) return;
+    beyond = (int32_t)(part * 65536.0) - 32768;
+    l->tile->job->beyond[l->tile->number][l->axis[0]] += below ? beyond : -beyond;
+}
+
 /* A line (u, v) that the triangle covers: mark where it crosses. */
 static inline void cross_line(thin_lines *l, int32_t u, int32_t v)
 {
     bvxi_surface_job *const job = l->tile->job;
-    int32_t voxel[3], w = line_crossing(l, u, v);
+    double place;
+    int32_t voxel[3], w = line_crossing(l, u, v, &place);
 
     /* What the solid shows needs no mark: one of the two centres beside the crossing is in it. */
     if (job->solid != NULL) {
-        if (is_solid_on_line(l, w, u, v) || is_solid_on_line(l, w + 1, u, v)) return;
+        int const below = is_solid_on_line(l, w, u, v), above = is_solid_on_line(l, w + 1, u, v);
+
+        if (below != above && l->facing) add_beyond(l, w, place, below);
+        if (below | above) return;
         w = voxel_of_crossing(l, w, u, v);
     }
     if (w < l->low[0] || w > l->high[0]) return;
@@ -151,6 +172,15 @@ static void cut_lines(thin_lines *l)
     }
 }
 
+/* Coordinates in the order of thin_axes. */
+static int is_facing(const bvxi_triangle *t, int axis)
+{
+    int64_t const u = t->n[1] < 0 ? -t->n[1] : t->n[1], v = t->n[2] < 0 ? -t->n[2] : t->n[2];
+
+    /* the one of x and y is before the axis z, x is before y */
+    return t->n[0] >= u + (axis >= 1) && t->n[0] >= v + (axis == 2);
+}
+
 /* Triangle i of the batch along an axis; low and high: the voxels of the tile by axis. */
 static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
                         const int32_t low[3], const int32_t high[3])
@@ -175,6 +205,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
     }
     if (!bvxi_triangle_setup(q[0], q[1], q[2], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
+    l.facing = is_facing(&l.t, axis);
     /* A few lines are tried by additions; the ranges of many are divided out. */
     if (l.high[1] - l.low[1] < THIN_FEW) try_lines(&l);
     else cut_lines(&l);

@@ -33,6 +33,7 @@ static void begin_tile(bvxi_surface_tile *tile)
 {
     bvxi_surface_job *const job = tile->job;
     job->used[tile->number] = job->samples[tile->number] = job->parts[tile->number] = 0;
+    memset(job->beyond[tile->number], 0, sizeof job->beyond[tile->number]);
     /* Rows are emptied by the task that fills them, while they are about to be needed. */
     for (int32_t k = tile->rows.k0; job->task == BVXI_TOUCH_SET && k < tile->rows.k1; k++)
         memset(bvxi_surface_row(job, tile->rows.j0, k), 0,
@@ -226,7 +227,7 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
 }
 
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *solid, bvx_grid *lost)
+                             const bvx_grid *solid, bvx_grid *lost, double beyond[3])
 {
     bvx_surface_options const o = surface_defaults;
     bvxi_surface_job job;
@@ -234,7 +235,14 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
     begin_surface(ctx, mesh, BVX_SURFACE_THIN, lost, &job);
     job.solid = solid;
-    return run_surface(ctx, function, &o, &job);
+    BVXI_TRY(run_surface(ctx, function, &o, &job));
+    for (int a = 0; a < 3; a++) {
+        int64_t sum = 0;
+
+        for (int32_t t = 0; t < job.tiles.count; t++) sum += job.beyond[t][a];
+        beyond[a] = (double)sum / 65536.0;
+    }
+    return BVX_OK;
 }
 
 static void report_surface(const bvxi_surface_job *job, bvx_surface_report *report)

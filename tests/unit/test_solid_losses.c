@@ -164,7 +164,7 @@ static void test_volumes_are_compared_where_they_can_be(void)
     memset(&o.window, 0, sizeof o.window);
     o.add_shell = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
-    TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.volume > 5.999);
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.crossing_volume == 0 && report.volume > 5.999);
     bvx_grid_free(ctx, &g);
 
     o.add_shell = 0;
@@ -176,6 +176,62 @@ static void test_volumes_are_compared_where_they_can_be(void)
     maker_remove(&mesh, 3); /* open */
     voxels_at(ctx, 30, 1);
     TEST_ASSERT_TRUE(report.mesh_volume == 0 && report.volume > 5.0);
+}
+
+/* By how much a is more than b. */
+static double part_more(double a, double b)
+{
+    return a / b - 1.0;
+}
+
+/* A box whose sides are no whole numbers of voxels is off by up to half a voxel a side; the crossings know by how
+ * much, whatever way triangles run, and the resolution that is named is right. */
+static void test_volumes_are_right_where_lines_of_centres_cross(void)
+{
+    static const double sides[4][3] = {
+        {3.0, 2.06, 1.04}, {3.0, 2.05, 1.05}, {3.0, 0.949, 0.751}, {3.0, 0.31, 2.0}};
+
+    for (int flipped = 0; flipped < 2; flipped++)
+        for (int i = 0; i < 4; i++) {
+            double const true_volume = sides[i][0] * sides[i][1] * sides[i][2];
+            double off;
+
+            maker_clear(&mesh);
+            make_box(sides[i][0], sides[i][1], sides[i][2]);
+            if (flipped) maker_flip(&mesh, 3, 4);
+            voxels_at(ctx, 30, -1);
+            off = part_more(report.volume, true_volume);
+            TEST_ASSERT_TRUE(flipped == (report.mesh_volume == 0) && fabs(off) > 0.01);
+            TEST_ASSERT_TRUE(fabs(part_more(report.crossing_volume, true_volume)) < 1e-4);
+            TEST_ASSERT_TRUE(report.volume_resolution > 30 && report.volume_resolution < 1500);
+
+            /* of the voxels' side alone, half a voxel on each face is a per cent there at most */
+            voxels_at(ctx, report.volume_resolution, -1);
+            TEST_ASSERT_TRUE(fabs(part_more(report.volume, true_volume)) <= 0.01);
+            TEST_ASSERT_TRUE(fabs(part_more(report.crossing_volume, true_volume)) < 1e-4);
+            TEST_ASSERT_EQUAL_INT32(0, report.volume_resolution);
+        }
+}
+
+/* Overlaps and cavities, where the mesh's own sum says nothing. */
+static void test_crossings_know_the_volume_of_overlapping_bodies(void)
+{
+    double const low[3] = {1.03, 0.52, 0.27}, high[3] = {4.51, 1.37, 3.02};
+    double const joined = 3 * 2.06 * 1.04 + 3.48 * 0.85 * 2.75 - (3 - 1.03) * 0.85 * (1.04 - 0.27);
+
+    maker_clear(&mesh);
+    make_box(3, 2.06, 1.04);
+    maker_box(&mesh, low, high);
+    voxels_at(ctx, 33, -1);
+    TEST_ASSERT_EQUAL_INT32(BVX_FILL_REASON_OVERLAP, report.fill_reason);
+    TEST_ASSERT_TRUE(report.mesh_volume == 0 && fabs(part_more(report.volume, joined)) > 0.01);
+    TEST_ASSERT_TRUE(fabs(part_more(report.crossing_volume, joined)) < 0.003);
+    TEST_ASSERT_TRUE(report.volume_resolution > 33);
+
+    maker_clear(&mesh);
+    make_shell(3, 48);
+    voxels_at(ctx, 48, -1);
+    TEST_ASSERT_TRUE(fabs(part_more(report.crossing_volume, report.mesh_volume)) < 0.004);
 }
 
 /* Also in a window, and whatever unused vertices are; threads, the fast
@@ -195,6 +251,7 @@ static void test_what_is_told_depends_on_mesh_and_lattice(void)
     first = report;
     voxels_at(threads, 50, 1);
     TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
+    TEST_ASSERT_TRUE(fabs(report.crossing_volume - 8.0) < 1e-3);
     voxels_at(portable, 50, 1);
     TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
 
@@ -279,6 +336,8 @@ int main(void)
     RUN_TEST(test_small_losses_are_told_by_default);
     RUN_TEST(test_thick_bodies_lose_nothing_and_keep_their_volume);
     RUN_TEST(test_volumes_are_compared_where_they_can_be);
+    RUN_TEST(test_volumes_are_right_where_lines_of_centres_cross);
+    RUN_TEST(test_crossings_know_the_volume_of_overlapping_bodies);
     RUN_TEST(test_what_is_told_depends_on_mesh_and_lattice);
     RUN_TEST(test_walls_are_not_looked_for_below_a_terrain);
     RUN_TEST(test_a_limit_leaves_the_look_out_unless_asked_for);

@@ -77,9 +77,12 @@ def test_walls_that_voxels_lose_are_in_the_report():
     assert told.thin_checked is True and told.thin_voxels > 500 and abs(told.thin_wall - 0.04) < 0.002
     assert told.thin_resolution in range(186, 191) and list(told.thin_low)[2] in (30, 31)
     assert abs(told.volume - 8) < 1e-9 and abs(told.mesh_volume - 8.25) < 1e-6
+    assert abs(told.crossing_volume - 8) < 1e-3 and told.volume_resolution > 50
     assert bitvox.voxelize(both, resolution=50, check_thin="never").report.thin_checked is False
     whole = bitvox.voxelize(block, resolution=20, check_thin="always").report
-    assert (whole.thin_checked, whole.thin_voxels, whole.thin_resolution) == (True, 0, 0)
+    assert (whole.thin_checked, whole.thin_voxels, whole.thin_resolution, whole.volume_resolution) == (True, 0, 0, 0)
+    low = bitvox.voxelize(box_mesh((0, 0, 0), (2, 2, 1.97)), resolution=20).report
+    assert abs(low.crossing_volume - 7.88) < 0.01 and low.volume_resolution > 20
     with pytest.raises(bitvox.ArgumentError, match="check_thin is 'often'"):
         bitvox.voxelize(both, check_thin="often")
     with pytest.raises(bitvox.ArgumentError, match="check_thin is for mode 'solid'"):

@@ -82,8 +82,9 @@ def voxelize(
         count open and flipped edges in the report.
     check_thin
         look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
-        ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume`` and
-        ``mesh_volume`` (0 where that says nothing) tell more.
+        ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume``,
+        ``mesh_volume`` (0 where that says nothing) and ``crossing_volume`` tell more: where they are more than 1 % apart,
+        ``volume_resolution`` is the resolution that is within it, else 0.
     base, up, second
         with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
         second terrain: what lies between the two.
