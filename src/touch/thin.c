@@ -96,7 +96,7 @@ static int32_t voxel_of_crossing(const thin_lines *l, int32_t w, int32_t u, int3
 static inline void add_beyond(thin_lines *l, int32_t w, double place, int below)
 {
     double const part = place - (double)w;
-    int32_t const holder = part < 0.5 && w >= 0 ? w : w + 1;
+    int32_t const holder = part < 0.5 ? w : w + 1;
     int32_t beyond;
 
     /* faces through a centre: there, but for rounding */
