@@ -1,6 +1,6 @@
 /* oblique.c - the closed surface of a body through contours on planes of any position.
  *
- * A number at every place blends the planes' signed distances (oblique_field.c); where the lattice's vertices
+ * A smooth number at every place has the planes' signed distances on them (oblique_field.c); where the lattice's vertices
  * change sign there is the surface. Cells that planes and surface share become tetrahedra, which the planes
  * split (oblique_cells.c), and in which the contours become edges (oblique_contours.c); signs there are those
  * of the contours' regions, so the surface meets each plane in its contours and nowhere else. All of it is a
@@ -36,6 +36,7 @@ static void close_oblique(bvxi_oblique *o)
     bvxi_drop(o->ctx, o->contour_cells);
     bvxi_drop(o->ctx, o->block_at);
     bvxi_drop(o->ctx, o->block_sign);
+    bvxi_drop(o->ctx, o->smooth.node);
     bvxi_drop(o->ctx, o->knot);
     bvxi_oblique_free_planes(o);
 }
@@ -45,7 +46,9 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.02, bvxi_oblique_take_planes(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.02, 0.05, bvxi_oblique_settle(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.15, bvxi_oblique_raster(o)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.15, 0.4, bvxi_oblique_lattice(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.15, 0.2, bvxi_oblique_smooth(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.25, bvxi_oblique_rest(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.25, 0.4, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.6, bvxi_oblique_split_planes(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, bvxi_oblique_contours(o)));

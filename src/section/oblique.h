@@ -20,6 +20,7 @@ typedef struct bvxi_oblique_plane {
     bvxi_plane plane;
     double low[2], high[2]; /* of its contours */
     float *raster;          /* signed distances at whole steps, inside above 0; NULL: no loops */
+    float *rest;            /* what the smooth number leaves of them */
     double raster_low[2];
     int32_t raster_size[2];
     uint32_t knot; /* the first on its contours, or BVXI_NONE */
@@ -53,11 +54,19 @@ typedef struct bvxi_tetra_vertex {
     int8_t lattice;
 } bvxi_tetra_vertex;
 
-/* Edges by their ends. */
+/* A grid of nodes over the lattice: node (1, 1, 1) is at its first vertex. */
+typedef struct bvxi_smooth {
+    int32_t size[3];
+    double scale; /* nodes a cell */
+    double *node;
+} bvxi_smooth;
+
+/* Edges by their ends. near: those with one first end lie beside one another, for ends that come in order. */
 typedef struct bvxi_edge_map {
     uint64_t *key;
     uint32_t *value;
     uint64_t room, count;
+    int near;
 } bvxi_edge_map;
 
 typedef struct bvxi_oblique {
@@ -77,6 +86,9 @@ typedef struct bvxi_oblique {
     double longest;         /* side of the box */
     bvxi_plane all;         /* arrays that the planes have stretches of */
     uint64_t group_room, box_room;
+
+    bvxi_smooth smooth;
+    double reach; /* cells: planes farther away have no say between planes */
 
     bvxi_knot *knot;
     uint64_t knot_count, knot_room;
@@ -151,17 +163,30 @@ static inline void bvxi_oblique_in_cells(const bvxi_oblique *o, const double *po
 /* oblique_lines.c: contours on lines where planes cross are held against each other. */
 bvx_status bvxi_oblique_settle(bvxi_oblique *o);
 
-/* oblique_field.c */
+#define BVXI_RASTER_STEP 2.0 /* cells */
+
+/* oblique_raster.c */
 bvx_status bvxi_oblique_raster(bvxi_oblique *o);
-/* The blend of the planes' distances. */
-double bvxi_oblique_blend(const bvxi_oblique *o, const double at[3]);
-/* Where the lattice's vertex is: on a plane that is very near. */
-void bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3]);
+/* What a raster of a plane has at a place's foot point. */
+double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
+/* The distance of a place's foot point on a plane. */
+double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double at[3]);
+
+/* oblique_field.c: what the smooth number leaves of the distances, once it is made. */
+bvx_status bvxi_oblique_rest(bvxi_oblique *o);
+/* The number at a place: the smooth one, and what it leaves of near planes' distances. */
+double bvxi_oblique_number(const bvxi_oblique *o, const double at[3]);
+/* Where the lattice's vertex is: on a plane that is very near. 0: on none. */
+int bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3]);
 /* The same, when all planes near it are among these. */
 void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
                               uint32_t count, double at[3]);
 /* The sign of a point of a plane far from its contours; exact next to them. */
 int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3]);
+
+/* oblique_smooth.c: a thin plate through the planes' distances. */
+bvx_status bvxi_oblique_smooth(bvxi_oblique *o);
+double bvxi_smooth_at(const bvxi_smooth *g, const double at[3]);
 
 /* oblique_lattice.c: the lattice's values wherever the surface may be. */
 bvx_status bvxi_oblique_lattice(bvxi_oblique *o);

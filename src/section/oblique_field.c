@@ -1,115 +1,85 @@
 /* oblique_field.c - a number at every place: inside above 0, on each plane its signed distance to the
  * contours.
  *
- * Source: Shepard. A two-dimensional interpolation function for irregularly-spaced data. 1968 (weights by
- * inverse powers of the distance), with a plane in place of a point: its value is the signed distance at the
- * foot point, its weight the inverse cube of the distance to the plane. The third power makes the gradient
- * on a plane that of its own distances and of nothing else.
+ * Source: Franke, Nielson. Smooth interpolation of large sets of scattered data. 1980 (Shepard's weights that
+ * end at a distance), with a plane in place of a point: its value is that of the foot point, its weight the
+ * third power of what the inverse distance to it is more than the inverse reach. The third power makes the
+ * gradient on a plane that of its own values and of nothing else.
  *
- * Distances come from a raster a plane, two cells wide and bilinear in between; signs on the planes are
- * decided elsewhere. Beyond the contours' box twice the way to it is taken off: the body ends in a dome. */
+ * The smooth number (oblique_smooth.c) comes near to the planes' distances; what is left of them is spread by
+ * the weights to the nearest planes' surroundings. Far from its contours a plane only asks for the right sign.
+ *
+ * Signs on the planes are decided elsewhere. Beyond the contours' box the way to it is taken off: the body
+ * ends in a dome. */
 #include "section/oblique.h"
 
 #include <math.h>
 
-enum { RASTER_GRAIN = 1 };
+#define REST_FAR   2.0 /* nodes: distances beyond only have to be beyond */
+#define REST_REACH 3.0 /* nodes */
 
-#define RASTER_STEP 2.0 /* cells */
+/* ---- what the smooth number leaves ---- */
 
-/* ---- rasters ---- */
-
-static void raster_row(const bvxi_oblique_plane *p, int32_t row)
+/* From a distance and the smooth number: nothing left where both are far on one side. */
+static double rest_of(const bvxi_oblique *o, double distance, double smooth)
 {
-    uint32_t hint = 0;
+    double const sign = distance < 0.0 ? -1.0 : 1.0;
+    double const far = REST_FAR / o->smooth.scale;
+    double const d = sign * distance, s = sign * smooth;
+    double const low = d > far ? far : d, high = d > far ? far + 4.0 * (d - far) : d;
 
+    return sign * (s < low ? low - s : s > high ? high - s : 0.0);
+}
+
+static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t row)
+{
     for (int32_t i = 0; i < p->raster_size[0]; i++) {
-        double const u = p->raster_low[0] + RASTER_STEP * i, v = p->raster_low[1] + RASTER_STEP * row;
-        double const d = bvxi_plane_distance(&p->plane, u, v, &hint);
-        p->raster[(int64_t)row * p->raster_size[0] + i] = (float)(bvxi_plane_encloses(&p->plane, u, v) ? d
-                                                                                                       : -d);
+        int64_t const n = (int64_t)row * p->raster_size[0] + i;
+        double const u = p->raster_low[0] + BVXI_RASTER_STEP * i,
+                     v = p->raster_low[1] + BVXI_RASTER_STEP * row;
+        double at[3];
+
+        for (int k = 0; k < 3; k++)
+            at[k] = p->offset * p->normal[k] + (u * p->axis[0][k] + v * p->axis[1][k]);
+        p->rest[n] = (float)rest_of(o, p->raster[n], bvxi_smooth_at(&o->smooth, at));
     }
 }
 
-static void raster_piece(void *user, int32_t index, int32_t worker)
+static void rest_piece(void *user, int32_t index, int32_t worker)
 {
     const bvxi_oblique *const o = user;
     uint64_t row = (uint64_t)index;
 
     (void)worker;
-    /* pieces are groups of rows, plane by plane */
+    /* pieces are rows, plane by plane */
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_oblique_plane *const p = &o->plane[i];
-        uint64_t const rows = p->raster == NULL ? 0 : (uint64_t)p->raster_size[1];
+        uint64_t const rows = p->rest == NULL ? 0 : (uint64_t)p->raster_size[1];
         if (row < rows) {
-            raster_row(p, (int32_t)row);
+            rest_row(o, p, (int32_t)row);
             return;
         }
         row -= rows;
     }
 }
 
-bvx_status bvxi_oblique_raster(bvxi_oblique *o)
+bvx_status bvxi_oblique_rest(bvxi_oblique *o)
 {
     uint64_t rows = 0;
 
+    o->reach = REST_REACH / o->smooth.scale;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_oblique_plane *const p = &o->plane[i];
-        double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
-        int32_t size[2];
-
-        if (p->plane.contour_count == 0) continue;
-        /* what the plane has of the lattice's box, from the box's corners */
-        for (int corner = 0; corner < 8; corner++) {
-            double const at[3] = {corner & 1 ? o->side[0] : 0.0, corner & 2 ? o->side[1] : 0.0,
-                                  corner & 4 ? o->side[2] : 0.0};
-            double uv[2];
-            bvxi_oblique_uv(p, at, uv);
-            for (int k = 0; k < 2; k++) {
-                low[k] = uv[k] < low[k] ? uv[k] : low[k];
-                high[k] = uv[k] > high[k] ? uv[k] : high[k];
-            }
-        }
-        for (int k = 0; k < 2; k++) {
-            p->raster_low[k] = low[k];
-            size[k] = (int32_t)((high[k] - low[k]) / RASTER_STEP) + 2;
-        }
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)size[0] * (uint64_t)size[1] * 4,
-                            "the distances on planes", &p->raster));
-        memcpy(p->raster_size, size, sizeof size);
-        rows += (uint64_t)size[1];
+        if (p->raster == NULL) continue;
+        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH,
+                            (uint64_t)p->raster_size[0] * (uint64_t)p->raster_size[1] * 4,
+                            "the distances on planes", &p->rest));
+        rows += (uint64_t)p->raster_size[1];
     }
-    if (rows > INT32_MAX)
-        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: too many planes and cells",
-                             o->function);
-    return bvxi_parallel(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, raster_piece, o);
+    return bvxi_parallel(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rest_piece, o);
 }
 
-static double raster_at(const bvxi_oblique *o, const bvxi_oblique_plane *p, const double at[3])
-{
-    double uv[2], t[2];
-    int32_t i[2];
-    const float *row;
-
-    if (p->raster == NULL) return -0.25 * o->longest;
-    bvxi_oblique_uv(p, at, uv);
-    for (int k = 0; k < 2; k++) {
-        double x = (uv[k] - p->raster_low[k]) * (1.0 / RASTER_STEP);
-        double const most = p->raster_size[k] - 1;
-        x = x < 0.0 ? 0.0 : x > most ? most : x;
-        i[k] = (int32_t)x;
-        if (i[k] > p->raster_size[k] - 2) i[k] = p->raster_size[k] - 2;
-        t[k] = x - i[k];
-    }
-    row = p->raster + (int64_t)i[1] * p->raster_size[0] + i[0];
-    {
-        double const low = row[0] + t[0] * ((double)row[1] - row[0]);
-        double const high = row[p->raster_size[0]] +
-                            t[0] * ((double)row[p->raster_size[0] + 1] - row[p->raster_size[0]]);
-        return low + t[1] * (high - low);
-    }
-}
-
-/* ---- the blend ---- */
+/* ---- the number ---- */
 
 /* How far a place lies beyond the contours' box. */
 static double beyond_box(const bvxi_oblique *o, const double at[3])
@@ -124,25 +94,22 @@ static double beyond_box(const bvxi_oblique *o, const double at[3])
     return sum > 0.0 ? sqrt(sum) : 0.0;
 }
 
-double bvxi_oblique_blend(const bvxi_oblique *o, const double at[3])
+double bvxi_oblique_number(const bvxi_oblique *o, const double at[3])
 {
-    double sum = 0.0, weights = 0.0;
+    double const smooth = bvxi_smooth_at(&o->smooth, at), beyond = 1.0 / o->reach;
+    double sum = 0.0, weights = beyond * beyond * beyond;
 
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_oblique_plane *const p = &o->plane[i];
-        double const h = bvxi_absolute(bvxi_oblique_height(p, at)) + BVXI_OBLIQUE_NEAR;
-        double const weight = 1.0 / (h * h * h);
-        sum += weight * raster_at(o, p, at);
+        double const h = bvxi_absolute(bvxi_oblique_height(p, at));
+        double weight;
+
+        if (h >= o->reach) continue;
+        weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
+        weight *= weight * weight;
+        sum += weight * (p->raster == NULL ? rest_of(o, -0.25 * o->longest, smooth)
+                                           : bvxi_oblique_raster_at(p, p->rest, at));
         weights += weight;
     }
-    return sum / weights - 2.0 * beyond_box(o, at);
-}
-
-int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3])
-{
-    double const near = raster_at(o, &o->plane[plane], at);
-
-    /* a bilinear cell of distances is off by less than its diagonal */
-    if (bvxi_absolute(near) > 1.5 * RASTER_STEP) return near > 0.0 ? 1 : -1;
-    return bvxi_oblique_exact(o, plane, at) > 0.0 ? 1 : -1;
+    return smooth + sum / weights - beyond_box(o, at);
 }

@@ -16,8 +16,8 @@ enum { BLOCK_GRAIN = 8 };
 #define PLACE_SNAP \
     0.15 /* cells: what lies so near to a plane moves onto it; tetrahedra keep 0.4 of their height */
 
-static void place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane, uint32_t count,
-                       double at[3])
+static int place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane, uint32_t count,
+                      double at[3])
 {
     double least = PLACE_SNAP;
     uint32_t nearest = BVXI_NONE;
@@ -35,11 +35,12 @@ static void place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uin
         double const h = bvxi_oblique_height(p, at);
         for (int k = 0; k < 3; k++) at[k] -= h * p->normal[k];
     }
+    return nearest != BVXI_NONE;
 }
 
-void bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3])
+int bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3])
 {
-    place_onto(o, vertex, NULL, o->plane_count, at);
+    return place_onto(o, vertex, NULL, o->plane_count, at);
 }
 
 void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
@@ -69,10 +70,11 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
 
     for (int k = 0; k < 3; k++)
         if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return -1.0F;
-    bvxi_oblique_place(o, vertex, at);
-    for (uint32_t i = 0; i < o->plane_count && on == BVXI_NONE; i++)
-        if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], at)) <= BVXI_OBLIQUE_NEAR) on = i;
-    value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at) : bvxi_oblique_blend(o, at);
+    /* on no plane, unless it moves onto one: a plane within reach of nothing is one that it moves onto */
+    if (bvxi_oblique_place(o, vertex, at))
+        for (uint32_t i = 0; i < o->plane_count && on == BVXI_NONE; i++)
+            if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], at)) <= BVXI_OBLIQUE_NEAR) on = i;
+    value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at) : bvxi_oblique_number(o, at);
     rounded = (float)value;
     if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
     return rounded;

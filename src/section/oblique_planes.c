@@ -332,7 +332,10 @@ void bvxi_oblique_free_planes(bvxi_oblique *o)
 {
     bvxi_plane *const all = &o->all;
 
-    for (uint32_t i = o->plane_count; i-- > 0;) bvxi_drop(o->ctx, o->plane[i].raster);
+    for (uint32_t i = o->plane_count; i-- > 0;) {
+        bvxi_drop(o->ctx, o->plane[i].rest);
+        bvxi_drop(o->ctx, o->plane[i].raster);
+    }
     bvxi_drop(o->ctx, all->box);
     bvxi_drop(o->ctx, all->group);
     bvxi_drop(o->ctx, all->contour);

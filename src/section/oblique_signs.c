@@ -23,15 +23,21 @@ typedef struct signs_job {
 
 static uint32_t first_plane(const bvxi_oblique *o, uint32_t v)
 {
-    for (uint32_t p = 0; p < o->plane_count; p++)
-        if (bvxi_is_on(o, v, p)) return p;
+    const uint64_t *const on = bvxi_tetra_on(o, v);
+
+    for (uint32_t w = 0; w < o->plane_words; w++) {
+        uint32_t p = 64 * w;
+        if (on[w] == 0) continue;
+        while (!bvxi_is_on(o, v, p)) p++;
+        return p;
+    }
     return BVXI_NONE;
 }
 
 static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
 {
     double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
-                                            : bvxi_oblique_blend(o, x->at);
+                                            : bvxi_oblique_number(o, x->at);
 
     x->sign = value > 0.0 ? 1 : -1;
     x->value = (float)value;
@@ -65,6 +71,10 @@ static void middle_of(const bvxi_oblique *o, const uint32_t *v, int n, double at
 
 static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
+    int on_contours = 0;
+
+    for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
+    if (on_contours < 2) return BVX_OK;
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
@@ -206,19 +216,18 @@ static bvx_status look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32
                                  uint32_t t)
 {
     const uint32_t *const v = o->tetra[t].v;
+    int on = 0;
 
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; k++) on |= bvxi_is_on(o, v[k], plane) << k;
+    for (int k = 0; k < 4 && on != 0; k++) {
         uint32_t const x = v[k];
         uint32_t face[3];
-        int n = 0, on = 1;
+        int n = 0;
 
         for (int j = 0; j < 4; j++)
-            if (j != k) {
-                face[n++] = v[j];
-                on &= bvxi_is_on(o, v[j], plane);
-            }
-        if (step == 1 && on) look_at_plane_face(o, w, plane, face);
-        if (!bvxi_is_on(o, x, plane) || o->vertex[x].sign == 0) continue;
+            if (j != k) face[n++] = v[j];
+        if (step == 1 && (on | 1 << k) == 15) look_at_plane_face(o, w, plane, face);
+        if (!(on >> k & 1) || o->vertex[x].sign == 0) continue;
         if (step == 0) {
             w->joined[x] = x;
             w->vote[x] = 0.0;
@@ -295,7 +304,7 @@ static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v)
     return status;
 }
 
-/* Vertices on no plane that the blend has next to no say of. */
+/* Vertices on no plane that the smooth number has next to no say of. */
 static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
 {
     const bvxi_tetra_vertex *const x = &o->vertex[v];

@@ -310,6 +310,7 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     o->output_room = o->vertex_count;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
+    o->crossing.near = 1;
     BVXI_TRY(march_split_cells(o));
     BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.5));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.9, march_cells(o)));

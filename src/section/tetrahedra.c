@@ -30,14 +30,15 @@ static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
 
 static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
 {
-    uint64_t i = (key * UINT64_C(0x9e3779b97f4a7c15) >> 24) & (m->room - 1);
+    uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
+    uint64_t i = (m->near ? (key >> 32) * 4 + (mixed & 63) : mixed) & (m->room - 1);
     while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
     return i;
 }
 
 static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m)
 {
-    bvxi_edge_map larger = {NULL, NULL, m->room == 0 ? 1024 : 2 * m->room, m->count};
+    bvxi_edge_map larger = {NULL, NULL, m->room == 0 ? 1024 : 2 * m->room, m->count, m->near};
     bvx_status status = bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra",
                                    &larger.key);
 

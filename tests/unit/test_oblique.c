@@ -127,7 +127,8 @@ static void test_a_ball_through_planes_of_any_direction(void)
         worst[i] = sum;
         if (i > 0) TEST_ASSERT_TRUE(worst[i] < worst[i - 1]);
     }
-    TEST_ASSERT_TRUE(worst[3] < 0.012);
+    /* a blend of the planes' distances alone is 0.06, 0.028 and 0.014 off */
+    TEST_ASSERT_TRUE(worst[1] < 0.02 && worst[2] < 0.006 && worst[3] < 0.003);
     TEST_ASSERT_TRUE(fabs(volume - certificate.volume) < 0.02 * volume);
 }
 
