@@ -351,10 +351,11 @@ static void test_damaged_contours_make_no_open_body(void)
         make_ball(i, 3 + (int)(i % 3), 0.0);
         for (uint64_t n = 0; n <= i % 4; n++) {
             const bvx_sections *const v = &stack.s;
-            uint32_t const l = maker_below(&seed, (uint32_t)v->loop_count);
-            uint64_t const from = v->loops[l].first_point, count = v->loops[l].point_count;
-            uint64_t const a = from + maker_below(&seed, (uint32_t)count);
-            uint64_t const b = from + maker_below(&seed, (uint32_t)count);
+            int32_t const l = maker_below(&seed, (int32_t)v->loop_count);
+            int32_t const count = (int32_t)v->loops[l].point_count;
+            uint64_t const from = v->loops[l].first_point;
+            uint64_t const a = from + (uint64_t)maker_below(&seed, count);
+            uint64_t const b = from + (uint64_t)maker_below(&seed, count);
             double const t = maker_between(&seed, -3.0, 3.0, 100);
             for (uint64_t k = 0; k < 3; k++)
                 stack.point[3 * a + k] += t * (stack.point[3 * b + k] - stack.point[3 * a + k]);

@@ -68,7 +68,7 @@ static int open_random(uint64_t *seed, int round_to)
 }
 
 /* Its scratch stays when it fails, as a public call ends then. */
-static int plane_is_simple(const bvxi_plane *p)
+static int plane_is_simple(bvxi_plane *p)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
     return bvxi_scratch_end(ctx, mark, bvxi_plane_check_simple(&stack, p)) == BVX_OK;
