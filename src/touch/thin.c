@@ -181,6 +181,19 @@ static int is_facing(const bvxi_triangle *t, int axis)
     return t->n[0] >= u + (axis >= 1) && t->n[0] >= v + (axis == 2);
 }
 
+/* By the first coordinate that differs; no two corners of a triangle with area are equal. */
+static int least_corner(const int32_t q[3][3])
+{
+    int least = 0;
+
+    for (int c = 1; c < 3; c++) {
+        int a = 0;
+        while (a < 2 && q[c][a] == q[least][a]) a++;
+        if (q[c][a] < q[least][a]) least = c;
+    }
+    return least;
+}
+
 /* Triangle i of the batch along an axis; low and high: the voxels of the tile by axis. */
 static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
                         const int32_t low[3], const int32_t high[3])
@@ -189,6 +202,7 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
      * solid: there cross_line asks the two centres first. */
     int32_t const shift = tile->job->solid != NULL ? 0 : 1 << tile->job->fraction_bits >> 1;
     int32_t q[3][3];
+    int first;
     thin_lines l;
 
     l.tile = tile;
@@ -203,7 +217,9 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
         if (l.low[a] > l.high[a]) return;
         for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? shift : 0);
     }
-    if (!bvxi_triangle_setup(q[0], q[1], q[2], &l.t)) return;
+    /* Beside a solid places are summed: from the least corner on they have the same bits for any order of corners. */
+    first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
+    if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
     l.facing = is_facing(&l.t, axis);
     /* A few lines are tried by additions; the ranges of many are divided out. */
