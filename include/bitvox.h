@@ -2406,8 +2406,9 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
 /** The closed surface of a body through all of its section contours. On a section plane the contour
  *  decides: its points are vertices with the coordinates given. Between planes the surface follows a blend
  *  of the sections' signed distances, by marching cubes over a grid of cells. The surface is oriented,
- *  edge- and vertex-manifold, and closed but for open caps. How loops in loops, cells that a contour
- *  crosses more than once, ends of parts, and planes that are not parallel are treated: docs/rules.md.
+ *  edge- and vertex-manifold, and closed but for open caps. Planes of any direction (normals) may cross;
+ *  between them the surface is a thin plate through their distances. How loops in loops, cells that a
+ *  contour crosses more than once, ends of parts, and planes that cross are treated: docs/rules.md.
  *
  *  Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of
  *  the contours' extent and a quarter of the way to the next plane]
@@ -2423,7 +2424,8 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  fixed point of 2^-29 of the extent]
  *  Source: "surface modelling in section data fields", with crossings and connectivity on section planes by
  *  the contour; Herman, Zheng, Bucholtz. Shape-based Interpolation. 1992 (layers, nesting); Fritsch,
- *  Butland. A Method for Constructing Local Monotone Piecewise Cubic Interpolants. 1984 (cubic). */
+ *  Butland. A Method for Constructing Local Monotone Piecewise Cubic Interpolants. 1984 (cubic); Duchon.
+ *  Splines Minimizing Rotation-invariant Semi-norms in Sobolev Spaces. 1977 (planes that cross). */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
                                       const bvx_sections_options *options, bvx_mesh *mesh);
 

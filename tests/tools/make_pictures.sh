@@ -1,6 +1,6 @@
 #!/bin/sh
-# make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs. With check nothing is
-# written: the pictures must be those that the program draws now, and small.
+# make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, and a body through
+# contours on crossing planes. With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -45,8 +45,16 @@ draw input off
 draw voxelize bvx
 for command in boolean repair lod simplify; do draw $command ply; done
 
+# A body through the contours of a sweep, which are drawn on it.
+planes() { python3 -c "import sys; sys.path.insert(0, sys.argv[1]); from made_planes import *; $1" "$root/tests/tools"; }
+planes "write_csl('sweep.csl', sweep())"
+quiet sections sweep.csl -o sweep.off --cells 64
+planes "paint('sweep.off', 'painted.off', sweep(), 0.006)"
+quiet render painted.off -o raw.png --size 204x192 --from 1,-2,1.2
+python3 "$root/tests/tools/pack_png.py" raw.png sweep.png
+
 bad=0
-for picture in input voxelize boolean repair lod simplify; do
+for picture in input voxelize boolean repair lod simplify sweep; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1
