@@ -237,6 +237,83 @@ static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
     }
 }
 
+/* What a stretch of a contour sweeps on its way from (a, b) to where it is moved, (c, d): there the plane says
+ * another thing afterwards. */
+static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], const double c[3],
+                       const double d[3])
+{
+    double square[4] = {0.0, 0.0, 0.0, 0.0};
+    int32_t steps;
+
+    for (int k = 0; k < 3; k++) {
+        square[0] += (c[k] - a[k]) * (c[k] - a[k]);
+        square[1] += (d[k] - b[k]) * (d[k] - b[k]);
+        square[2] += (b[k] - a[k]) * (b[k] - a[k]);
+        square[3] += (d[k] - c[k]) * (d[k] - c[k]);
+    }
+    mark_segment(o, c, d);
+    if (square[0] < MARK_REACH * MARK_REACH && square[1] < MARK_REACH * MARK_REACH) return;
+
+    steps = (int32_t)(sqrt(square[2] > square[3] ? square[2] : square[3]) * 4.0) + 1;
+    for (int32_t i = 0; i <= steps; i++) {
+        double const t = (double)i / steps;
+        double from[3], to[3];
+        for (int k = 0; k < 3; k++) {
+            from[k] = a[k] + t * (b[k] - a[k]);
+            to[k] = c[k] + t * (d[k] - c[k]);
+        }
+        mark_segment(o, from, to);
+    }
+}
+
+/* The knot of a segment after a share of it, or BVXI_NONE. */
+static uint32_t next_knot(const bvxi_oblique *o, uint32_t plane, uint32_t segment, double share)
+{
+    double least = 2.0;
+    uint32_t found = BVXI_NONE;
+
+    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
+        if (o->knot[k].segment == segment && o->knot[k].share > share && o->knot[k].share < least) {
+            least = o->knot[k].share;
+            found = k;
+        }
+    return found;
+}
+
+static void moved_place(const bvxi_oblique *o, uint32_t knot, double at[3])
+{
+    const bvxi_knot *root = &o->knot[knot];
+
+    while (root->joined != (uint32_t)(root - o->knot)) root = &o->knot[root->joined];
+    for (int k = 0; k < 3; k++) at[k] = root->sum[k] / root->count;
+}
+
+/* A segment as given, and from knot to knot what it sweeps on its way to them; after: the one behind it, whose
+ * first point may be moved. */
+static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t after,
+                               const double a[3], const double b[3])
+{
+    uint32_t k = next_knot(o, plane, segment, -1.0), end = next_knot(o, plane, after, -1.0);
+    double at[3], moved[3], next_at[3], next_moved[3];
+
+    mark_segment(o, a, b);
+    if (end != BVXI_NONE && o->knot[end].share > 0.0) end = BVXI_NONE;
+    if (k == BVXI_NONE && end == BVXI_NONE) return;
+
+    memcpy(at, a, sizeof at);
+    memcpy(moved, a, sizeof moved);
+    for (; k != BVXI_NONE; k = next_knot(o, plane, segment, o->knot[k].share)) {
+        for (int c = 0; c < 3; c++) next_at[c] = a[c] + o->knot[k].share * (b[c] - a[c]);
+        moved_place(o, k, next_moved);
+        mark_sweep(o, at, next_at, moved, next_moved);
+        memcpy(at, next_at, sizeof at);
+        memcpy(moved, next_moved, sizeof moved);
+    }
+    memcpy(next_moved, b, sizeof next_moved);
+    if (end != BVXI_NONE) moved_place(o, end, next_moved);
+    mark_sweep(o, at, b, moved, next_moved);
+}
+
 /* Along contours as given, and where knots move their segments to. */
 static void mark_contours(bvxi_oblique *o)
 {
@@ -246,16 +323,7 @@ static void mark_contours(bvxi_oblique *o)
             double a[3], b[3];
             bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], a);
             bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[p->next[n]], b);
-            mark_segment(o, a, b);
-            for (uint32_t k = o->plane[i].knot; k != BVXI_NONE; k = o->knot[k].next) {
-                const bvxi_knot *root = &o->knot[k];
-                double moved[3];
-                if (o->knot[k].segment != n) continue;
-                while (root->joined != (uint32_t)(root - o->knot)) root = &o->knot[root->joined];
-                for (int c = 0; c < 3; c++) moved[c] = root->sum[c] / root->count;
-                mark_segment(o, a, moved);
-                mark_segment(o, moved, b);
-            }
+            mark_moved_segment(o, i, n, p->next[n], a, b);
         }
     }
 }

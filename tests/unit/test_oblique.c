@@ -322,6 +322,32 @@ static void test_contradictions_are_named_or_settled(void)
     TEST_ASSERT_EQUAL_UINT64(1, report.empty_sections);
 }
 
+static void add_rectangle(uint32_t section, const double corner[4][3])
+{
+    stack_loop(&stack, section);
+    for (int i = 0; i < 4; i++, stack.s.point_count++)
+        memcpy(stack.point + 3 * stack.s.point_count, corner[i], 24);
+    stack.loop[stack.s.loop_count - 1].point_count = 4;
+}
+
+/* Contours that are moved by many cells: what they sweep on their way is looked at too. */
+static void test_contours_moved_far(void)
+{
+    static const double flat[4][3] = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+    static const double upright[4][3] = {{2, 0, -2}, {2, 6, -2}, {2, 6, 2}, {2, 0, 2}};
+
+    for (int32_t cells = 8; cells <= 64; cells += 8) {
+        stack_oblique(&stack);
+        add_rectangle(stack_plane(&stack, 0, 0, 1, 0), flat);
+        add_rectangle(stack_plane(&stack, 1, 0, 0, 2), upright);
+        o.cells = cells;
+        o.agree = 2.5;
+        build_good();
+        TEST_ASSERT_EQUAL_UINT64(1, report.settled);
+        if (cells <= 24) assert_no_crossings();
+    }
+}
+
 /* However contours contradict each other: once they are allowed to, the surface is closed. */
 static void test_contours_that_do_not_belong_together(void)
 {
@@ -434,6 +460,7 @@ int main(void)
     RUN_TEST(test_threads_change_no_oblique_body);
     RUN_TEST(test_cells_and_spacing_are_one_thing);
     RUN_TEST(test_contradictions_are_named_or_settled);
+    RUN_TEST(test_contours_moved_far);
     RUN_TEST(test_contours_that_do_not_belong_together);
     RUN_TEST(test_damaged_contours_make_no_open_body);
     RUN_TEST(test_what_planes_are_refused);
