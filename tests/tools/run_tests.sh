@@ -42,7 +42,7 @@ long_tests='test_below test_cast test_collapse test_field test_field_dense test_
     test_render_cut test_render_paint test_seeds test_sharp test_solid_exact test_solid_same test_vote test_winding
     test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify
     test_simplify_cells test_repair_many test_repair_order test_repair_sharp test_repair_thin test_boolean_thin
-    test_level_memory'
+    test_level_memory test_oblique'
 left_out=
 
 # ---- Rows: each is make with its settings ----
