@@ -36,7 +36,7 @@
  *               unspecified content, or empty; it may be passed again or freed in any case.
  *   Cases       A coordinate that is not finite is BVX_ERR_RANGE, no triangle or point at all BVX_ERR_EMPTY;
  *               nothing inside is an empty result and BVX_OK, unless a function says otherwise; a target
- *               that cannot be met is told in the report. Over the memory limit: BVX_ERR_BUDGET.
+ *               that cannot be met is named in the report. Over the memory limit: BVX_ERR_BUDGET.
  *   Counting    Where an array of results may be NULL, only their count is computed.
  *   Memory      All of it comes from the context's allocator and counts against its limit.
  *   Threads     One context is used by one thread at a time; two contexts share nothing.

@@ -162,11 +162,18 @@ static inline void bvxi_oblique_in_cells(const bvxi_oblique *o, const double *po
 
 /* oblique_lines.c: contours on lines where planes cross are held against each other. */
 bvx_status bvxi_oblique_settle(bvxi_oblique *o);
+/* The root of the knots that are one place with this one, and that place: the mean of theirs. */
+uint32_t bvxi_knot_root(const bvxi_oblique *o, uint32_t knot);
+void bvxi_knot_place(const bvxi_oblique *o, uint32_t knot, double at[3]);
+/* The next knot on a contour's segment after a share of it, or BVXI_NONE. */
+uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment, double share);
 
 #define BVXI_RASTER_STEP 2.0 /* cells */
 
 /* oblique_raster.c */
 bvx_status bvxi_oblique_raster(bvxi_oblique *o);
+/* The plane that has a row, counted over the rasters of all planes; *row becomes its own. */
+const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row);
 /* What a raster of a plane has at a place's foot point. */
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
 /* The distance of a place's foot point on a plane. */

@@ -122,12 +122,6 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
     return bvxi_tetra_split_edge(o, f.tetra, end[0], end[1], at, vertex);
 }
 
-static const bvxi_knot *root_of(const bvxi_oblique *o, uint32_t knot)
-{
-    while (o->knot[knot].joined != knot) knot = o->knot[knot].joined;
-    return &o->knot[knot];
-}
-
 /* Meeting places first: on the lines of planes that cross no edge is missing yet. */
 static bvx_status insert_knots(bvxi_oblique *o)
 {
@@ -136,7 +130,7 @@ static bvx_status insert_knots(bvxi_oblique *o)
         double at[3];
 
         if (k->joined != i) continue;
-        for (int x = 0; x < 3; x++) at[x] = k->sum[x] / k->count;
+        bvxi_knot_place(o, (uint32_t)i, at);
         BVXI_TRY(insert_point(o, k->plane, at, &k->vertex));
         if (k->vertex != BVXI_NONE) o->vertex[k->vertex].sign = 0;
     }
@@ -151,7 +145,7 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *verte
     memset(vertex, 0xff, (size_t)p->point_count * 4);
     for (uint32_t k = f->knot; k != BVXI_NONE; k = o->knot[k].next)
         if (o->knot[k].share == 0.0) {
-            uint32_t const at = root_of(o, k)->vertex;
+            uint32_t const at = o->knot[bvxi_knot_root(o, k)].vertex;
             if (at != BVXI_NONE && bvxi_is_on(o, at, plane)) vertex[o->knot[k].segment] = at;
         }
     for (uint32_t i = 0; i < p->point_count; i++) {
@@ -256,23 +250,16 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
 /* A segment by way of the meeting places on it, in their order. */
 static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t from, uint32_t to)
 {
-    double done = 0.0;
+    uint32_t knot = bvxi_knot_after(o, plane, segment, 0.0);
 
-    for (;;) {
-        double next = 1.0;
-        uint32_t knot = BVXI_NONE, way;
-        for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
-            if (o->knot[k].segment == segment && o->knot[k].share > done && o->knot[k].share < next) {
-                next = o->knot[k].share;
-                knot = k;
-            }
-        way = knot == BVXI_NONE ? BVXI_NONE : root_of(o, knot)->vertex;
-        if (knot == BVXI_NONE) return insert_segment(o, plane, from, to);
-        done = next;
+    for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, plane, segment, o->knot[knot].share)) {
+        uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
+
         if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
         BVXI_TRY(insert_segment(o, plane, from, way));
         from = way;
     }
+    return insert_segment(o, plane, from, to);
 }
 
 bvx_status bvxi_oblique_contours(bvxi_oblique *o)

@@ -48,19 +48,11 @@ static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t
 static void rest_piece(void *user, int32_t index, int32_t worker)
 {
     const bvxi_oblique *const o = user;
-    uint64_t row = (uint64_t)index;
+    int32_t row = index;
+    const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
 
     (void)worker;
-    /* pieces are rows, plane by plane */
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_oblique_plane *const p = &o->plane[i];
-        uint64_t const rows = p->rest == NULL ? 0 : (uint64_t)p->raster_size[1];
-        if (row < rows) {
-            rest_row(o, p, (int32_t)row);
-            return;
-        }
-        row -= rows;
-    }
+    rest_row(o, p, row);
 }
 
 bvx_status bvxi_oblique_rest(bvxi_oblique *o)

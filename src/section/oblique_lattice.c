@@ -266,34 +266,12 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
     }
 }
 
-/* The knot of a segment after a share of it, or BVXI_NONE. */
-static uint32_t next_knot(const bvxi_oblique *o, uint32_t plane, uint32_t segment, double share)
-{
-    double least = 2.0;
-    uint32_t found = BVXI_NONE;
-
-    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
-        if (o->knot[k].segment == segment && o->knot[k].share > share && o->knot[k].share < least) {
-            least = o->knot[k].share;
-            found = k;
-        }
-    return found;
-}
-
-static void moved_place(const bvxi_oblique *o, uint32_t knot, double at[3])
-{
-    const bvxi_knot *root = &o->knot[knot];
-
-    while (root->joined != (uint32_t)(root - o->knot)) root = &o->knot[root->joined];
-    for (int k = 0; k < 3; k++) at[k] = root->sum[k] / root->count;
-}
-
 /* A segment as given, and from knot to knot what it sweeps on its way to them; after: the one behind it, whose
  * first point may be moved. */
 static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t after,
                                const double a[3], const double b[3])
 {
-    uint32_t k = next_knot(o, plane, segment, -1.0), end = next_knot(o, plane, after, -1.0);
+    uint32_t k = bvxi_knot_after(o, plane, segment, -1.0), end = bvxi_knot_after(o, plane, after, -1.0);
     double at[3], moved[3], next_at[3], next_moved[3];
 
     mark_segment(o, a, b);
@@ -302,15 +280,15 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
 
     memcpy(at, a, sizeof at);
     memcpy(moved, a, sizeof moved);
-    for (; k != BVXI_NONE; k = next_knot(o, plane, segment, o->knot[k].share)) {
+    for (; k != BVXI_NONE; k = bvxi_knot_after(o, plane, segment, o->knot[k].share)) {
         for (int c = 0; c < 3; c++) next_at[c] = a[c] + o->knot[k].share * (b[c] - a[c]);
-        moved_place(o, k, next_moved);
+        bvxi_knot_place(o, k, next_moved);
         mark_sweep(o, at, next_at, moved, next_moved);
         memcpy(at, next_at, sizeof at);
         memcpy(moved, next_moved, sizeof moved);
     }
     memcpy(next_moved, b, sizeof next_moved);
-    if (end != BVXI_NONE) moved_place(o, end, next_moved);
+    if (end != BVXI_NONE) bvxi_knot_place(o, end, next_moved);
     mark_sweep(o, at, b, moved, next_moved);
 }
 

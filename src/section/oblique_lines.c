@@ -24,10 +24,30 @@ typedef struct oblique_line_work {
     double direction[3];
 } oblique_line_work;
 
-static uint32_t knot_root(const bvxi_oblique *o, uint32_t i)
+uint32_t bvxi_knot_root(const bvxi_oblique *o, uint32_t knot)
 {
-    while (o->knot[i].joined != i) i = o->knot[i].joined;
-    return i;
+    while (o->knot[knot].joined != knot) knot = o->knot[knot].joined;
+    return knot;
+}
+
+void bvxi_knot_place(const bvxi_oblique *o, uint32_t knot, double at[3])
+{
+    const bvxi_knot *const root = &o->knot[bvxi_knot_root(o, knot)];
+
+    for (int k = 0; k < 3; k++) at[k] = root->sum[k] / root->count;
+}
+
+uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment, double share)
+{
+    double least = 1.0; /* the segment's end is the next one's point */
+    uint32_t found = BVXI_NONE;
+
+    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
+        if (o->knot[k].segment == segment && o->knot[k].share > share && o->knot[k].share < least) {
+            least = o->knot[k].share;
+            found = k;
+        }
+    return found;
 }
 
 static double square_between(const double a[3], const double b[3])
@@ -70,7 +90,7 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
 
 static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b)
 {
-    uint32_t x = knot_root(o, a), y = knot_root(o, b);
+    uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
     bvxi_knot *keep, *gone;
 
     if (x == y) return;

@@ -16,22 +16,23 @@ static void raster_row(const bvxi_oblique_plane *p, int32_t row)
     }
 }
 
+const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row)
+{
+    const bvxi_oblique_plane *p = o->plane;
+
+    for (; p->raster == NULL || *row >= p->raster_size[1]; p++)
+        if (p->raster != NULL) *row -= p->raster_size[1];
+    return p;
+}
+
 static void raster_piece(void *user, int32_t index, int32_t worker)
 {
     const bvxi_oblique *const o = user;
-    uint64_t row = (uint64_t)index;
+    int32_t row = index;
+    const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
 
     (void)worker;
-    /* pieces are rows, plane by plane */
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_oblique_plane *const p = &o->plane[i];
-        uint64_t const rows = p->raster == NULL ? 0 : (uint64_t)p->raster_size[1];
-        if (row < rows) {
-            raster_row(p, (int32_t)row);
-            return;
-        }
-        row -= rows;
-    }
+    raster_row(p, row);
 }
 
 bvx_status bvxi_oblique_raster(bvxi_oblique *o)
