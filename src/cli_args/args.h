@@ -4,7 +4,7 @@
 
 #include "cli_shell/shell.h"
 
-/* Commands, as bits: an option says which of them take it. A new command takes the next bit. */
+/* Commands, as bits. A new command takes the next one. */
 enum {
     CLI_INFO = 1 << 0,
     CLI_VOXELIZE = 1 << 1,
@@ -25,15 +25,19 @@ enum {
     CLI_ALL = 0x7fffffff
 };
 
+typedef struct cli_argument cli_argument;
+
 struct cli_command {
     const char *name;
     int32_t bit;
     int least_inputs, most_inputs;
-    const char *usage;   /* after "bitvox NAME" */
-    const char *does;    /* one line */
-    const char *details; /* lines for its help */
-    const char *example; /* command lines that work in the project's folder, one a line */
-    size_t job;          /* bytes of what it works with: run->job */
+    const char *usage;        /* after "bitvox NAME" */
+    const char *does;         /* one line */
+    const char *details;      /* lines for its help */
+    const char *example;      /* command lines that work in the project's folder, one a line */
+    const cli_argument *rows; /* the options that it takes, in the order of its help */
+    size_t own;               /* bytes of those that are its own: run->own */
+    size_t job;               /* bytes of what it works with: run->job */
     /* Check, open, read, call the library: all but writing. */
     int (*make)(cli_run *run, void *job, cli_made *made);
     /* After writing, what is to be said of it; may be NULL, as the next. */
@@ -41,7 +45,7 @@ struct cli_command {
     void (*free)(cli_run *run, void *job);
 };
 
-/* ---- option_table.c, option_values.c, arguments.c: what the command line says ---- */
+/* ---- shared_rows.c, option_values.c, arguments.c: what the command line says; rows.h: rows ---- */
 
 typedef struct cli_list {
     int count;
@@ -76,7 +80,8 @@ typedef struct cli_errors {
     int32_t percent[CLI_MAX_LEVELS];
 } cli_errors;
 
-/* Zero stands for "not given" unless said otherwise. */
+/* What several commands take, or the rooms below them read; what one command takes for itself stands in its file.
+ * Zero stands for "not given" unless said otherwise. */
 struct cli_options {
     cli_general general;
     const char *input[CLI_MAX_FILES];
@@ -84,72 +89,58 @@ struct cli_options {
     const char *output;
     const char *output_dir; /* a folder for the outputs of several inputs */
     int32_t format;         /* of standard input and output, BVX_FORMAT_... */
-    cli_list resolution, levels, triangles, window, size;
+
+    /* where voxels lie */
+    cli_list resolution, window;
     double spacing;
-    double agree;
-    cli_triple origin, from, up;
+    cli_triple origin;
     int32_t padding;
-    int32_t fill;          /* BVX_FILL_... */
-    int32_t method;        /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
-    cli_errors errors;     /* of levels that edges collapse to, and what else these need: */
-    int32_t error_kind;    /* BVX_ERROR_... */
-    int32_t count, source; /* source: BVX_LEVELS_... */
-    int32_t open;          /* BVX_OPEN_... */
-    int32_t no_sharp, outer_hull, strict, if_needed;
-    double even, colour_weight;
-    double threshold;
-    int32_t edge_samples;
-    double collapse;
-    int64_t samples; /* -1: not given */
-    int32_t smooth;
-    int32_t voxels; /* along the longest axis; 0: draw the mesh */
-    int32_t carry, wireframe, difference, turntable;
-    int64_t seed;
-    cli_planes cut;
-    cli_sheet slices;
-    int32_t mode; /* of voxelize: CLI_MODE_... */
-    int32_t close_gaps, add_shell, check_edges, check_thin, compare_fills;
-    double base;        /* height that columns stand on */
-    const char *second; /* the other terrain's file */
-    int32_t up_axis;    /* 1 to 3 */
-    int32_t merge;
-    int32_t base_voxels, depth, outer_levels, expand, leaves;
-    int32_t states; /* BVX_STATE_... added */
-    double adaptive;
-    cli_list seeds;   /* three numbers each */
-    const char *mesh; /* the file of a surface's mesh */
-    int32_t connectivity;
-    int32_t layers, blend, caps, nesting, mend, crossings, subdivide, label, cells; /* sections */
-    const char *block_model;
-    cli_triple block;
-    double close_gap;      /* between the ends of a contour */
+
+    /* what is inside a mesh */
+    int32_t fill; /* BVX_FILL_... */
+    int32_t close_gaps, add_shell;
     int32_t sign;          /* BVX_SIGN_... */
     int32_t interpolation; /* BVX_EDGE_... */
-    int32_t sharp, measure;
-    int32_t count_crossings;  /* info: of meshes */
-    int32_t normals;          /* of vertices, in a mesh's file */
-    cli_triple output_origin; /* taken from the positions of a mesh's file */
-    int32_t resample;         /* boolean: grids of other lattices are sampled */
-    double shell;             /* thickness in voxels */
-    int32_t thin;             /* BVX_THIN_... */
+    int32_t sharp, no_sharp;
+    double shell; /* thickness in voxels */
     int64_t least_part, least_cavity;
-    double half_width;              /* of a field's band; 0: no end */
-    int64_t keep_largest, at_least; /* components */
-    int32_t fill_cavities;
-    const char *labels;                                     /* the file of their numbers */
-    int32_t minimum, body;                                  /* clouds of points */
-    int32_t vectors, value_type;                            /* value_type: BVX_F32, BVX_F64 */
-    int32_t neighbourhood, steps, beyond, side, drain_side; /* morph: by the places among their names */
-    double radius, thickness, drain;
-    double level; /* of volumes */
+
+    /* fewer triangles */
+    cli_list triangles;
+    cli_errors errors;
+    int32_t error_kind;  /* BVX_ERROR_... */
+    int32_t count, open; /* levels; BVX_OPEN_... */
+    int32_t strict;
+    double even, colour_weight;
+    int64_t samples; /* -1: not given */
+
+    /* meshes in files */
+    int32_t carry, normals;
+    cli_triple output_origin; /* taken from the positions */
+
+    /* volumes, .raw files, parts of voxels */
+    double level;
     cli_pair range;
     int64_t value_label;
-    int32_t all_labels, below;
-    cli_list shape;      /* of samples only */
+    int32_t below;
+    cli_list shape;
     int32_t sample_type; /* BVX_SAMPLE_... */
     int32_t big_endian;
     int64_t skip; /* bytes before the samples */
     cli_triple voxel_size;
+    int64_t keep_largest;
+    int32_t connectivity; /* index into cli_neighbours */
+
+    /* fields */
+    double half_width;           /* of the band; 0: no end */
+    int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
+
+    /* octrees */
+    int32_t states; /* BVX_STATE_... added */
+    int32_t expand, leaves;
+    cli_planes cut;
+
+    double close_gap; /* between the ends of a contour */
 };
 
 /* The method of lod that is neither of BVX_LOD_... */
@@ -185,18 +176,19 @@ typedef enum cli_kind {
     CLI_TEXT    /* const char *, any text but none */
 } cli_kind;
 
-typedef struct cli_argument {
+struct cli_argument {
     const char *name;  /* with its dashes */
     const char *value; /* as the help shows it; NULL for a flag */
     cli_kind kind;
-    int32_t commands; /* bits */
-    size_t field;     /* in cli_options */
+    size_t field; /* in cli_options */
+    int own;      /* 1: in the command's own options */
     double low, high;
     int least, most;
     const char *const *choice; /* names, NULL after the last */
     int base;
-    const char *help; /* lines */
-} cli_argument;
+    const char *help;                /* lines */
+    const struct cli_argument *also; /* in place of a row: the rows of this table */
+};
 
 /* The rules of --fill by BVX_FILL_..., and the modes of voxelize by CLI_MODE_...; NULL after the last. */
 extern const char *const cli_fill_names[], *const cli_fill_reasons[], *const cli_mode_names[];
@@ -209,13 +201,15 @@ extern const int32_t cli_neighbours[];
 extern const char *const cli_sample_names[];
 /* By BVX_SIGN_... */
 extern const char *const cli_sign_names[];
-/* Row i of the table, NULL after the last; one name may stand in several rows for different commands. */
-const cli_argument *cli_argument_at(int i);
+/* All rows of a command, those of other tables in their places; returns how many there are. */
+int cli_list_rows(const cli_command *command, const cli_argument *row[CLI_MAX_OPTIONS]);
+/* 1 for what all commands take. */
+int cli_is_common(const cli_argument *a);
 /* Store an option's value in its field; 0 when it is malformed. */
-int cli_take_value(const cli_argument *a, const char *text, cli_options *o);
+int cli_take_value(cli_run *run, const cli_argument *a, const char *text);
 /* "a whole number from 0 to 1024": what a value must be. */
 void cli_describe_value(const cli_argument *a, char *text, size_t room);
-/* Fill run->options; CLI_DONE or CLI_USAGE with a message. */
+/* Fill run->options and run->own; CLI_DONE or CLI_USAGE with a message. */
 int cli_parse(cli_run *run, int count, char **word);
 /* 1 when the command has an option of this name. */
 int cli_takes(const cli_run *run, const char *name);
@@ -224,7 +218,7 @@ int cli_given(const cli_run *run, const char *name);
 /* The same of a name of so many bytes: the name, or NULL. */
 const char *cli_given_name(const cli_run *run, const char *name, size_t length);
 /* The options of a command, for its help. */
-void cli_print_options(int32_t command_bit);
+void cli_print_options(const cli_command *command);
 /* Another option of the command whose name differs by one letter, or NULL. */
 const char *cli_mistaken_for(const cli_run *run, const char *name);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL after the last. */

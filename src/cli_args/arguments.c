@@ -1,5 +1,5 @@
-/* arguments.c - the command line: useful refusals; the options stand in option_table.c, option_values.c takes
- * their values.
+/* arguments.c - the command line: useful refusals; the options stand in the commands' files and in
+ * shared_rows.c, option_values.c takes their values.
  *
  * An option stands once, takes one value (after it or after "="), and is refused by commands that have no
  * use for it. */
@@ -7,6 +7,28 @@
 
 #include <stdio.h>
 #include <string.h>
+
+/* ---- rows ---- */
+
+static int list_table(const cli_argument *table, const cli_argument **row, int rows)
+{
+    for (const cli_argument *a = table; a->name != NULL || a->also != NULL; a++) {
+        if (a->also != NULL) rows = list_table(a->also, row, rows);
+        else if (rows < CLI_MAX_OPTIONS) row[rows++] = a;
+    }
+    return rows;
+}
+
+int cli_list_rows(const cli_command *command, const cli_argument *row[CLI_MAX_OPTIONS])
+{
+    return list_table(command->rows, row, 0);
+}
+
+int cli_is_common(const cli_argument *a)
+{
+    /* cli_general, which all commands have, stands first. */
+    return !a->own && a->field < sizeof(cli_general);
+}
 
 /* ---- names ---- */
 
@@ -48,41 +70,50 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
 
 static const char *next_option(const void *user, int i)
 {
-    int32_t const bit = *(const int32_t *)user;
-    const cli_argument *a;
-    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
-        if ((a->commands & bit) != 0 && i-- == 0) return a->name;
-    return NULL;
+    const cli_run *const run = user;
+
+    return i < run->rows ? run->row[i]->name : NULL;
 }
 
 const char *cli_mistaken_for(const cli_run *run, const char *name)
 {
-    const cli_argument *a;
-    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
-        if ((a->commands & run->command->bit) != 0 && name_distance(name, a->name) == 1) return a->name;
+    for (int k = 0; k < run->rows; k++)
+        if (name_distance(name, run->row[k]->name) == 1) return run->row[k]->name;
     return NULL;
 }
 
 /* The row of an option that the command takes, -1 when it takes none of that name. */
-static int find_argument(const char *name, size_t length, int32_t bit)
+static int find_argument(const cli_argument *const *row, int rows, const char *name, size_t length)
 {
-    const cli_argument *a;
-    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++)
-        if ((a->commands & bit) != 0 && strlen(a->name) == length && strncmp(a->name, name, length) == 0)
-            return k;
+    for (int k = 0; k < rows; k++)
+        if (strncmp(row[k]->name, name, length) == 0 && row[k]->name[length] == 0) return k;
     return -1;
+}
+
+static int is_taken_by(const cli_command *command, const char *name, size_t length)
+{
+    const cli_argument *row[CLI_MAX_OPTIONS];
+
+    return find_argument(row, cli_list_rows(command, row), name, length) >= 0;
+}
+
+static int is_taken_by_any(const cli_run *run, const char *name, size_t length)
+{
+    for (int i = 0; run->commands[i] != NULL; i++)
+        if (is_taken_by(run->commands[i], name, length)) return 1;
+    return 0;
 }
 
 int cli_takes(const cli_run *run, const char *name)
 {
-    return find_argument(name, strlen(name), run->command->bit) >= 0;
+    return find_argument(run->row, run->rows, name, strlen(name)) >= 0;
 }
 
 const char *cli_given_name(const cli_run *run, const char *name, size_t length)
 {
-    int const row = find_argument(name, length, run->command->bit);
+    int const row = find_argument(run->row, run->rows, name, length);
 
-    return row >= 0 && run->given[row] ? cli_argument_at(row)->name : NULL;
+    return row >= 0 && run->given[row] ? run->row[row]->name : NULL;
 }
 
 int cli_given(const cli_run *run, const char *name)
@@ -119,10 +150,10 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     if (new_name(bit, name) != NULL)
         return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name,
                          new_name(bit, name));
-    if (find_argument(word, length, CLI_ALL) >= 0)
+    if (is_taken_by_any(run, word, length))
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name,
                          run->command->name);
-    nearest = cli_nearest(name, next_option, &bit);
+    nearest = cli_nearest(name, next_option, run);
     if (nearest != NULL)
         return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
                          nearest);
@@ -137,8 +168,8 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
 {
     const char *const text = word[*at], *equals = strchr(text, '=');
     size_t const length = equals != NULL ? (size_t)(equals - text) : strlen(text);
-    int const row = find_argument(text, length, run->command->bit);
-    const cli_argument *const a = row >= 0 ? cli_argument_at(row) : NULL;
+    int const row = find_argument(run->row, run->rows, text, length);
+    const cli_argument *const a = row >= 0 ? run->row[row] : NULL;
     const char *value = equals != NULL ? equals + 1 : NULL;
     char wanted[256];
 
@@ -148,7 +179,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
     ++*at;
     if (a->kind == CLI_FLAG) {
         if (value != NULL) return cli_usage(run, "%s takes no value", a->name);
-        cli_take_value(a, "", run->options);
+        cli_take_value(run, a, "");
         return CLI_DONE;
     }
     cli_describe_value(a, wanted, sizeof wanted);
@@ -156,7 +187,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
         if (*at == count) return cli_usage(run, "%s lacks its value, %s", a->name, wanted);
         value = word[(*at)++];
     }
-    if (!cli_take_value(a, value, run->options))
+    if (!cli_take_value(run, a, value))
         return cli_usage(run, "%s takes %s, not '%s'", a->name, wanted, value);
     return CLI_DONE;
 }
@@ -166,8 +197,7 @@ static int take_input(cli_run *run, const char *name)
     cli_options *const o = run->options;
     int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
 
-    if (o->inputs == most && o->output_dir == NULL && most == 1 &&
-        find_argument("--output-dir", 12, run->command->bit) >= 0)
+    if (o->inputs == most && o->output_dir == NULL && most == 1 && cli_takes(run, "--output-dir"))
         return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name,
                          run->command->name);
     if (o->inputs == most)
@@ -184,12 +214,12 @@ int cli_parse(cli_run *run, int count, char **word)
     cli_options *const o = run->options;
     int only_inputs = 0, at = 0, status = CLI_DONE;
 
+    run->rows = cli_list_rows(run->command, run->row);
+
     /* decide how an error is reported and whether there is one */
     for (int i = 0; i < count && strcmp(word[i], "--") != 0; i++) {
         if (strcmp(word[i], "--json") == 0) o->general.json = 1;
-        if (find_argument("--output-dir", 12, run->command->bit) >= 0 &&
-            strncmp(word[i], "--output-dir", 12) == 0)
-            o->output_dir = "";
+        if (cli_takes(run, "--output-dir") && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->general.help = 1;
     }
     if (o->general.help) return CLI_DONE;
@@ -208,13 +238,15 @@ int cli_parse(cli_run *run, int count, char **word)
     return status;
 }
 
-void cli_print_options(int32_t command_bit)
+void cli_print_options(const cli_command *command)
 {
-    const cli_argument *a;
+    const cli_argument *row[CLI_MAX_OPTIONS];
+    int const rows = cli_list_rows(command, row);
 
-    for (int k = 0; (a = cli_argument_at(k)) != NULL; k++) {
+    for (int k = 0; k < rows; k++) {
+        const cli_argument *const a = row[k];
         char left[40];
-        if ((a->commands & command_bit) == 0) continue;
+
         snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
         printf("  %-24s", left);
         for (const char *p = a->help; *p != 0; p++) {

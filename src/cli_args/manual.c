@@ -41,12 +41,15 @@ static void put_item(const char *term, const char *text)
     putchar('\n');
 }
 
-static void put_options(int32_t bit, int common)
+static void put_options(const cli_command *command, int common)
 {
-    const cli_argument *a;
+    const cli_argument *row[CLI_MAX_OPTIONS];
+    int const rows = cli_list_rows(command, row);
 
-    for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
-        if ((a->commands & bit) == 0 || (a->commands == CLI_ALL) != common) continue;
+    for (int i = 0; i < rows; i++) {
+        const cli_argument *const a = row[i];
+
+        if (cli_is_common(a) != common) continue;
         printf(".TP\n\\fB");
         put_roff(a->name);
         printf("\\fR");
@@ -68,7 +71,7 @@ static void put_command(const cli_command *c)
     printf("\"\n");
     put_roff(c->details);
     putchar('\n');
-    put_options(c->bit, 0);
+    put_options(c, 0);
 }
 
 static void put_commands(const cli_command *const *commands)
@@ -123,7 +126,7 @@ void cli_print_manual(const cli_command *const *commands)
         "is an input. As an input, - is standard input, whose format --format gives.");
     put_commands(commands);
     put_section("COMMON OPTIONS");
-    put_options(CLI_ALL, 1);
+    put_options(commands[0], 1);
     put_section("PROGRESS AND REPORT");
     put_roff(
         "On a terminal a bar shows the percentage of the whole run, the stage and about how much time is left, once half a second "
@@ -165,21 +168,25 @@ void cli_print_manual(const cli_command *const *commands)
 
 /* ---- bash ---- */
 
-static void put_option_names(int32_t bit)
+static void put_option_names(const cli_command *command)
 {
-    const cli_argument *a;
-    for (int i = 0; (a = cli_argument_at(i)) != NULL; i++)
-        if ((a->commands & bit) != 0) printf(" %s", a->name);
+    const cli_argument *row[CLI_MAX_OPTIONS];
+    int const rows = cli_list_rows(command, row);
+
+    for (int i = 0; i < rows; i++) printf(" %s", row[i]->name);
 }
 
 /* Case lines "command/--option)" for values: names to choose from, files, or nothing that could be
  * guessed. */
 static void put_values(const cli_command *c)
 {
-    const cli_argument *a;
+    const cli_argument *row[CLI_MAX_OPTIONS];
+    int const rows = cli_list_rows(c, row);
 
-    for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
-        if ((a->commands & c->bit) == 0 || a->kind == CLI_FLAG) continue;
+    for (int i = 0; i < rows; i++) {
+        const cli_argument *const a = row[i];
+
+        if (a->kind == CLI_FLAG) continue;
         printf("    %s/%s) ", c->name, a->name);
         if (a->choice != NULL && a->kind != CLI_SET) {
             printf("_bitvox_words '");
@@ -237,7 +244,7 @@ void cli_print_completion(const cli_command *const *commands)
            "    case $command in\n");
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf("    %s) _bitvox_words '", c->name);
-        put_option_names(c->bit);
+        put_option_names(c);
         printf("' ;;\n");
     }
     printf("    esac\n"

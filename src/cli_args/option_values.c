@@ -171,9 +171,9 @@ static int take_set(const cli_argument *a, const char *text, int32_t *set)
     }
 }
 
-int cli_take_value(const cli_argument *a, const char *text, cli_options *o)
+int cli_take_value(cli_run *run, const cli_argument *a, const char *text)
 {
-    void *const field = (char *)o + a->field;
+    void *const field = (char *)(a->own ? run->own : run->options) + a->field;
     const char *rest;
     int64_t whole;
     int good;

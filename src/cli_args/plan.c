@@ -17,6 +17,8 @@ typedef struct plan_row {
     const char *stage; /* without the number of a level */
     double weight;
     int each;
+    const char *given;   /* only with this option; NULL: always */
+    const char *lacking; /* not with this one */
 } plan_row;
 
 enum {
@@ -29,69 +31,69 @@ enum {
 enum { MORPH_WEIGHT = 40 }; /* of each of its operations, one of which is done */
 
 static const plan_row plan_rows[] = {
-    {PLAN_READERS, "read", 8, PLAN_FILES},
-    {PLAN_READERS, "read samples", 1, PLAN_FILES},
-    {PLAN_READERS, "parse", 7, PLAN_FILES},
-    {PLAN_READERS, "threshold", 1, PLAN_FILES},
-    {CLI_RENDER, "read", 6, PLAN_FILES},
-    {CLI_RENDER, "read samples", 1, PLAN_FILES},
-    {CLI_RENDER, "parse", 4, PLAN_FILES},
-    {CLI_RENDER, "threshold", 1, PLAN_FILES},
-    {CLI_RENDER, "voxelize", 5, PLAN_FILES},
-    {CLI_RENDER, "compare", 2, PLAN_FILES},
-    {CLI_RENDER, "render", 80, PLAN_FILES},
-    {CLI_RENDER, "frames", 80, PLAN_MADE},
-    {PLAN_CHAINS, "check input", 5, PLAN_ONCE},
-    {CLI_VOXELIZE, "voxelize", 30, PLAN_ONCE},
-    {CLI_LOD, "voxelize", 20, PLAN_ONCE},
-    {PLAN_GRIDS, "voxelize", 10, PLAN_ONCE},
-    {CLI_VOXELIZE, "compare fills", 60, PLAN_ONCE},
-    {CLI_INFO, "samples", 10, PLAN_ONCE},
-    {CLI_CONVERT, "labels", 5, PLAN_ONCE},
-    {CLI_FILL, "seeds", 40, PLAN_ONCE},
-    {CLI_FILL, "fill", 40, PLAN_ONCE},
-    {CLI_COMPONENTS, "keep", 12, PLAN_ONCE},
-    {CLI_COMPONENTS, "components", 60, PLAN_ONCE},
-    {CLI_COMPONENTS, "labels", 20, PLAN_ONCE},
-    {CLI_MORPH, "dilate", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_MORPH, "erode", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_MORPH, "open", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_MORPH, "close", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_MORPH, "hollow", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_MORPH, "distance", MORPH_WEIGHT, PLAN_ONCE},
-    {CLI_REFINE, "refine", 40, PLAN_ONCE},
-    {CLI_REFINE | CLI_CONVERT, "expand", 10, PLAN_ONCE},
-    {CLI_REPAIR, "repair", 100, PLAN_ONCE},
-    {CLI_BOOLEAN, "boolean", 70, PLAN_ONCE},
-    {CLI_SECTIONS, "sections", 70, PLAN_ONCE},
-    {CLI_SECTIONS, "blocks", 70, PLAN_ONCE},
-    {CLI_LOD | CLI_CONVERT | CLI_SLICE, "surface", 10, PLAN_ONCE},
-    {CLI_REFINE, "surface", 90, PLAN_ONCE},
-    {PLAN_VOXELS, "surface", 60, PLAN_ONCE},
-    {CLI_FACES, "faces", 10, PLAN_ONCE},
-    {CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "simplify", 60, PLAN_ONCE},
-    {CLI_SLICE, "slice", 40, PLAN_ONCE},
-    {PLAN_CHAINS, "level", 90, PLAN_MADE},
-    {PLAN_CHAINS, "carry", 10, PLAN_MADE},
-    {PLAN_CHAINS, "check", 2, PLAN_MADE},
-    {PLAN_CHAINS, "carry", 10, PLAN_CARRIED},
-    {PLAN_CHAINS, "distance", 50, PLAN_MEASURED},
-    {CLI_COMPARE, "compare", 20, PLAN_ONCE},
-    {CLI_COMPARE, "check A", 3, PLAN_ONCE},
-    {CLI_COMPARE, "check B", 20, PLAN_ONCE},
-    {CLI_REPAIR, "distance", 60, PLAN_ONCE},
-    {CLI_REPAIR, "carry", 20, PLAN_ONCE},
-    {CLI_INFO, "check", 15, PLAN_ONCE},
-    {CLI_INFO, "check welded", 15, PLAN_ONCE},
-    {CLI_INFO, "crossings", 60, PLAN_ONCE},
-    {CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "check", 15, PLAN_ONCE},
-    {CLI_FACES, "check", 35, PLAN_ONCE},
-    {CLI_COMPARE, "distance", 70, PLAN_ONCE},
-    {CLI_ALL & ~CLI_INFO & ~CLI_COMPARE & ~CLI_RENDER, "check file", 2, PLAN_ONCE},
-    {CLI_SLICE, "write", 70, PLAN_ONCE},
-    {CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS, "write", 15, PLAN_ONCE},
+    {PLAN_READERS, "read", 8, .each = PLAN_FILES},
+    {PLAN_READERS, "read samples", 1, .each = PLAN_FILES},
+    {PLAN_READERS, "parse", 7, .each = PLAN_FILES},
+    {PLAN_READERS, "threshold", 1, .each = PLAN_FILES},
+    {CLI_RENDER, "read", 6, .each = PLAN_FILES},
+    {CLI_RENDER, "read samples", 1, .each = PLAN_FILES},
+    {CLI_RENDER, "parse", 4, .each = PLAN_FILES},
+    {CLI_RENDER, "threshold", 1, .each = PLAN_FILES},
+    {CLI_RENDER, "voxelize", 5, .each = PLAN_FILES},
+    {CLI_RENDER, "compare", 2, .each = PLAN_FILES},
+    {CLI_RENDER, "render", 80, .each = PLAN_FILES, .lacking = "--turntable"},
+    {CLI_RENDER, "frames", 80, .each = PLAN_MADE, .given = "--turntable"},
+    {PLAN_CHAINS, "check input", 5, .each = PLAN_ONCE},
+    {CLI_VOXELIZE, "voxelize", 30, .each = PLAN_ONCE},
+    {CLI_LOD, "voxelize", 20, .each = PLAN_ONCE},
+    {PLAN_GRIDS, "voxelize", 10, .each = PLAN_ONCE},
+    {CLI_VOXELIZE, "compare fills", 60, .each = PLAN_ONCE, .given = "--compare-fills"},
+    {CLI_INFO, "samples", 10, .each = PLAN_ONCE},
+    {CLI_CONVERT, "labels", 5, .each = PLAN_ONCE},
+    {CLI_FILL, "seeds", 40, .each = PLAN_ONCE},
+    {CLI_FILL, "fill", 40, .each = PLAN_ONCE},
+    {CLI_COMPONENTS, "keep", 12, .each = PLAN_ONCE},
+    {CLI_COMPONENTS, "components", 60, .each = PLAN_ONCE},
+    {CLI_COMPONENTS, "labels", 20, .each = PLAN_ONCE},
+    {CLI_MORPH, "dilate", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_MORPH, "erode", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_MORPH, "open", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_MORPH, "close", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_MORPH, "hollow", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_MORPH, "distance", MORPH_WEIGHT, .each = PLAN_ONCE},
+    {CLI_REFINE, "refine", 40, .each = PLAN_ONCE},
+    {CLI_REFINE | CLI_CONVERT, "expand", 10, .each = PLAN_ONCE},
+    {CLI_REPAIR, "repair", 100, .each = PLAN_ONCE},
+    {CLI_BOOLEAN, "boolean", 70, .each = PLAN_ONCE},
+    {CLI_SECTIONS, "sections", 70, .each = PLAN_ONCE},
+    {CLI_SECTIONS, "blocks", 70, .each = PLAN_ONCE},
+    {CLI_LOD | CLI_CONVERT | CLI_SLICE, "surface", 10, .each = PLAN_ONCE},
+    {CLI_REFINE, "surface", 90, .each = PLAN_ONCE},
+    {PLAN_VOXELS, "surface", 60, .each = PLAN_ONCE},
+    {CLI_FACES, "faces", 10, .each = PLAN_ONCE},
+    {CLI_REPAIR | CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "simplify", 60, .each = PLAN_ONCE},
+    {CLI_SLICE, "slice", 40, .each = PLAN_ONCE},
+    {PLAN_CHAINS, "level", 90, .each = PLAN_MADE},
+    {PLAN_CHAINS, "carry", 10, .each = PLAN_MADE, .given = "--carry"},
+    {PLAN_CHAINS, "check", 2, .each = PLAN_MADE},
+    {PLAN_CHAINS, "carry", 10, .each = PLAN_CARRIED, .given = "--carry"},
+    {PLAN_CHAINS, "distance", 50, .each = PLAN_MEASURED},
+    {CLI_COMPARE, "compare", 20, .each = PLAN_ONCE},
+    {CLI_COMPARE, "check A", 3, .each = PLAN_ONCE},
+    {CLI_COMPARE, "check B", 20, .each = PLAN_ONCE},
+    {CLI_REPAIR, "distance", 60, .each = PLAN_ONCE, .given = "--measure"},
+    {CLI_REPAIR, "carry", 20, .each = PLAN_ONCE, .given = "--carry"},
+    {CLI_INFO, "check", 15, .each = PLAN_ONCE},
+    {CLI_INFO, "check welded", 15, .each = PLAN_ONCE},
+    {CLI_INFO, "crossings", 60, .each = PLAN_ONCE, .given = "--crossings"},
+    {CLI_BOOLEAN | CLI_SECTIONS | CLI_CONVERT | PLAN_VOXELS, "check", 15, .each = PLAN_ONCE},
+    {CLI_FACES, "check", 35, .each = PLAN_ONCE},
+    {CLI_COMPARE, "distance", 70, .each = PLAN_ONCE},
+    {CLI_ALL & ~CLI_INFO & ~CLI_COMPARE & ~CLI_RENDER, "check file", 2, .each = PLAN_ONCE},
+    {CLI_SLICE, "write", 70, .each = PLAN_ONCE},
+    {CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS, "write", 15, .each = PLAN_ONCE},
     {CLI_ALL & ~(CLI_INFO | CLI_COMPARE | CLI_SLICE | CLI_FACES | CLI_MORPH | CLI_CONVERT | CLI_SECTIONS),
-     "write", 4, PLAN_ONCE},
+     "write", 4, .each = PLAN_ONCE},
 };
 enum { PLAN_ROWS = sizeof plan_rows / sizeof plan_rows[0] };
 
@@ -137,15 +139,11 @@ static int is_planned(const cli_run *run, const plan_row *row)
     int32_t const bit = run->command->bit;
 
     if ((row->commands & bit) == 0 || !suits_files(run, s)) return 0;
+    if (row->given != NULL && !cli_given(run, row->given)) return 0;
+    if (row->lacking != NULL && cli_given(run, row->lacking)) return 0;
     if (bit == CLI_MORPH && row->weight == MORPH_WEIGHT) return strcmp(s, o->input[0]) == 0;
-    if (strcmp(s, "render") == 0) return o->turntable == 0;
-    if (strcmp(s, "frames") == 0) return o->turntable != 0;
-    if (strcmp(s, "compare fills") == 0) return o->compare_fills;
-    if (strcmp(s, "crossings") == 0) return o->count_crossings;
     if (strcmp(s, "simplify") == 0) return cli_reduces(run);
-    if (strcmp(s, "carry") == 0) return o->carry;
-    if (strcmp(s, "distance") == 0)
-        return bit == CLI_REPAIR ? o->measure && cli_reduces(run) : o->samples != 0;
+    if (strcmp(s, "distance") == 0) return bit == CLI_REPAIR ? cli_reduces(run) : o->samples != 0;
     return 1;
 }
 
@@ -155,7 +153,7 @@ static int times_of(const cli_run *run, int each)
     int times = 1;
 
     if (each == PLAN_FILES) times = o->inputs - ((run->command->bit & (CLI_BOOLEAN | CLI_MORPH)) != 0);
-    if (each == PLAN_MADE) times = run->command->bit == CLI_RENDER ? o->turntable : run->progress.made;
+    if (each == PLAN_MADE) times = run->progress.made;
     if (each == PLAN_CARRIED || each == PLAN_MEASURED) times = run->progress.measured;
     return times < 1 ? 1 : times;
 }
@@ -175,8 +173,8 @@ static size_t split_name(const char *name, int *number)
 
 static int is_row(const cli_run *run, int row, const char *name, size_t length)
 {
-    const char *const s = strncmp(name, "render", length) == 0 && run->options->turntable != 0 ? "frames"
-                                                                                               : name;
+    const char *const s = strncmp(name, "render", length) == 0 && cli_given(run, "--turntable") ? "frames"
+                                                                                                : name;
     size_t const n = s == name ? length : strlen(s);
 
     return is_planned(run, &plan_rows[row]) && strlen(plan_rows[row].stage) == n &&
@@ -229,15 +227,8 @@ static double weight_of(const cli_run *run, const plan_row *row)
     double const usual = 20000.0, samples = run->options->samples < 0 ? usual : (double)run->options->samples;
 
     if (!is_planned(run, row)) return 0.0;
-    if (run->command->bit == CLI_REFINE && strcmp(row->stage, "write") == 0 && run->options->output != NULL) {
-        int32_t const format = bvx_format_of_name(run->options->output);
-
-        /* text; bits; triangles */
-        return format == BVX_FORMAT_VTU ? 400.0 : format == BVX_FORMAT_BVX ? 1.0 : 12.0;
-    }
-    if (run->command->bit == CLI_VOXELIZE && strcmp(row->stage, "write") == 0 &&
-        run->options->mode == CLI_MODE_FIELD)
-        return 5.0 * row->weight;
+    if (strcmp(row->stage, "write") == 0 && run->progress.writing > 0.0)
+        return row->weight * run->progress.writing;
     if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH &&
         run->command->bit != CLI_REPAIR)
         return row->weight * samples / usual;

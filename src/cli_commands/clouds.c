@@ -20,14 +20,15 @@ const cli_rule cli_cloud_rules[] = {
      .message = "%o needs the whole lattice, no %b"},
     {0}};
 
-void cli_tell_cloud(const cli_options *o, const bvx_points_report *r, cli_made *made)
+void cli_tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     cli_text *const lines = &made->text, *const t = &made->members;
 
     cli_text_add(lines, "  points      %" PRIu64, r->inside);
     if (r->outside != 0) cli_text_add(lines, ", and %" PRIu64 " outside", r->outside);
     cli_text_add(lines, "\n  occupied    %" PRIu64 "\n", r->occupied);
-    if (o->body) cli_text_add(lines, "  filled      %" PRIu64 "\n", r->filled);
+    if (own->body) cli_text_add(lines, "  filled      %" PRIu64 "\n", r->filled);
 
     cli_text_add(t, ", \"cloud\": {\"inside\": %" PRIu64, r->inside);
     cli_json_count(t, "outside", r->outside);
@@ -37,23 +38,24 @@ void cli_tell_cloud(const cli_options *o, const bvx_points_report *r, cli_made *
     cli_text_add(t, "}");
 
     if (made->set == 0) cli_advise(made, "no voxel is set: none holds so many points");
-    else if (o->body && r->pockets == 0)
+    else if (own->body && r->pockets == 0)
         cli_advise(
             made,
             "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
             ", or larger voxels",
-            o->close_gaps);
+            run->options->close_gaps);
 }
 
 bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const bvx_lattice *lattice,
                           const bvx_window *window, bvx_points_report *report, bvx_grid *grid)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_points_options p;
 
     bvx_points_options_init(&p, sizeof p);
-    if (o->minimum != 0) p.minimum = o->minimum;
-    p.body = o->body;
+    if (own->minimum != 0) p.minimum = own->minimum;
+    p.body = own->body;
     p.close_gaps = o->close_gaps;
     p.window = *window;
     p.report = report;

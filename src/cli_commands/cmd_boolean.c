@@ -4,11 +4,50 @@
  * bits are what there is: a mesh is then voxelized, on the grid's own lattice or on one around both
  * meshes. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct boolean_options {
+    int32_t resample; /* grids of other lattices are sampled */
+    int32_t thin;     /* BVX_THIN_... */
+} boolean_options;
+
+#define OWN(name) CLI_OWN(boolean_options, name)
+
+#define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value)&1) != 0 ? text : "",
+#define THIN_OF_BOOLEAN(name, value, text) (value) == BVX_THIN_SHELL ? "" : text,
+static const char *const boolean_fill_names[] = {BVX_FILL_LIST(FILL_OF_BOOLEAN) NULL};
+static const char *const boolean_thin_names[] = {BVX_THIN_LIST(THIN_OF_BOOLEAN) NULL};
+
+static const cli_argument boolean_rows[] = {
+    {.also = cli_takes_output},
+    LIST("--resolution", "N", SHARED(resolution), 1, 16777216.0, 1, 1,
+         "voxels along the longest axis of both meshes together [256]"),
+    {.also = cli_takes_spacing},
+    CHOICE("--fill", "RULE", SHARED(fill), boolean_fill_names, BVX_FILL_PARITY,
+           "what is inside a mesh. auto: what suits it; parity: nested shells are\n"
+           "cavities; nonzero: overlapping and inverted shells are one solid; vote,\n"
+           "winding: for meshes with holes [auto]"),
+    FLAG("--resample", OWN(resample),
+         "bring a grid of another lattice to that of A, by its values at the\n"
+         "voxels' centres"),
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_interpolation},
+    {.also = cli_takes_sharp},
+    CHOICE("--thin", "WHAT", OWN(thin), boolean_thin_names, BVX_THIN_SHELL,
+           "walls of the meshes too thin for the voxels. keep: whole, about as thick\n"
+           "as they are; drop: lost where no centre lies in them, with a warning [keep]"),
+    {.also = cli_takes_least_part},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_all},
+    {0}};
 
 typedef struct boolean_run {
     int32_t operation; /* BVX_BOOLEAN_... */
@@ -131,6 +170,7 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
 
 static int combine_meshes(cli_run *run, boolean_run *b)
 {
+    const boolean_options *const own = run->own;
     bvx_boolean_options o;
     bvx_mesh_view view[2];
     bvx_lattice lattice;
@@ -144,7 +184,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
-    if (cli_given(run, "--thin")) o.thin = run->options->thin;
+    if (cli_given(run, "--thin")) o.thin = own->thin;
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");
@@ -216,6 +256,7 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
 
 static int combine_grids(cli_run *run, boolean_run *b)
 {
+    const boolean_options *const own = run->own;
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_extract_options e;
@@ -226,7 +267,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     cli_stage_calls(run,
                     1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
-    if (status == BVX_OK && run->options->resample) status = resample_operand(run, b);
+    if (status == BVX_OK && own->resample) status = resample_operand(run, b);
     for (int i = 0; i < 2 && status == BVX_OK; i++)
         status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
     if (status == BVX_OK)
@@ -406,24 +447,28 @@ static void free_boolean(cli_run *run, void *work)
 }
 
 const cli_command cli_boolean = {
-    "boolean",
-    CLI_BOOLEAN,
-    3,
-    3,
-    "OPERATION A B -o OUT [options]",
-    "union, intersection, difference or xor of two bodies",
-    "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ
-    ", also\n"
-    "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
-    "),\n"
-    "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
-    "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
-    "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
-    "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
-    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
-    "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
-    "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
-    sizeof(boolean_run),
-    make_boolean,
-    tell_boolean,
-    free_boolean};
+    .name = "boolean",
+    .bit = CLI_BOOLEAN,
+    .least_inputs = 3,
+    .most_inputs = 3,
+    .usage = "OPERATION A B -o OUT [options]",
+    .does = "union, intersection, difference or xor of two bodies",
+    .details =
+        "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ
+        ", also\n"
+        "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
+        "),\n"
+        "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
+        "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"
+        "(" CLI_GRIDS ") of one lattice are combined bit by bit; beside a grid a mesh is\n"
+        "voxelized on its lattice. The result is a mesh or a grid, as the ending of OUT says.",
+    .example =
+        "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
+        "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
+        "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
+    .rows = boolean_rows,
+    .own = sizeof(boolean_options),
+    .job = sizeof(boolean_run),
+    .make = make_boolean,
+    .tell = tell_boolean,
+    .free = free_boolean};

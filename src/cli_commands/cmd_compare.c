@@ -2,10 +2,26 @@
  *
  * That they differ is an answer and no failure: the exit status tells only whether they could be compared. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct compare_options {
+    int64_t seed; /* of the random points; 0: not given */
+} compare_options;
+
+#define OWN(name) CLI_OWN(compare_options, name)
+
+static const cli_argument compare_rows[] = {
+    {.also = cli_takes_samples},
+    LONG("--seed", "N", OWN(seed), 0, 4294967295.0, "another seed, other points [1]"),
+    {.also = cli_takes_all},
+    {0}};
 
 enum { COMPARE_SAMPLES = 20000, COMPARE_SEED = 1 };
 
@@ -185,9 +201,10 @@ static void report_distance(cli_made *made, const bvx_distance_report *d, double
 
 static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
 {
+    const compare_options *const own = run->own;
     const cli_options *const o = run->options;
     uint64_t const samples = o->samples < 0 ? COMPARE_SAMPLES : (uint64_t)o->samples;
-    uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)o->seed : COMPARE_SEED;
+    uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : COMPARE_SEED;
     bvx_mesh_view a, b;
     bvx_distance_report d;
     double diagonal;
@@ -253,19 +270,21 @@ static void free_compare(cli_run *run, void *work)
 }
 
 const cli_command cli_compare = {
-    "compare",
-    CLI_COMPARE,
-    2,
-    2,
-    "A B [options]",
-    "what two grids or two meshes have in common, and how far apart they are",
-    "Grids of one lattice: voxels of both and of only one, in how many pieces and where.\n"
-    "Meshes: counts, volumes, whether they are closed, manifold and oriented, and the distances from\n"
-    "random points on each to the other. The exit status is 0 whether they differ or not;\n"
-    "--json reports it to programs.",
-    "bitvox convert fixtures/knot.ply -o knot.stl\n"
-    "bitvox compare fixtures/knot.ply knot.stl",
-    sizeof(cli_input[2]),
-    make_compare,
-    NULL,
-    free_compare};
+    .name = "compare",
+    .bit = CLI_COMPARE,
+    .least_inputs = 2,
+    .most_inputs = 2,
+    .usage = "A B [options]",
+    .does = "what two grids or two meshes have in common, and how far apart they are",
+    .details =
+        "Grids of one lattice: voxels of both and of only one, in how many pieces and where.\n"
+        "Meshes: counts, volumes, whether they are closed, manifold and oriented, and the distances from\n"
+        "random points on each to the other. The exit status is 0 whether they differ or not;\n"
+        "--json reports it to programs.",
+    .example = "bitvox convert fixtures/knot.ply -o knot.stl\n"
+               "bitvox compare fixtures/knot.ply knot.stl",
+    .rows = compare_rows,
+    .own = sizeof(compare_options),
+    .job = sizeof(cli_input[2]),
+    .make = make_compare,
+    .free = free_compare};

@@ -1,11 +1,41 @@
 /* cmd_components.c - bitvox components: the connected parts of a grid, told
  * in a table, kept or dropped, numbered. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct components_options {
+    cli_list seeds;       /* three numbers each */
+    int64_t keep_largest; /* so many parts */
+    int64_t at_least;     /* voxels */
+    int32_t fill_cavities;
+    const char *labels; /* the file of the parts' numbers */
+} components_options;
+
+#define OWN(name) CLI_OWN(components_options, name)
+
+static const cli_argument components_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_output_origin},
+    LIST("--seed", "X,Y,Z", OWN(seeds), 0, LARGEST_SIDE, 3, 63,
+         "keep parts that hold one of these voxels, counted from the grid's\n"
+         "first one, three numbers each [all]"),
+    LONG("--keep-largest", "N", OWN(keep_largest), 1, 1e15,
+         "keep so many of the largest parts, of those that other rules leave [all]"),
+    LONG("--at-least", "N", OWN(at_least), 0, 1e15, "keep parts of so many voxels or more [0]"),
+    FLAG("--fill-cavities", OWN(fill_cavities), "fill the empty parts that are closed in through faces"),
+    FILE_NAME("--labels", "FILE", OWN(labels), "also write the parts' numbers: .npy, u32"),
+    {.also = cli_takes_connectivity},
+    {.also = cli_takes_all},
+    {0}};
 
 enum { PARTS_SAID = 12, PARTS_REPORTED = 1000, LABELS_HEAD = 128 };
 
@@ -24,11 +54,13 @@ typedef struct components_job {
 
 static const char *labels_of(const cli_run *run)
 {
-    return run->options->labels;
+    const components_options *const own = run->own;
+    return own->labels;
 }
 
 static int check_components_options(cli_run *run)
 {
+    const components_options *const own = run->own;
     const cli_options *const o = run->options;
     int kind, status = cli_input_kind(run, o->input[0], &kind);
 
@@ -37,7 +69,7 @@ static int check_components_options(cli_run *run)
         return cli_usage(run,
                          "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
                          cli_input_name(o->input[0]));
-    if (o->seeds.count % 3 != 0)
+    if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
         return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
@@ -55,14 +87,15 @@ static int open_components_outputs(cli_run *run)
 
 static int keep_components(cli_run *run, components_job *job)
 {
-    const cli_list *const list = &run->options->seeds;
+    const components_options *const own = run->own;
+    const cli_list *const list = &own->seeds;
     bvx_keep_options k;
     bvx_status status;
 
     bvx_keep_options_init(&k, sizeof k);
     k.connectivity = job->connectivity;
-    k.largest = (uint64_t)run->options->keep_largest;
-    k.at_least = (uint64_t)run->options->at_least;
+    k.largest = (uint64_t)own->keep_largest;
+    k.at_least = (uint64_t)own->at_least;
     k.report = &job->kept;
     job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
     if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
@@ -71,7 +104,7 @@ static int keep_components(cli_run *run, components_job *job)
     k.seed_count = (uint64_t)list->count / 3;
     cli_stage_begin(run, "keep");
     status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
-    if (status == BVX_OK && run->options->fill_cavities)
+    if (status == BVX_OK && own->fill_cavities)
         status = bvx_grid_fill_cavities(run->context, &job->in.grid, 6, 0, &job->in.grid, &job->filled);
     cli_stage_end(run);
     return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(job->in.path));
@@ -117,14 +150,15 @@ static void first_of(const bvx_grid *g, const bvx_component *p, int32_t v[3])
     v[2] = (int32_t)(p->first / nx / ny);
 }
 
-static void tell_parts(const cli_options *o, const components_job *job, cli_made *made)
+static void tell_parts(const cli_run *run, const components_job *job, cli_made *made)
 {
+    const components_options *const own = run->own;
     const bvx_grid *const g = &job->in.grid;
 
     if (job->kept.dropped != 0)
         cli_tell(made, "  kept        %" PRIu64 " of %" PRIu64 " parts; %" PRIu64 " voxels went\n",
                  job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
-    if (o->fill_cavities) cli_tell(made, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
+    if (own->fill_cavities) cli_tell(made, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
     cli_tell(made, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
     if (job->connectivity != 18)
         cli_tell(made, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
@@ -274,7 +308,7 @@ static int make_components(cli_run *run, void *work, cli_made *made)
 
 static void tell_components(const cli_run *run, const void *work, cli_made *made)
 {
-    tell_parts(run->options, work, made);
+    tell_parts(run, work, made);
     report_parts(work, made);
 }
 
@@ -290,20 +324,23 @@ static void free_components(cli_run *run, void *work)
 }
 
 const cli_command cli_components = {
-    "components",
-    CLI_COMPONENTS,
-    1,
-    1,
-    "GRID [-o OUT] [options]",
-    "the connected parts of a grid: listed, kept or dropped, numbered",
-    "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
-    "--seed do not keep, fills cavities on request, and reports what remains: the largest parts with\n"
-    "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
-    "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, or\n"
-    "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
-    "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
-    "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
-    sizeof(components_job),
-    make_components,
-    tell_components,
-    free_components};
+    .name = "components",
+    .bit = CLI_COMPONENTS,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "GRID [-o OUT] [options]",
+    .does = "the connected parts of a grid: listed, kept or dropped, numbered",
+    .details =
+        "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
+        "--seed do not keep, fills cavities on request, and reports what remains: the largest parts with\n"
+        "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
+        "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, or\n"
+        "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
+    .example = "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
+               "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
+    .rows = components_rows,
+    .own = sizeof(components_options),
+    .job = sizeof(components_job),
+    .make = make_components,
+    .tell = tell_components,
+    .free = free_components};

@@ -1,8 +1,25 @@
 /* cmd_convert.c - bitvox convert: from one format to another, and what is lost on the way. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+static const cli_argument convert_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_output_dir},
+    LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
+         "only voxels A..D-1, B..E-1, C..F-1 of a grid's file, or of the last\n"
+         "level of an octree"),
+    {.also = cli_takes_volumes},
+    {.also = cli_takes_trees},
+    {.also = cli_takes_normals},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_kept_parts},
+    {.also = cli_takes_all},
+    {0}};
 
 static const cli_rule convert_rules[] = {
     {.when = CLI_OF_MESH,
@@ -125,21 +142,23 @@ static void free_convert(cli_run *run, void *work)
 }
 
 const cli_command cli_convert = {
-    "convert",
-    CLI_CONVERT,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "a mesh, a grid or an octree in another format",
-    "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
-    "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
-    "their surface half way between set and empty voxels as a mesh.\n"
-    "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
-    "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is said\n"
-    "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
-    "bitvox convert fixtures/knot.ply -o knot.glb\n"
-    "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
-    sizeof(convert_job),
-    make_convert,
-    tell_convert,
-    free_convert};
+    .name = "convert",
+    .bit = CLI_CONVERT,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "a mesh, a grid or an octree in another format",
+    .details =
+        "Meshes: reads " CLI_MESHES_READ ", also with .gz, and writes " CLI_MESHES_WRITTEN ".\n"
+        "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
+        "their surface half way between set and empty voxels as a mesh.\n"
+        "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
+        "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is said\n"
+        "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
+    .example = "bitvox convert fixtures/knot.ply -o knot.glb\n"
+               "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
+    .rows = convert_rows,
+    .job = sizeof(convert_job),
+    .make = make_convert,
+    .tell = tell_convert,
+    .free = free_convert};

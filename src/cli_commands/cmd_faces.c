@@ -1,8 +1,30 @@
 /* cmd_faces.c - bitvox faces: the voxels themselves as a mesh, for programs that show meshes only. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct faces_options {
+    int32_t merge;
+} faces_options;
+
+#define OWN(name) CLI_OWN(faces_options, name)
+
+static const cli_argument faces_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_lattice},
+    {.also = cli_takes_padding},
+    {.also = cli_takes_fill_of_solids},
+    {.also = cli_takes_volumes},
+    FLAG("--merge", OWN(merge), "faces of one plane become few rectangles"),
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_kept_parts},
+    {.also = cli_takes_all},
+    {0}};
 
 static int check_faces_options(cli_run *run)
 {
@@ -21,10 +43,11 @@ static int check_faces_options(cli_run *run)
 
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
 {
+    const faces_options *const own = run->own;
     bvx_faces_options f;
     bvx_faces_options_init(&f, sizeof f);
     f.position_type = BVX_POSITION_AUTO;
-    f.merged = run->options->merge;
+    f.merged = own->merge;
     return bvx_extract_faces(run->context, grid, &f, mesh);
 }
 
@@ -64,11 +87,12 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
 
 static void tell_faces(const cli_run *run, const void *work, cli_made *made)
 {
+    const faces_options *const own = run->own;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
     (void)work;
     cli_tell(made, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
-             run->options->merge ? "rectangles" : "faces     ", c->triangles / 2);
+             own->merge ? "rectangles" : "faces     ", c->triangles / 2);
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles,
              c->vertices, c->volume);
 }
@@ -82,18 +106,21 @@ static void free_faces(cli_run *run, void *work)
 }
 
 const cli_command cli_faces = {
-    "faces",
-    CLI_FACES,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "the sides of voxels as a mesh",
-    "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
-    "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
-    ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
-    "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
-    "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
-    sizeof(faces_job),
-    make_faces,
-    tell_faces,
-    free_faces};
+    .name = "faces",
+    .bit = CLI_FACES,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "the sides of voxels as a mesh",
+    .details =
+        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
+        "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
+        ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
+        "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
+    .example = "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
+    .rows = faces_rows,
+    .own = sizeof(faces_options),
+    .job = sizeof(faces_job),
+    .make = make_faces,
+    .tell = tell_faces,
+    .free = free_faces};

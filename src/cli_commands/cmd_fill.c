@@ -1,9 +1,34 @@
 /* cmd_fill.c - bitvox fill: what lies inside a surface of voxels, from seeds that are given or found. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct fill_options {
+    cli_list seeds;   /* three numbers each */
+    const char *mesh; /* the file that the surface came from */
+} fill_options;
+
+#define OWN(name) CLI_OWN(fill_options, name)
+
+static const cli_argument fill_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_add_shell},
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_output_origin},
+    LIST("--seed", "X,Y,Z", OWN(seeds), 0, LARGEST_SIDE, 3, 63,
+         "empty voxels to fill from, counted from the grid's first one, three\n"
+         "numbers each [one in every pocket]"),
+    FILE_NAME("--mesh", "MESH", OWN(mesh),
+              "the mesh that the surface came from: pockets outside of it stay empty"),
+    {.also = cli_takes_connectivity},
+    {.also = cli_takes_all},
+    {0}};
 
 enum { FILL_SEEDS = 1024, FILL_SEEDS_SAID = 8 };
 
@@ -23,6 +48,7 @@ typedef struct fill_job {
 
 static int check_fill_options(cli_run *run, int *kind)
 {
+    const fill_options *const own = run->own;
     const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
     int mesh, status = cli_input_kind(run, o->input[0], kind);
@@ -33,14 +59,14 @@ static int check_fill_options(cli_run *run, int *kind)
             run,
             "%s is a mesh; 'bitvox voxelize --mode conservative' makes its surface, or a --fill its solid",
             path);
-    if (o->seeds.count % 3 != 0)
+    if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
-    if (o->mesh != NULL && o->seeds.count != 0)
+    if (own->mesh != NULL && own->seeds.count != 0)
         return cli_usage(run, "--mesh says which pockets lie inside; it has no use with --seed");
-    if (o->mesh != NULL) {
-        status = cli_input_kind(run, o->mesh, &mesh);
+    if (own->mesh != NULL) {
+        status = cli_input_kind(run, own->mesh, &mesh);
         if (status == CLI_DONE && mesh != CLI_MESH)
-            status = cli_usage(run, "--mesh takes a mesh; %s is a grid", o->mesh);
+            status = cli_usage(run, "--mesh takes a mesh; %s is a grid", own->mesh);
         if (status != CLI_DONE) return status;
     }
     return cli_check_voxel_name(run);
@@ -48,9 +74,10 @@ static int check_fill_options(cli_run *run, int *kind)
 
 static int read_fill_inputs(cli_run *run, fill_job *job)
 {
+    const fill_options *const own = run->own;
     int status = cli_read_input(run, run->options->input[0], &job->in);
-    if (status != CLI_DONE || run->options->mesh == NULL) return status;
-    status = cli_read_mesh(run, run->options->mesh, &job->mesh);
+    if (status != CLI_DONE || own->mesh == NULL) return status;
+    status = cli_read_mesh(run, own->mesh, &job->mesh);
     bvx_mesh_view_of(&job->mesh, &job->view);
     return status;
 }
@@ -66,7 +93,8 @@ static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
 
 static int take_given_seeds(cli_run *run, fill_job *job)
 {
-    const cli_list *const list = &run->options->seeds;
+    const fill_options *const own = run->own;
+    const cli_list *const list = &own->seeds;
     int const status = make_room_for_seeds(run, job, (uint64_t)list->count / 3);
     job->given = 1;
     if (status != CLI_DONE) return status;
@@ -77,7 +105,8 @@ static int take_given_seeds(cli_run *run, fill_job *job)
 
 static int find_seeds(cli_run *run, fill_job *job)
 {
-    const bvx_mesh_view *const mesh = run->options->mesh != NULL ? &job->view : NULL;
+    const fill_options *const own = run->own;
+    const bvx_mesh_view *const mesh = own->mesh != NULL ? &job->view : NULL;
     const char *const path = cli_input_name(job->in.path);
     uint64_t room = FILL_SEEDS;
     bvx_status status;
@@ -189,13 +218,14 @@ static void tell_fill(const cli_run *run, const void *work, cli_made *made)
 
 static int make_fill(cli_run *run, void *work, cli_made *made)
 {
+    const fill_options *const own = run->own;
     fill_job *const job = work;
     int kind, status = check_fill_options(run, &kind);
 
     if (status == CLI_DONE) status = cli_open_voxels(run);
     if (status == CLI_DONE) status = read_fill_inputs(run, job);
     if (status == CLI_DONE)
-        status = run->options->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job);
+        status = own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job);
     if (status == CLI_DONE) status = fill_from_seeds(run, job);
     if (status != CLI_DONE) return status;
 
@@ -219,20 +249,23 @@ static void free_fill(cli_run *run, void *work)
 }
 
 const cli_command cli_fill = {
-    "fill",
-    CLI_FILL,
-    1,
-    1,
-    "GRID -o OUT [options]",
-    "what lies inside a surface of voxels, from seeds",
-    "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
-    "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
-    "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
-    "It also reports what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
-    "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
-    "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
-    "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
-    sizeof(fill_job),
-    make_fill,
-    tell_fill,
-    free_fill};
+    .name = "fill",
+    .bit = CLI_FILL,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "GRID -o OUT [options]",
+    .does = "what lies inside a surface of voxels, from seeds",
+    .details =
+        "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
+        "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
+        "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
+        "It also reports what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
+        "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
+    .example = "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
+               "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
+    .rows = fill_rows,
+    .own = sizeof(fill_options),
+    .job = sizeof(fill_job),
+    .make = make_fill,
+    .tell = tell_fill,
+    .free = free_fill};

@@ -1,10 +1,28 @@
 /* cmd_info.c - bitvox info: what a mesh, a grid or an octree is. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct info_options {
+    int32_t count_crossings; /* of meshes */
+} info_options;
+
+#define OWN(name) CLI_OWN(info_options, name)
+
+static const cli_argument info_rows[] = {
+    {.also = cli_takes_raw},
+    FLAG("--crossings", OWN(count_crossings),
+         "also count the pairs of triangles that cross or touch beyond what they\n"
+         "share; of meshes"),
+    {.also = cli_takes_all},
+    {0}};
 
 typedef struct info_job {
     cli_input in;
@@ -83,10 +101,11 @@ static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
 {
+    const info_options *const own = run->own;
     bvx_mesh_view view;
     bvx_status status;
 
-    if (!run->options->count_crossings) return CLI_DONE;
+    if (!own->count_crossings) return CLI_DONE;
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "crossings");
@@ -292,6 +311,7 @@ static int holds_samples(int32_t format)
 
 static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made)
 {
+    const info_options *const own = run->own;
     const char *const path = run->options->input[0];
     int const points = cli_input_format(run, path) == BVX_FORMAT_XYZ;
     int kind = CLI_MESH, status = points ? CLI_DONE : cli_input_kind(run, path, &kind);
@@ -301,7 +321,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
-    if (run->options->count_crossings && kind != CLI_MESH)
+    if (own->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
         status = cli_tell_samples(run, path, made);
@@ -313,6 +333,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
 
 static int make_info(cli_run *run, void *work, cli_made *made)
 {
+    const info_options *const own = run->own;
     info_job *const job = work;
     cli_input *const in = &job->in;
     const char *const path = run->options->input[0];
@@ -322,7 +343,7 @@ static int make_info(cli_run *run, void *work, cli_made *made)
     made->untitled = 1; /* samples come before the name */
     if (raw || cli_is_contours(run, path)) cli_text_add(&made->head, "%s\n", cli_input_name(path));
     if (cli_is_contours(run, path)) {
-        if (run->options->count_crossings)
+        if (own->count_crossings)
             return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
         return cli_tell_sections(run, path, made);
     }
@@ -342,22 +363,24 @@ static void free_info(cli_run *run, void *work)
 }
 
 const cli_command cli_info = {
-    "info",
-    CLI_INFO,
-    1,
-    CLI_MAX_FILES,
-    "IN... [options]",
-    "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
-    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and says whether it is closed, manifold and\n"
-    "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
-    ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
-    ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each of\n"
-    "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or contours\n"
-    "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes; or bare samples\n"
-    "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json lists them.",
-    "bitvox info fixtures/knot.ply\n"
-    "bitvox info fixtures/knot.ply --crossings --json",
-    sizeof(info_job),
-    make_info,
-    NULL,
-    free_info};
+    .name = "info",
+    .bit = CLI_INFO,
+    .least_inputs = 1,
+    .most_inputs = CLI_MAX_FILES,
+    .usage = "IN... [options]",
+    .does = "what a mesh, a grid or an octree is: counts, bounds, closed, manifold, volume; voxels, lattice",
+    .details =
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and says whether it is closed, manifold and\n"
+        "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
+        ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
+        ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each of\n"
+        "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or contours\n"
+        "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes; or bare samples\n"
+        "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json lists them.",
+    .example = "bitvox info fixtures/knot.ply\n"
+               "bitvox info fixtures/knot.ply --crossings --json",
+    .rows = info_rows,
+    .own = sizeof(info_options),
+    .job = sizeof(info_job),
+    .make = make_info,
+    .free = free_info};

@@ -4,12 +4,73 @@
  * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed only. Everything is
  * written at the end, so a failure leaves no part of a chain. */
 #include "cli_commands/lod_chain.h"
+#include "cli_args/rows.h"
 #include "cli_commands/lod_collapse.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+#define OWN(name) CLI_OWN(cli_lod_options, name)
+
+static const char *const method_names[] = {BVX_LOD_LIST(CLI_NAME_OF) "collapse", NULL};
+static const char *const source_names[] = {BVX_LEVELS_LIST(CLI_NAME_OF) NULL};
+static const char *const open_names[] = {BVX_OPEN_LIST(CLI_NAME_OF) NULL};
+
+static const cli_argument lod_rows[] = {
+    {.also = cli_takes_output},
+    LIST("--resolution", "N", SHARED(resolution), 1, LARGEST_SIDE, 1, 1,
+         "voxels along the longest axis: the mesh's surface is measured with so\n"
+         "many, or a solid is made of them for --levels [collapse: as the finest\n"
+         "level needs; else 8 x the finest level, less where memory is short]"),
+    {.also = cli_takes_padding},
+    LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
+         "most triangles of each level"),
+    {.also = cli_takes_errors},
+    WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
+          "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n"
+          "20 triangles]"),
+    {.also = cli_takes_collapse},
+    CHOICE("--source", "WHAT", OWN(source), source_names, BVX_LEVELS_AUTO,
+           "what levels are made from. mesh: the mesh itself, which must be closed,\n"
+           "manifold and oriented; measured: its surface, measured as repair does;\n"
+           "auto: the mesh where it is that and does not cross itself [auto; measured with\n"
+           "--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
+    CHOICE("--open", "WHAT", SHARED(open), open_names, BVX_OPEN_SHELL,
+           "what becomes of open sheets. shell: thin closed shells; keep: they stay\n"
+           "open, with their borders, and what joins three triangles at an edge is\n"
+           "measured; cut: as keep, but cut along such edges [shell]"),
+    FLAG("--sharp", SHARED(sharp), "of the measured surface: put vertices on sharp edges and corners"),
+    FLAG("--no-sharp", SHARED(no_sharp),
+         "do not put vertices there [where many of the mesh's edges are sharp]"),
+    FLAG("--outer-hull", OWN(outer_hull), "inner shells and cavities go"),
+    CHOICE("--method", "NAME", OWN(method), method_names, BVX_LOD_EDGE_RATIO,
+           "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\n"
+           "solid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
+           "--threshold, --edge-samples, --collapse, --fill, --close-gaps, --padding]"),
+    LIST("--levels", "A,B,C", OWN(levels), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
+         "edge-ratio, coverage: samples along the longest axis of each level\n"
+         "[64,32,16]"),
+    BETWEEN("--threshold", "T", OWN(threshold), 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
+    WHOLE("--edge-samples", "N", OWN(edge_samples), 1, 65536,
+          "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
+    FROM_TO("--collapse", "F", OWN(collapse), 1, 64,
+            "edge-ratio, coverage with --triangles: make up to F times as many, then\n"
+            "collapse the cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
+    {.also = cli_takes_fill_of_solids},
+    {.also = cli_takes_volumes},
+    {.also = cli_takes_sign},
+    {.also = cli_takes_shells},
+    {.also = cli_takes_normals},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_carry},
+    {.also = cli_takes_samples},
+    {.also = cli_takes_keep_largest},
+    {.also = cli_takes_all},
+    {0}};
 
 enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
@@ -64,14 +125,16 @@ static const cli_rule solid_rules[] = {
 
 static uint32_t facts_of_method(const cli_run *run, int kind, int collapses)
 {
+    const cli_lod_options *const own = run->own;
     return (kind == CLI_GRID ? CLI_OF_GRID : 0u) | (collapses ? COLLAPSES : 0u) |
-           (run->options->method == BVX_LOD_COVERAGE ? COVERS : 0u);
+           (own->method == BVX_LOD_COVERAGE ? COVERS : 0u);
 }
 
 /* --method, or what the input and the other options mean; *collapse tells. */
 static int choose_method(cli_run *run, int kind, int *collapse)
 {
-    int32_t const method = run->options->method;
+    const cli_lod_options *const own = run->own;
+    int32_t const method = own->method;
 
     *collapse = method == CLI_METHOD_COLLAPSE ||
                 (method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
@@ -80,20 +143,21 @@ static int choose_method(cli_run *run, int kind, int *collapse)
 
 static int check_lod_options(cli_run *run, cli_chain *c)
 {
+    const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
 
     if (cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])) !=
         CLI_DONE)
         return CLI_USAGE;
     c->by_triangles = o->triangles.count != 0;
-    c->count = c->by_triangles ? o->triangles.count : o->levels.count != 0 ? o->levels.count : 3;
+    c->count = c->by_triangles ? o->triangles.count : own->levels.count != 0 ? own->levels.count : 3;
     if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;
-    for (int i = 0; i < o->levels.count && o->resolution.count != 0; i++)
-        if (o->levels.value[i] > o->resolution.value[0])
+    for (int i = 0; i < own->levels.count && o->resolution.count != 0; i++)
+        if (own->levels.value[i] > o->resolution.value[0])
             return cli_usage(run,
                              "--resolution %" PRId64 " is below level %" PRId64
                              "; it must be at least the finest level",
-                             o->resolution.value[0], o->levels.value[i]);
+                             o->resolution.value[0], own->levels.value[i]);
     return CLI_DONE;
 }
 
@@ -124,6 +188,7 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
 
 static int make_level(cli_run *run, cli_chain *c, int i)
 {
+    const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
     cli_mesh_entry *const entry = &run->report.mesh[i];
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
@@ -133,11 +198,11 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     int result;
 
     bvx_lod_options_init(&l, sizeof l);
-    if (o->method != 0) l.method = o->method;
-    if (o->threshold != 0.0) l.threshold = o->threshold;
-    l.edge_samples = o->edge_samples;
+    if (own->method != 0) l.method = own->method;
+    if (own->threshold != 0.0) l.threshold = own->threshold;
+    l.edge_samples = own->edge_samples;
     l.position_type = BVX_POSITION_AUTO;
-    l.collapse = o->collapse;
+    l.collapse = own->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
@@ -204,7 +269,7 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
              " set by %s, %.1f ms\n\n",
              l->dims[0], l->dims[1], l->dims[2], c->resolution, c->chosen, run->report.set,
              cli_fill_names[c->solid_report.fill], c->solid_seconds * 1e3);
-    cli_report_solid(&made->members, run->options, l, &c->solid_report);
+    cli_report_solid(run, &made->members, l, &c->solid_report);
 }
 
 static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *made)
@@ -289,28 +354,31 @@ static void free_lod(cli_run *run, void *work)
 }
 
 const cli_command cli_lod = {
-    "lod",
-    CLI_LOD,
-    1,
-    1,
-    "IN -o OUT_%d.EXT [options]",
-    "a chain of closed meshes of several sizes from one mesh, grid or volume",
-    "Reads any mesh (" CLI_MESHES_READ
-    ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
-    "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
-    "; %d becomes\n"
-    "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it is open,\n"
-    "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target below\n"
-    "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
-    "Grids (" CLI_GRIDS "), volumes with --level, --range or --label, and meshes with --levels\n"
-    "are sampled instead: --method edge-ratio or coverage.\n"
-    "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and the\n"
-    "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the finest.",
-    "bitvox lod fixtures/knot.ply -o knot_%d.ply --triangles 9600,2400,600\n"
-    "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
-    "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
-    "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
-    sizeof(lod_job),
-    make_lod,
-    tell_lod,
-    free_lod};
+    .name = "lod",
+    .bit = CLI_LOD,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT_%d.EXT [options]",
+    .does = "a chain of closed meshes of several sizes from one mesh, grid or volume",
+    .details =
+        "Reads any mesh (" CLI_MESHES_READ
+        ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
+        "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
+        "; %d becomes\n"
+        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it is open,\n"
+        "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target below\n"
+        "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
+        "Grids (" CLI_GRIDS "), volumes with --level, --range or --label, and meshes with --levels\n"
+        "are sampled instead: --method edge-ratio or coverage.\n"
+        "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and the\n"
+        "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the finest.",
+    .example = "bitvox lod fixtures/knot.ply -o knot_%d.ply --triangles 9600,2400,600\n"
+               "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
+               "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
+               "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
+    .rows = lod_rows,
+    .own = sizeof(cli_lod_options),
+    .job = sizeof(lod_job),
+    .make = make_lod,
+    .tell = tell_lod,
+    .free = free_lod};

@@ -1,10 +1,61 @@
 /* cmd_morph.c - bitvox morph: voxels grown, shrunk, smoothed and hollowed, and the distances between them. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct morph_options {
+    int32_t neighbourhood; /* index into 6, 18, 26 */
+    int32_t steps;
+    double radius;
+    double thickness;
+    double drain;       /* radius */
+    int32_t drain_side; /* 0 to 5: x-low, x-high, y-low ... */
+    int32_t side;       /* BVX_DISTANCE_... */
+    int32_t beyond;     /* 0: empty, 1: set, 2: nothing */
+} morph_options;
+
+#define OWN(name) CLI_OWN(morph_options, name)
+
+static const char *const side_names[] = {BVX_SIDE_LIST(CLI_NAME_OF) NULL};
+static const char *const distance_names[] = {BVX_DISTANCE_LIST(CLI_NAME_OF) NULL};
+static const char *const beyond_names[] = {BVX_BEYOND_LIST(CLI_NAME_OF) NULL};
+
+static const cli_argument morph_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_lattice},
+    WHOLE("--padding", "N", SHARED(padding), 0, 65536,
+          "empty voxels added on every side [0; dilate: what it reaches]"),
+    {.also = cli_takes_fill_of_solids},
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_sharp},
+    {.also = cli_takes_output_origin},
+    CHOICE("--neighbourhood", "N", OWN(neighbourhood), cli_connectivity_names, 0,
+           "6: voxels across faces; 18: and edges; 26: and corners [6]"),
+    WHOLE("--steps", "N", OWN(steps), 1, 65536, "how many times the neighbourhood is applied [1]"),
+    FROM_TO("--radius", "R", OWN(radius), 0, 1e300,
+            "a ball in place of the neighbourhood, in the lattice's unit"),
+    FROM_TO("--thickness", "T", OWN(thickness), 0, 1e300, "hollow: of the shell, in the lattice's unit"),
+    FROM_TO("--drain", "R", OWN(drain), 0, 1e300, "hollow: radius of a round hole through the shell [none]"),
+    CHOICE("--drain-side", "SIDE", OWN(drain_side), side_names, 0,
+           "where the hole comes from: x-low, x-high, y-low, y-high, z-low or\n"
+           "z-high [z-low]"),
+    CHOICE("--side", "NAME", OWN(side), distance_names, BVX_DISTANCE_OUTSIDE,
+           "distance. outside: of each centre to the nearest set one; inside: to\n"
+           "the nearest empty one; signed: the first less the second [outside]"),
+    CHOICE("--beyond", "WHAT", OWN(beyond), beyond_names, 0,
+           "what lies beyond the grid: empty or set voxels; distance: or nothing\n"
+           "[empty; distance: nothing]"),
+    CHOICE("--value-type", "TYPE", SHARED(value_type), cli_value_type_names, BVX_F32,
+           "distance: f32 or f64 [f32]"),
+    {.also = cli_takes_all},
+    {0}};
 
 typedef enum morph_action { DILATE, ERODE, OPEN, CLOSE, HOLLOW, DISTANCE, ACTIONS } morph_action;
 static const char *const action_names[ACTIONS + 1] = {"dilate", "erode",    "open", "close",
@@ -58,13 +109,13 @@ enum {
     NOTHING_BEYOND = 32 << CLI_FIRST_FACT /* --beyond nothing */
 };
 
-static uint32_t facts_of_action(const cli_options *o, morph_action action)
+static uint32_t facts_of_action(const morph_options *own, morph_action action)
 {
     return (action == HOLLOW     ? (uint32_t)HOLLOWS
             : action == DISTANCE ? (uint32_t)MEASURES
                                  : (uint32_t)GROWS) |
-           (o->thickness > 0.0 ? IS_THICK : 0u) | (o->drain > 0.0 ? DRAINS : 0u) |
-           (o->beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
+           (own->thickness > 0.0 ? IS_THICK : 0u) | (own->drain > 0.0 ? DRAINS : 0u) |
+           (own->beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
 }
 
 /* The word is the action's name. */
@@ -102,7 +153,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
     int kind, status = take_action(run, job);
 
     if (status == CLI_DONE)
-        status = cli_check_rules(run, action_rules, facts_of_action(run->options, job->action),
+        status = cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
                                  action_names[job->action]);
     if (status == CLI_DONE) status = cli_input_kind(run, path, &kind);
     if (status != CLI_DONE) return status;
@@ -117,6 +168,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
 /* A mesh's lattice gets room for what dilation adds. */
 static int make_room(cli_run *run, morph_job *job)
 {
+    const morph_options *const own = run->own;
     cli_options *const o = run->options;
     bvx_mesh_view view;
     bvx_lattice l;
@@ -128,8 +180,8 @@ static int make_room(cli_run *run, morph_job *job)
     status = cli_make_lattice(run, &view, &l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
-    voxels = cli_given(run, "--radius") ? ceil(o->radius / (l.spacing[2] < least ? l.spacing[2] : least))
-                                        : (double)(o->steps != 0 ? o->steps : 1);
+    voxels = cli_given(run, "--radius") ? ceil(own->radius / (l.spacing[2] < least ? l.spacing[2] : least))
+                                        : (double)(own->steps != 0 ? own->steps : 1);
     voxels += cli_makes_mesh(run);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
@@ -138,34 +190,34 @@ static int make_room(cli_run *run, morph_job *job)
 
 static bvx_status change_voxels(cli_run *run, morph_job *job)
 {
+    const morph_options *const own = run->own;
     static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *,
                                             bvx_grid *) = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open,
                                                            bvx_grid_close};
-    const cli_options *const o = run->options;
     bvx_morph_options m;
 
     bvx_morph_options_init(&m, sizeof m);
     if (cli_given(run, "--radius")) {
         m.neighbourhood = 0;
-        m.radius = o->radius;
+        m.radius = own->radius;
     } else {
-        m.neighbourhood = cli_neighbours[o->neighbourhood];
-        m.steps = o->steps != 0 ? o->steps : 1;
+        m.neighbourhood = cli_neighbours[own->neighbourhood];
+        m.steps = own->steps != 0 ? own->steps : 1;
     }
-    m.beyond = o->beyond == BVX_BEYOND_SET;
+    m.beyond = own->beyond == BVX_BEYOND_SET;
     return operation[job->action](run->context, &job->in.grid, &m, &job->out);
 }
 
 static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 {
-    const cli_options *const o = run->options;
+    const morph_options *const own = run->own;
     bvx_hollow_options h;
 
     bvx_hollow_options_init(&h, sizeof h);
-    h.thickness = o->thickness;
-    h.drain_radius = o->drain;
-    if (cli_given(run, "--drain-side")) h.drain_side = 1 << o->drain_side;
-    h.beyond = o->beyond == BVX_BEYOND_SET;
+    h.thickness = own->thickness;
+    h.drain_radius = own->drain;
+    if (cli_given(run, "--drain-side")) h.drain_side = 1 << own->drain_side;
+    h.beyond = own->beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
     return bvx_grid_hollow(run->context, &job->in.grid, &h, &job->out);
 }
@@ -176,7 +228,7 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
  * by distances from empty voxels, so the drill goes deeper too. */
 static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
 {
-    const cli_options *const o = run->options;
+    const morph_options *const own = run->own;
     const double *const h = job->in.grid.lattice.spacing;
     double const most = fmax(h[0], fmax(h[1], h[2]));
     bvx_hollow_options d;
@@ -184,14 +236,14 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
     bvx_status status = BVX_OK;
 
     bvx_hollow_options_init(&d, sizeof d);
-    d.beyond = o->beyond == BVX_BEYOND_SET;
+    d.beyond = own->beyond == BVX_BEYOND_SET;
     for (int deep = 1; deep >= 0 && status == BVX_OK; deep--) {
-        d.thickness = o->thickness + deep * 1.75 * most;
+        d.thickness = own->thickness + deep * 1.75 * most;
         d.drain_radius = 0.0;
         d.report = NULL;
         status = bvx_grid_hollow(run->context, &job->in.grid, &d, &closed);
-        d.drain_radius = o->drain;
-        if (cli_given(run, "--drain-side")) d.drain_side = 1 << o->drain_side;
+        d.drain_radius = own->drain;
+        if (cli_given(run, "--drain-side")) d.drain_side = 1 << own->drain_side;
         d.report = &job->hollow;
         if (status == BVX_OK) status = bvx_grid_hollow(run->context, &job->in.grid, &d, hole);
         if (status == BVX_OK && job->hollow.hollowed != 0) break;
@@ -204,9 +256,10 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
 /* What stays of a voxel of this distance; that of one without is more than any that is requested. */
 static int stays(const cli_run *run, const morph_job *job, int solid, double distance)
 {
-    if (job->action == DILATE) return solid || distance <= run->options->radius;
-    if (job->action == ERODE) return solid && distance > run->options->radius;
-    return solid && distance <= run->options->thickness;
+    const morph_options *const own = run->own;
+    if (job->action == DILATE) return solid || distance <= own->radius;
+    if (job->action == ERODE) return solid && distance > own->radius;
+    return solid && distance <= own->thickness;
 }
 
 /* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
@@ -235,12 +288,13 @@ static void change_by_distance(cli_run *run, morph_job *job)
 
 static void take_drill(const cli_run *run, morph_job *job)
 {
+    const morph_options *const own = run->own;
     cli_drill *const drill = &job->voxels.drill;
 
     if (job->hole.words == NULL || job->hollow.drained == 0) return;
     drill->hole = &job->hole;
-    drill->axis = cli_given(run, "--drain-side") ? run->options->drain_side / 2 : 2;
-    drill->radius = run->options->drain;
+    drill->axis = cli_given(run, "--drain-side") ? own->drain_side / 2 : 2;
+    drill->radius = own->drain;
     memcpy(drill->at, job->hollow.drain, sizeof drill->at);
 }
 
@@ -254,13 +308,13 @@ static int moves_walls(const cli_run *run, const morph_job *job)
 
 static bvx_status move_walls(cli_run *run, morph_job *job)
 {
-    const cli_options *const o = run->options;
-    double const far = job->action == HOLLOW ? o->thickness : o->radius;
+    const morph_options *const own = run->own;
+    double const far = job->action == HOLLOW ? own->thickness : own->radius;
     bvx_status status;
 
     job->voxels.offset = job->action == DILATE ? far : -far;
     status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
-    if (status == BVX_OK && job->action == HOLLOW && o->drain > 0.0)
+    if (status == BVX_OK && job->action == HOLLOW && own->drain > 0.0)
         status = drill_hole(run, job, &job->hole);
     if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
     if (status != BVX_OK) return status;
@@ -272,6 +326,7 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
 
 static void tell_changed(const cli_run *run, const morph_job *job, cli_made *made)
 {
+    const morph_options *const own = run->own;
     cli_text *const t = &made->members;
 
     cli_tell(made, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
@@ -288,7 +343,7 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
         if (h->hollowed == 0)
-            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", run->options->thickness);
+            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", own->thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && cli_touches_side(&job->out) &&
@@ -342,7 +397,7 @@ static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field
 
 static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
 {
-    const cli_options *const o = run->options;
+    const morph_options *const own = run->own;
     size_t const size = field->value_type == BVX_F64 ? 8 : 4;
     bvx_distance_options d;
     bvx_status const status = make_band(run, grid, field);
@@ -353,8 +408,8 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
     if (field->distances == NULL) return BVX_ERR_MEMORY;
     cli_note_peak(run, field->value_count * size);
     bvx_distance_options_init(&d, sizeof d);
-    d.side = o->side;
-    d.beyond = o->beyond;
+    d.side = own->side;
+    d.beyond = own->beyond;
     return bvx_grid_distance(run->context, grid, &d, field->value_type, field->distances, field->value_count);
 }
 
@@ -366,6 +421,7 @@ static double value_at(const bvx_field *f, uint64_t i)
 
 static void tell_distances(const cli_run *run, const morph_job *job, cli_made *made)
 {
+    const morph_options *const own = run->own;
     const bvx_field *const f = &job->apart;
     static const char *const sides[] = {BVX_DISTANCE_LIST(CLI_NAME_OF)};
     cli_text *const t = &made->members;
@@ -376,8 +432,8 @@ static void tell_distances(const cli_run *run, const morph_job *job, cli_made *m
         if (v < least) least = v;
         if (v > greatest) greatest = v;
     }
-    cli_tell(made, "  distances   %s, %.9g to %.9g\n", sides[run->options->side], least, greatest);
-    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[run->options->side]);
+    cli_tell(made, "  distances   %s, %.9g to %.9g\n", sides[own->side], least, greatest);
+    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[own->side]);
     cli_json_value(t, "least", least);
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
@@ -447,23 +503,28 @@ static void free_morph(cli_run *run, void *work)
 }
 
 const cli_command cli_morph = {
-    "morph",
-    CLI_MORPH,
-    2,
-    2,
-    "dilate|erode|open|close|hollow|distance IN -o OUT [options]",
-    "voxels grown, shrunk, hollowed; distances",
-    "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
-    "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
-    "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
-    "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"
-    "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit. Where OUT is a mesh\n"
-    "(" CLI_MESHES_WRITTEN ") it is their surface: of a mesh with its own outside kept, walls of hollow and\n"
-    "of --radius at their distance from it, and half way between set and empty voxels elsewhere.",
-    "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
-    "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
-    "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
-    sizeof(morph_job),
-    make_morph,
-    tell_morph,
-    free_morph};
+    .name = "morph",
+    .bit = CLI_MORPH,
+    .least_inputs = 2,
+    .most_inputs = 2,
+    .usage = "dilate|erode|open|close|hollow|distance IN -o OUT [options]",
+    .does = "voxels grown, shrunk, hollowed; distances",
+    .details =
+        "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
+        "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
+        "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
+        "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"
+        "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit. Where OUT is a mesh\n"
+        "(" CLI_MESHES_WRITTEN
+        ") it is their surface: of a mesh with its own outside kept, walls of hollow and\n"
+        "of --radius at their distance from it, and half way between set and empty voxels elsewhere.",
+    .example =
+        "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
+        "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
+        "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
+    .rows = morph_rows,
+    .own = sizeof(morph_options),
+    .job = sizeof(morph_job),
+    .make = make_morph,
+    .tell = tell_morph,
+    .free = free_morph};

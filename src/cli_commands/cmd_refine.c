@@ -1,8 +1,47 @@
 /* cmd_refine.c - bitvox refine: voxels of several sizes, the small ones at the surface only. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct refine_options {
+    int32_t base_voxels; /* --base */
+    int32_t depth;       /* --halvings; -1: auto */
+    int32_t outer_levels;
+    double adaptive;
+} refine_options;
+
+#define OWN(name) CLI_OWN(refine_options, name)
+
+static const char *const auto_names[] = {"auto", NULL};
+
+static const cli_argument refine_rows[] = {
+    {.also = cli_takes_output},
+    LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
+         "halve voxels to the last level only in A..D-1, B..E-1, C..F-1 of it"),
+    LIST("--resolution", "N", SHARED(resolution), 1, LARGEST_SIDE, 1, 1,
+         "voxels of the last level along the longest axis, at least, in place\n"
+         "of --base [--base x 2^--halvings]"),
+    WHOLE("--base", "N", OWN(base_voxels), 1, LARGEST_SIDE,
+          "voxels along the longest axis before any is halved [8]"),
+    WHOLE_OR("--halvings", "L|auto", OWN(depth), 0, 25, auto_names, -1,
+             "how many times voxels are halved [6]; auto: with --resolution, as it\n"
+             "takes least time by an estimate [auto with --resolution]"),
+    WHOLE("--outer-levels", "L", OWN(outer_levels), 0, 25, "with --window: how many times beyond it [0]"),
+    BETWEEN("--adaptive", "T", OWN(adaptive), 0, 1e300,
+            "a voxel whose triangles lie within T of one plane is not halved,\n"
+            "in the mesh's unit [off]"),
+    {.also = cli_takes_states},
+    FLAG("--leaves", SHARED(leaves), "a mesh of boxes, one a leaf, in colours of their levels"),
+    PLANES("--cut", "AXIS=VALUE", SHARED(cut), "with --leaves: only those below a plane, once for each axis"),
+    {.also = cli_takes_expand},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_all},
+    {0}};
 
 enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 
@@ -24,21 +63,22 @@ static const cli_rule mesh_rules[] = {
 /* The number of the last level, REFINE_AUTO when it is to be chosen. */
 static int32_t levels_asked_for(const cli_run *run)
 {
-    if (cli_given(run, "--halvings")) return run->options->depth;
+    const refine_options *const own = run->own;
+    if (cli_given(run, "--halvings")) return own->depth;
     return run->options->resolution.count != 0 ? REFINE_AUTO : REFINE_LEVELS;
 }
 
 static int check_levels(cli_run *run)
 {
-    const cli_options *const o = run->options;
+    const refine_options *const own = run->own;
     int32_t const levels = levels_asked_for(run);
 
     if (cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL) != CLI_DONE)
         return CLI_USAGE;
     if (levels == REFINE_AUTO) return CLI_DONE;
-    if (o->outer_levels > levels)
+    if (own->outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
-                         o->outer_levels, levels);
+                         own->outer_levels, levels);
     return cli_check_tree_level(run, levels);
 }
 
@@ -62,6 +102,7 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 /* The base, and the levels where they follow from a resolution. */
 static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
 {
+    const refine_options *const own = run->own;
     const cli_options *const o = run->options;
     int32_t const levels = levels_asked_for(run);
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
@@ -70,11 +111,12 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
     if (finest != 0)
         return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels),
                                base);
-    return bvx_lattice_fit(run->context, view, o->base_voxels != 0 ? o->base_voxels : REFINE_BASE, base);
+    return bvx_lattice_fit(run->context, view, own->base_voxels != 0 ? own->base_voxels : REFINE_BASE, base);
 }
 
 static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
 {
+    const refine_options *const own = run->own;
     const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
     bvx_refine_options r;
@@ -85,8 +127,8 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     bvx_mesh_view_of(mesh, &view);
     bvx_refine_options_init(&r, sizeof r);
     r.window = t->window;
-    r.outer_levels = o->outer_levels;
-    r.tolerance = o->adaptive;
+    r.outer_levels = own->outer_levels;
+    r.tolerance = own->adaptive;
     cli_stage_begin(run, "refine");
     status = make_base(run, &view, &r, &t->base);
     if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
@@ -127,11 +169,20 @@ static int write_refined(cli_run *run, void *work)
     return cli_write_tree(run, work);
 }
 
+/* How much longer than usual the file takes: text, bits, triangles. */
+static void plan_writing(cli_run *run)
+{
+    int32_t const format = bvx_format_of_name(run->options->output);
+
+    run->progress.writing = format == BVX_FORMAT_VTU ? 100.0 : format == BVX_FORMAT_BVX ? 0.25 : 3.0;
+}
+
 static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
     int kind, status = check_refine_options(run, t, &kind);
 
+    if (status == CLI_DONE) plan_writing(run);
     if (status == CLI_DONE) status = cli_open_tree_output(run, t);
     if (status == CLI_DONE) status = make_tree(run, kind, t);
     made->write = write_refined;
@@ -158,22 +209,26 @@ static void free_refine(cli_run *run, void *work)
 }
 
 const cli_command cli_refine = {
-    "refine",
-    CLI_REFINE,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "voxels of several sizes, small ones only at the surface",
-    "Reads a mesh (" CLI_MESHES_READ ", also with .gz), lays --base voxels over it and halves those that\n"
-    "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
-    "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
-    "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
-    "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
-    "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
-    "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
-    "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
-    "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
-    sizeof(cli_tree),
-    make_refine,
-    tell_refine,
-    free_refine};
+    .name = "refine",
+    .bit = CLI_REFINE,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "voxels of several sizes, small ones only at the surface",
+    .details =
+        "Reads a mesh (" CLI_MESHES_READ
+        ", also with .gz), lays --base voxels over it and halves those that\n"
+        "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
+        "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
+        "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
+        "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
+        "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
+    .example = "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
+               "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
+               "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
+    .rows = refine_rows,
+    .own = sizeof(refine_options),
+    .job = sizeof(cli_tree),
+    .make = make_refine,
+    .tell = tell_refine,
+    .free = free_refine};

@@ -1,10 +1,42 @@
 /* cmd_render.c - bitvox render: pictures of meshes and grids, alone, side by side, compared or turning. */
 #include "cli_commands/render_scene.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+#define OWN(name) CLI_OWN(cli_render_options, name)
+
+static const cli_argument render_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_fill_of_solids},
+    {.also = cli_takes_volumes},
+    {.also = cli_takes_trees},
+    {.also = cli_takes_kept_parts},
+    SIZE("--size", "WxH", OWN(size), 16384,
+         "pixels of a picture [1024x768; 640x480 each for several meshes]"),
+    TRIPLE("--from", "X,Y,Z", OWN(from), "direction from the model to the eye [3,-4,2]"),
+    TRIPLE("--up", "X,Y,Z", OWN(up), "what is up in the picture [0,0,1]"),
+    WHOLE("--voxels", "N", OWN(voxels), 1, LARGEST_SIDE,
+          "draw the voxels of a mesh's solid, N along its longest axis\n"
+          "[256 with --compare]"),
+    FLAG("--smooth", OWN(smooth), "smooth shading; sharp edges stay sharp"),
+    FLAG("--wireframe", OWN(wireframe), "draw the edges of triangles or voxels too"),
+    PLANES("--cut", "AXIS=VALUE", SHARED(cut),
+           "take away what lies between a plane and the eye, in the model's unit;\n"
+           "once for each axis, or x=0.5,z=1"),
+    SLICES("--slices", "AXIS:N", OWN(slices), 1, 1024,
+           "a sheet of N slices of the voxels across an axis, like z:16"),
+    FLAG("--compare", OWN(difference),
+         "two inputs in one picture: what the second adds green, what it lacks red"),
+    WHOLE("--turntable", "N", OWN(turntable), 2, 360,
+          "N pictures once around the axis of --up, to OUT_%d.png"),
+    {.also = cli_takes_all},
+    {0}};
 
 /* Several pictures on one sheet, row by row; at most four a row, as even as it goes. */
 typedef struct sheet {
@@ -22,9 +54,9 @@ typedef struct render_job {
 
 static void choose_size(const cli_run *run, int pictures, sheet *s)
 {
-    const cli_options *const o = run->options;
-    s->width = o->size.count != 0 ? (int32_t)o->size.value[0] : pictures == 1 ? 1024 : 640;
-    s->height = o->size.count != 0 ? (int32_t)o->size.value[1] : pictures == 1 ? 768 : 480;
+    const cli_render_options *const own = run->own;
+    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
+    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
     s->rows = (pictures + 3) / 4;
     s->columns = (pictures + s->rows - 1) / s->rows;
 }
@@ -105,13 +137,14 @@ static int draw_stage(cli_run *run, const cli_scene *scene, const sheet *s, cons
 /* One picture, or several on a sheet; inputs are held one after the other. */
 static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
 {
+    const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
-    int const pictures = o->difference ? 1 : o->inputs;
+    int const pictures = own->difference ? 1 : o->inputs;
     static const double all_of_it[2] = {0.0, 0.0};
     double direction[3], up[3];
     int status = cli_open_output(run, o->output);
 
-    cli_scene_view(o, direction, up);
+    cli_scene_view(run, direction, up);
     choose_size(run, pictures, s);
     if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
@@ -147,12 +180,12 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
 /* Frame after frame, each in its output. */
 static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 {
-    const cli_options *const o = run->options;
-    int32_t const count = o->turntable;
+    const cli_render_options *const own = run->own;
+    int32_t const count = own->turntable;
     double direction[3], up[3], turned[3], show[2];
     int status = CLI_DONE;
 
-    cli_scene_view(o, direction, up);
+    cli_scene_view(run, direction, up);
     choose_size(run, 1, s);
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) status = open_frame(run, i, count);
     if (status == CLI_DONE) status = cli_open_scene(run, 0, scene);
@@ -169,10 +202,11 @@ static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 
 static int write_pictures(cli_run *run, void *work)
 {
+    const cli_render_options *const own = run->own;
     const sheet *const s = &((render_job *)work)->sheet;
     int status;
 
-    if (run->options->turntable != 0) return cli_keep_outputs(run);
+    if (own->turntable != 0) return cli_keep_outputs(run);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = write_image(run, 0, &s->image);
@@ -183,9 +217,10 @@ static int write_pictures(cli_run *run, void *work)
 
 static void tell_render(const cli_run *run, const void *work, cli_made *made)
 {
+    const cli_render_options *const own = run->own;
     const render_job *const job = work;
     const sheet *const s = &job->sheet;
-    int32_t const count = run->options->turntable;
+    int32_t const count = own->turntable;
 
     tell_compared(&job->scene, made);
     if (count != 0) {
@@ -239,17 +274,18 @@ static const cli_rule slices_rules[] = {
 
 static int check_turntable(cli_run *run)
 {
+    const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
     double direction[3], up[3], turned[3];
 
-    if (o->turntable == 0) return CLI_DONE;
-    if (o->inputs > 1 && !o->difference)
+    if (own->turntable == 0) return CLI_DONE;
+    if (o->inputs > 1 && !own->difference)
         return cli_usage(run, "--turntable takes one input, or two with --compare");
     if (!cli_has_number(o->output))
         return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each",
-                         o->output, o->turntable);
+                         o->output, own->turntable);
     if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
-    cli_scene_view(o, direction, up);
+    cli_scene_view(run, direction, up);
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(
             run,
@@ -278,13 +314,14 @@ static int check_kinds(cli_run *run)
 
 static int check_render_options(cli_run *run)
 {
+    const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
     int status;
 
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
-    if (points_nowhere(&o->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
-    if (points_nowhere(&o->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
+    if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
+    if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
     status = cli_check_rules(run, slices_rules, 0, NULL);
     if (status == CLI_DONE) status = check_kinds(run);
     return status == CLI_DONE ? check_turntable(run) : status;
@@ -292,14 +329,16 @@ static int check_render_options(cli_run *run)
 
 static int make_render(cli_run *run, void *work, cli_made *made)
 {
+    const cli_render_options *const own = run->own;
     render_job *const job = work;
     int const status = check_render_options(run);
 
     made->write = write_pictures;
     made->untitled = 1;
     if (status != CLI_DONE) return status;
-    return run->options->turntable != 0 ? render_turntable(run, &job->scene, &job->sheet)
-                                        : render_sheet(run, &job->scene, &job->sheet);
+    run->progress.made = own->turntable;
+    return own->turntable != 0 ? render_turntable(run, &job->scene, &job->sheet)
+                               : render_sheet(run, &job->scene, &job->sheet);
 }
 
 static void free_render(cli_run *run, void *work)
@@ -311,19 +350,22 @@ static void free_render(cli_run *run, void *work)
 }
 
 const cli_command cli_render = {
-    "render",
-    CLI_RENDER,
-    1,
-    CLI_MAX_INPUTS,
-    "IN... -o OUT.png [options]",
-    "a shaded picture of a mesh or grid, or of several side by side",
-    "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
-    "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
-    "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
-    "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",
-    "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
-    "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
-    sizeof(render_job),
-    make_render,
-    tell_render,
-    free_render};
+    .name = "render",
+    .bit = CLI_RENDER,
+    .least_inputs = 1,
+    .most_inputs = CLI_MAX_INPUTS,
+    .usage = "IN... -o OUT.png [options]",
+    .does = "a shaded picture of a mesh or grid, or of several side by side",
+    .details =
+        "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
+        "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
+        "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
+        "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",
+    .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
+               "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
+    .rows = render_rows,
+    .own = sizeof(cli_render_options),
+    .job = sizeof(render_job),
+    .make = make_render,
+    .tell = tell_render,
+    .free = free_render};

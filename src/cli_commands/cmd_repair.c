@@ -1,10 +1,47 @@
 /* cmd_repair.c - bitvox repair: a closed, manifold, oriented mesh from any. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct repair_options {
+    int32_t if_needed;
+    int32_t measure;
+    int32_t thin; /* BVX_THIN_... */
+} repair_options;
+
+#define OWN(name) CLI_OWN(repair_options, name)
+
+static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
+
+static const cli_argument repair_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_output_dir},
+    LIST("--resolution", "N", SHARED(resolution), 1, 16777216.0, 1, 1, "voxels along the longest axis [256]"),
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_sign},
+    {.also = cli_takes_interpolation},
+    {.also = cli_takes_sharp},
+    CHOICE("--thin", "WHAT", OWN(thin), thin_names, BVX_THIN_SHELL,
+           "walls of bodies too thin for the voxels. keep: whole, about as thick as\n"
+           "they are; shell: pieces without a voxel become shells, other walls are\n"
+           "lost where no centre lies in them, with a warning; drop: lost [keep]"),
+    {.also = cli_takes_shells},
+    FLAG("--if-needed", OWN(if_needed), "copy a mesh that needs nothing, its positions as they are"),
+    FLAG("--measure", OWN(measure), "report distances between input and result, and overlaps"),
+    {.also = cli_takes_normals},
+    {.also = cli_takes_output_origin},
+    FLAG("--carry", SHARED(carry),
+         "give the result the colours and texture coordinates of the nearest\n"
+         "points on the input"),
+    {.also = cli_takes_all},
+    {0}};
 
 static const char *const need_names[] = {"nothing", "lids",       "manifold",  "turns",
                                          "area",    "outside-in", "uncrossing"};
@@ -73,6 +110,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
 
 static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made *made)
 {
+    const repair_options *const own = run->own;
     const bvx_certificate *const c = &r->before;
 
     cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
@@ -96,7 +134,7 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
     if (c->duplicates + c->degenerate + c->collapsed != 0)
         cli_tell(made, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
                  c->degenerate + c->collapsed);
-    if (run->options->measure && r->overlaps != 0)
+    if (own->measure && r->overlaps != 0)
         cli_tell(made, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
 }
 
@@ -165,6 +203,7 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
                           cli_made *made)
 {
+    const repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
     if (!r->copied)
@@ -185,7 +224,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
                  r->cavities_dropped + r->cavities_kept);
     cli_tell_reduction(run, reduction, made);
     cli_tell_result(&r->after, made);
-    if (!run->options->measure) return;
+    if (!own->measure) return;
     cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
              r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a,
              r->distance.max_b_to_a);
@@ -196,6 +235,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 {
+    const repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
     bvx_repair_options_init(o, sizeof *o);
@@ -203,12 +243,12 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     o->sign = c->sign;
     if (cli_given(run, "--interpolation")) o->interpolation = c->interpolation;
     if (c->sharp || c->no_sharp) o->sharp = c->sharp;
-    o->measure = c->measure;
+    o->measure = own->measure;
     if (cli_given(run, "--shell")) o->shell = c->shell;
-    if (cli_given(run, "--thin")) o->thin = c->thin;
+    if (cli_given(run, "--thin")) o->thin = own->thin;
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     o->keep_crumbs = cli_given(run, "--least-part");
-    o->if_needed = c->if_needed;
+    o->if_needed = own->if_needed;
     if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
 }
 
@@ -243,13 +283,14 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
 {
+    const repair_options *const own = run->own;
     bvx_mesh_view from, to;
     bvx_status status;
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
     report->after = reduction->level.certificate;
-    if (!run->options->measure) return CLI_DONE;
+    if (!own->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);
     bvx_mesh_view_of(repaired, &to);
@@ -290,6 +331,7 @@ static int write_repaired(cli_run *run, void *work)
 
 static int make_repair(cli_run *run, void *work, cli_made *made)
 {
+    const repair_options *const own = run->own;
     repair_job *const job = work;
     bvx_repair_report *const r = &job->report;
     cli_mesh_entry *const entry = &run->report.mesh[0];
@@ -307,7 +349,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     run->report.has_lattice = !r->copied;
     entry->path = run->options->output;
     entry->certificate = r->after;
-    if (run->options->measure) entry->distance = &r->distance;
+    if (own->measure) entry->distance = &r->distance;
     run->report.meshes = 1;
     made->write = write_repaired;
     return CLI_DONE;
@@ -315,9 +357,10 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
 
 static void tell_repair(const cli_run *run, const void *work, cli_made *made)
 {
+    const repair_options *const own = run->own;
     const repair_job *const job = work;
 
-    cli_report_repair(&made->members, &job->report, run->options->measure);
+    cli_report_repair(&made->members, &job->report, own->measure);
     warn_of_repair(&job->report, &job->reduction, made);
     tell_found(run, &job->report, made);
     tell_repaired(run, &job->report, &job->reduction, made);
@@ -332,20 +375,23 @@ static void free_repair(cli_run *run, void *work)
 }
 
 const cli_command cli_repair = {
-    "repair",
-    CLI_REPAIR,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "a closed, manifold, oriented mesh from any",
-    "Reads a mesh (" CLI_MESHES_READ
-    ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
-    "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes one\n"
-    "that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN "). Details\n"
-    "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner than\n"
-    "voxels are kept. With --triangles or --error the result's edges then collapse.",
-    "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
-    sizeof(repair_job),
-    make_repair,
-    tell_repair,
-    free_repair};
+    .name = "repair",
+    .bit = CLI_REPAIR,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "a closed, manifold, oriented mesh from any",
+    .details =
+        "Reads a mesh (" CLI_MESHES_READ
+        ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
+        "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes one\n"
+        "that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN "). Details\n"
+        "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner than\n"
+        "voxels are kept. With --triangles or --error the result's edges then collapse.",
+    .example = "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
+    .rows = repair_rows,
+    .own = sizeof(repair_options),
+    .job = sizeof(repair_job),
+    .make = make_repair,
+    .tell = tell_repair,
+    .free = free_repair};

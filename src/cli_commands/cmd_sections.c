@@ -1,10 +1,85 @@
 /* cmd_sections.c - bitvox sections: section contours to a closed body and its block model. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct sections_options {
+    cli_list size;
+    double spacing; /* of planes */
+    int32_t cells;  /* of planes that are not parallel */
+    double agree;
+    int32_t layers;
+    int32_t blend;   /* BVX_BLEND_... */
+    int32_t caps;    /* BVX_CAPS_... */
+    int32_t nesting; /* BVX_NESTING_... */
+    int32_t mend;
+    int32_t crossings; /* BVX_CROSSINGS_... */
+    int32_t subdivide;
+    int32_t label;           /* of the body */
+    const char *block_model; /* a file's name */
+    cli_triple block;
+} sections_options;
+
+#define OWN(name) CLI_OWN(sections_options, name)
+
+static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
+static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
+static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
+static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
+
+static const cli_argument sections_rows[] = {
+    {.also = cli_takes_output},
+    SIZE("--grid", "NxM", OWN(size), 8192,
+         "cells over the sections [auto: sides of twice the mean length of the\n"
+         "contours' segments]"),
+    BETWEEN("--spacing", "S", OWN(spacing), 0, 1e300,
+            "side of a cell in the contours' unit, in place of --grid"),
+    WHOLE("--cells", "N", OWN(cells), 8, 1024,
+          "planes that are not parallel: cells along the longest side of the\n"
+          "contours' box [auto: 64]"),
+    FROM_TO("--agree", "D", OWN(agree), 0, 1e300,
+            "planes that are not parallel: contours at most so far apart where two\n"
+            "planes cross are moved to agree [a hundredth of that longest side]"),
+    FROM_TO("--close-gap", "G", SHARED(close_gap), 0, 1e300,
+            "of .csv: loops whose ends lie further apart than G are refused as open\n"
+            "polylines; 0 closes all of them by a straight side [0]"),
+    WHOLE("--layers", "N", OWN(layers), 1, 64, "layers of cells from section to section [1]"),
+    CHOICE("--blend", "HOW", OWN(blend), blend_names, BVX_BLEND_LINEAR,
+           "from section to section: linear, or cubic over four of them, smooth\n"
+           "across sections [linear]"),
+    CHOICE("--caps", "HOW", OWN(caps), caps_names, BVX_CAPS_FLAT,
+           "the ends: flat on the first and last section; taper: each part to a\n"
+           "ridge half a spacing beyond, also those that end in between; open [flat]"),
+    CHOICE("--nesting", "HOW", OWN(nesting), nesting_names, BVX_NESTING_LEVELS,
+           "loops in loops between two sections: levels, outlines and holes each\n"
+           "for themselves, so that walls have no windows; whole, both at\n"
+           "once [levels]"),
+    FLAG("--mend", OWN(mend),
+         "split loops where they touch or cross, in place of refusing them; inside\n"
+         "stays what an odd number of loops enclose"),
+    CHOICE("--crossings", "HOW", OWN(crossings), crossings_names, BVX_CROSSINGS_EXACT,
+           "on the sections' planes: exact, by the contours themselves; paper, by\n"
+           "interpolated distances with the contours' points put in; classic,\n"
+           "marching cubes [exact]"),
+    WHOLE("--subdivide", "N", OWN(subdivide), 0, 8,
+          "halve cells that a contour crosses twice on a side, N times at most [5]"),
+    WHOLE("--label", "L", OWN(label), -2147483647.0, 2147483647.0, "the body, where the file holds several"),
+    FILE_NAME("--block-model", "CSV", OWN(block_model),
+              "also write blocks: centre, sides and the share that is inside"),
+    TRIPLE("--block", "X,Y,Z", OWN(block), "sides of a block, with --block-model"),
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_output_origin},
+    CHOICE("--format", "NAME", SHARED(format), cli_format_names + BVX_FORMAT_CSL, BVX_FORMAT_CSL,
+           "format of standard input, with - as input: csl or csv"),
+    {.also = cli_takes_common},
+    {0}};
 
 enum { BLOCK_PARTS = 8 }; /* fine voxels a block along each axis */
 
@@ -35,15 +110,17 @@ enum {
 
 static uint32_t facts_of_sections(const cli_run *run)
 {
+    const sections_options *const own = run->own;
     const cli_options *const o = run->options;
     uint32_t facts = HAS_BLOCKS;
 
     if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
     if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
-    if (o->caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
-    if (o->block_model != NULL && bvx_format_of_name(o->block_model) == BVX_FORMAT_CSV) facts |= MODEL_IS_CSV;
+    if (own->caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
+    if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
+        facts |= MODEL_IS_CSV;
     for (int k = 0; k < 3; k++)
-        if (!(o->block.value[k] > 0.0 && o->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
+        if (!(own->block.value[k] > 0.0 && own->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
     return facts;
 }
 
@@ -70,6 +147,7 @@ static const cli_rule sections_rules[] = {
 
 static int build_body(cli_run *run, sections_job *job)
 {
+    const sections_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_sections_options s;
     bvx_status status;
@@ -78,18 +156,18 @@ static int build_body(cli_run *run, sections_job *job)
 
     bvx_sections_options_init(&s, sizeof s);
     if (cli_given(run, "--grid"))
-        for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)o->size.value[k];
-    s.spacing = o->spacing;
-    s.cells = o->cells;
-    s.agree = o->agree;
-    if (cli_given(run, "--layers")) s.layers = o->layers;
-    if (cli_given(run, "--subdivide")) s.depth = o->subdivide;
-    if (cli_given(run, "--label")) s.label = o->label;
-    s.blend = o->blend;
-    s.caps = o->caps;
-    s.nesting = o->nesting;
-    s.mend = o->mend;
-    s.crossings = o->crossings;
+        for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->size.value[k];
+    s.spacing = own->spacing;
+    s.cells = own->cells;
+    s.agree = own->agree;
+    if (cli_given(run, "--layers")) s.layers = own->layers;
+    if (cli_given(run, "--subdivide")) s.depth = own->subdivide;
+    if (cli_given(run, "--label")) s.label = own->label;
+    s.blend = own->blend;
+    s.caps = own->caps;
+    s.nesting = own->nesting;
+    s.mend = own->mend;
+    s.crossings = own->crossings;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
@@ -98,7 +176,7 @@ static int build_body(cli_run *run, sections_job *job)
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label",
                         cli_input_name(o->input[0]));
-    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !o->mend)
+    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
@@ -155,8 +233,9 @@ static void add_blocks(sections_job *job, const bvx_grid *g, int32_t k, const do
  * laid out; a layer of blocks at a time. */
 static int make_blocks(cli_run *run, sections_job *job)
 {
+    const sections_options *const own = run->own;
     cli_text *const text = &job->text;
-    const double *const side = run->options->block.value;
+    const double *const side = own->block.value;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
     double origin[3], spacing[3];
     int32_t dims[3], layers;
@@ -190,7 +269,7 @@ static int make_blocks(cli_run *run, sections_job *job)
         bvx_grid_free(run->context, &grid);
     }
     job->block_seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options->block_model);
+    if (status != BVX_OK) return cli_fail_status(run, status, own->block_model);
     return text->failed ? cli_fail(run, "no memory for the block model") : CLI_DONE;
 }
 
@@ -198,13 +277,14 @@ static int make_blocks(cli_run *run, sections_job *job)
 
 static int write_body(cli_run *run, void *work)
 {
+    const sections_options *const own = run->own;
     const sections_job *const job = work;
     bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
 
     text.bytes = (uint8_t *)job->text.bytes;
     text.size = job->text.size;
-    if (result == CLI_DONE && run->options->block_model != NULL) result = cli_write_output(run, 1, &text);
+    if (result == CLI_DONE && own->block_model != NULL) result = cli_write_output(run, 1, &text);
     return result == CLI_DONE ? cli_keep_outputs(run) : result;
 }
 
@@ -237,6 +317,7 @@ static void tell_planes(const cli_run *run, const sections_job *job, cli_made *m
 
 static void tell_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
+    const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
@@ -272,13 +353,14 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
     cli_tell(made, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
-    if (run->options->block_model != NULL)
+    if (own->block_model != NULL)
         cli_tell(made, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_tell(made, "\n  time        %.1f ms\n", job->seconds * 1e3);
 }
 
 static void report_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
+    const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     cli_text *const t = &made->members;
 
@@ -326,7 +408,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "ambiguous_faces", r->ambiguous_faces);
     cli_json_count(t, "inner_vertices", r->inner_vertices);
     cli_json_value(t, "prismoid_volume", r->prismoid_volume);
-    if (run->options->block_model != NULL) {
+    if (own->block_model != NULL) {
         cli_json_count(t, "blocks", job->blocks);
         cli_json_value(t, "block_volume", job->block_volume);
     }
@@ -338,8 +420,9 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
  * them run close together is what helps. */
 static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
+    const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
-    int32_t const depth = cli_given(run, "--subdivide") ? run->options->subdivide : USUAL_DEPTH;
+    int32_t const depth = cli_given(run, "--subdivide") ? own->subdivide : USUAL_DEPTH;
 
     if (r->planes != 0) {
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
@@ -362,7 +445,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
             "between %" PRIu64
             " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
             r->joined_slabs);
-    if (run->options->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
+    if (own->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_advise(
             made,
             "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
@@ -372,8 +455,9 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
 
 static int make_sections(cli_run *run, void *work, cli_made *made)
 {
+    const sections_options *const own = run->own;
     sections_job *const job = work;
-    const char *const model = run->options->block_model;
+    const char *const model = own->block_model;
     int status = cli_check_rules(run, sections_rules, facts_of_sections(run), model);
 
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
@@ -407,22 +491,26 @@ static void free_sections(cli_run *run, void *work)
 }
 
 const cli_command cli_sections = {
-    "sections",
-    CLI_SECTIONS,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "a closed body from the contours of its sections",
-    "Reads closed contours on planes (.csl, of any direction; .csv with the columns section,position,loop,x,y and\n"
-    "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
-    "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
-    "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
-    "second section at one position and a single section are refused; sections, loops and points are\n"
-    "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
-    "edges collapse in the end, and points of contours are no longer vertices.",
-    "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
-    "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
-    sizeof(sections_job),
-    make_sections,
-    tell_sections,
-    free_sections};
+    .name = "sections",
+    .bit = CLI_SECTIONS,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "a closed body from the contours of its sections",
+    .details =
+        "Reads closed contours on planes (.csl, of any direction; .csv with the columns section,position,loop,x,y and\n"
+        "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
+        "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
+        "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
+        "second section at one position and a single section are refused; sections, loops and points are\n"
+        "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
+        "edges collapse in the end, and points of contours are no longer vertices.",
+    .example =
+        "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
+        "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
+    .rows = sections_rows,
+    .own = sizeof(sections_options),
+    .job = sizeof(sections_job),
+    .make = make_sections,
+    .tell = tell_sections,
+    .free = free_sections};

@@ -1,9 +1,35 @@
 /* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh that is manifold, closed or with borders. */
 #include "cli_commands/collapse_run.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+#define OPEN_INPUT(name, value, text) (value) == BVX_OPEN_SHELL ? "refuse" : text,
+static const char *const open_input_names[] = {BVX_OPEN_LIST(OPEN_INPUT) NULL};
+
+static const cli_argument simplify_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_output_dir},
+    LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
+         "most triangles, of each level where there are several [half]"),
+    {.also = cli_takes_errors},
+    WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
+          "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
+    {.also = cli_takes_collapse},
+    CHOICE("--open", "WHAT", SHARED(open), open_input_names, BVX_OPEN_SHELL,
+           "what becomes of open sheets. keep: they stay open, with their borders;\n"
+           "cut: as keep, but cut along edges of three triangles and more;\n"
+           "refuse: they are an error [keep]"),
+    {.also = cli_takes_normals},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_carry},
+    {.also = cli_takes_samples},
+    {.also = cli_takes_all},
+    {0}};
 
 /* What is wrong with a mesh, in a few words and the number that says how much. */
 static void fault_text(const bvx_certificate *c, char *text, size_t room)
@@ -144,8 +170,8 @@ const cli_command cli_simplify = {
         "For any other mesh take lod.",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
+    .rows = simplify_rows,
     .job = sizeof(cli_collapse_run),
     .make = make_simplify,
     .tell = tell_simplify,
-    .free = free_simplify,
-};
+    .free = free_simplify};

@@ -1,11 +1,31 @@
 /* cmd_slice.c - bitvox slice: the contours of a mesh or grid on parallel planes. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <string.h>
 
+/* ---- its options ---- */
+
+/* Zero stands for "not given". */
+typedef struct slice_options {
+    int32_t up_axis; /* 1 to 3; 0: not given */
+    double spacing;  /* of planes */
+} slice_options;
+
+#define OWN(name) CLI_OWN(slice_options, name)
+
+static const cli_argument slice_rows[] = {
+    {.also = cli_takes_output},
+    CHOICE("--axis", "AXIS", OWN(up_axis), cli_axis_names, 1, "planes lie across x, y or z [z]"),
+    BETWEEN("--spacing", "S", OWN(spacing), 0, 1e300,
+            "from plane to plane; the first lies half of it above the low end"),
+    {.also = cli_takes_all},
+    {0}};
+
 static int check_slice_options(cli_run *run)
 {
+    const slice_options *const own = run->own;
     const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     int kind, status = cli_input_kind(run, o->input[0], &kind);
@@ -16,7 +36,7 @@ static int check_slice_options(cli_run *run)
                          "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")",
                          o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
-    if (format == BVX_FORMAT_CSV && o->up_axis != 0 && o->up_axis != 3)
+    if (format == BVX_FORMAT_CSV && own->up_axis != 0 && own->up_axis != 3)
         return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
     return CLI_DONE;
 }
@@ -38,14 +58,15 @@ static int slice_surface(cli_run *run, cli_input *in)
 
 static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections)
 {
-    int const axis = run->options->up_axis != 0 ? run->options->up_axis - 1 : 2;
+    const slice_options *const own = run->own;
+    int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
     bvx_slice_options s;
     bvx_mesh_view view;
     bvx_status status;
 
     bvx_slice_options_init(&s, sizeof s);
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
-    s.spacing = run->options->spacing;
+    s.spacing = own->spacing;
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "slice");
     status = bvx_slice_mesh(run->context, &view, &s, sections);
@@ -111,19 +132,22 @@ static void free_slice(cli_run *run, void *work)
 }
 
 const cli_command cli_slice = {
-    "slice",
-    CLI_SLICE,
-    1,
-    1,
-    "IN -o OUT --spacing S [options]",
-    "the contours of a mesh or grid on parallel planes",
-    "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
-    ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
-    "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
-    "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
-    "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
-    "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
-    sizeof(slice_job),
-    make_slice,
-    tell_slice,
-    free_slice};
+    .name = "slice",
+    .bit = CLI_SLICE,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT --spacing S [options]",
+    .does = "the contours of a mesh or grid on parallel planes",
+    .details =
+        "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
+        ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
+        "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
+        "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
+    .example = "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
+               "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
+    .rows = slice_rows,
+    .own = sizeof(slice_options),
+    .job = sizeof(slice_job),
+    .make = make_slice,
+    .tell = tell_slice,
+    .free = free_slice};

@@ -1,8 +1,69 @@
 /* cmd_voxelize.c - bitvox voxelize: the solid or the surface of a mesh as a grid, or the distances to it. */
 #include "cli_commands/commands.h"
+#include "cli_args/rows.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+/* ---- its options ---- */
+
+#define OWN(name) CLI_OWN(cli_voxelize_options, name)
+
+static const char *const check_thin_names[] = {"auto", "never", "always", NULL};
+
+static const cli_argument voxelize_rows[] = {
+    {.also = cli_takes_output},
+    {.also = cli_takes_output_dir},
+    {.also = cli_takes_lattice},
+    LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
+         "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
+    WHOLE("--padding", "N", SHARED(padding), 0, 65536,
+          "empty voxels added on every side [0; --mode field: the half-width]"),
+    CHOICE("--mode", "MODE", OWN(mode), cli_mode_names, CLI_MODE_SOLID,
+           "solid: what lies inside; conservative: all voxels that the surface\n"
+           "touches; thin: those that keep a flood through faces out; sampled:\n"
+           "those of points less than a voxel apart; field: distances from the\n"
+           "voxels' centres to the surface, negative inside [solid]"),
+    FROM_TO("--half-width", "W", SHARED(half_width), 0, 1e9,
+            "with --mode field: how far from the surface centres have a distance,\n"
+            "in voxels; 0: all have one [3]"),
+    CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_SIGN_AUTO,
+           "with --mode field, what is inside. exact: as --fill parity; winding:\n"
+           "holes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
+           "normal: the side of the closest place or triangle; none; auto: as\n"
+           "--fill auto [auto]"),
+    FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
+    CHOICE("--value-type", "TYPE", SHARED(value_type), cli_value_type_names, BVX_F32,
+           "with --mode field: f32 or f64 [f32]"),
+    {.also = cli_takes_fill},
+    WHOLE("--close-gaps", "N", SHARED(close_gaps), 0, 65535,
+          "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
+    WHOLE("--minimum", "N", OWN(minimum), 1, 2147483647.0,
+          "of a cloud: points that a voxel needs to be set [1]"),
+    FLAG("--body", OWN(body), "of a cloud: set what a flood from outside cannot reach too"),
+    {.also = cli_takes_add_shell},
+    FLAG("--check-edges", OWN(check_edges), "count edges with one triangle, and those between flipped ones"),
+    CHOICE("--check-thin", "WHEN", OWN(check_thin), check_thin_names, -1,
+           "look for walls too thin for the voxels, for a warning with their place.\n"
+           "auto: in whole lattices; always; never [auto]"),
+    FLAG("--compare-fills", OWN(compare_fills), "a table of what each rule would set, and where they differ"),
+    NUMBER("--base", "H", OWN(base),
+           "with --fill below: the height that columns stand on [the lattice's\n"
+           "low end]"),
+    FILE_NAME("--second", "MESH", OWN(second),
+              "with --fill below: what lies between IN and this terrain; reports cut\n"
+              "and fill"),
+    CHOICE("--up", "AXIS", OWN(up_axis), cli_axis_names, 1, "with --fill below: x, y or z [z]"),
+    {.also = cli_takes_selection},
+    FLAG("--all-labels", OWN(all_labels), "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
+    {.also = cli_takes_below},
+    {.also = cli_takes_raw},
+    {.also = cli_takes_reduction},
+    {.also = cli_takes_sharp},
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_kept_parts},
+    {.also = cli_takes_all},
+    {0}};
 
 /* What the voxels are made from. */
 typedef struct voxel_job {
@@ -30,10 +91,10 @@ enum {
 
 static uint32_t facts_of_mode(const cli_run *run)
 {
-    const cli_options *const o = run->options;
+    const cli_voxelize_options *const own = run->own;
 
-    return (o->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (o->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
-           (o->check_thin == 1 ? LOOKS_FOR_THIN : 0u);
+    return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
+           (own->check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
 
 /* A volume has its own lattice, and voxels already. */
@@ -89,7 +150,8 @@ static const cli_rule mesh_rules[] = {
 
 static int check_second(cli_run *run)
 {
-    const char *const second = run->options->second;
+    const cli_voxelize_options *const own = run->own;
+    const char *const second = own->second;
     int kind, status;
     if (second == NULL) return CLI_DONE;
     if (strcmp(second, "-") == 0)
@@ -117,7 +179,8 @@ static int find_kind(cli_run *run, uint32_t *kind)
 
 static int check_voxelize_options(cli_run *run, uint32_t *kind, bvx_window *window)
 {
-    const char *const mode = cli_mode_names[run->options->mode];
+    const cli_voxelize_options *const own = run->own;
+    const char *const mode = cli_mode_names[own->mode];
     int status = find_kind(run, kind);
 
     if (status == CLI_DONE && *kind == CLI_OF_VOLUME)
@@ -132,23 +195,24 @@ static int check_voxelize_options(cli_run *run, uint32_t *kind, bvx_window *wind
 /* The lattice holds both terrains, and goes down to the base. */
 static int choose_box(cli_run *run, voxel_job *job)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    int const based = cli_given(run, "--base"), up = o->up_axis != 0 ? o->up_axis - 1 : 2;
+    int const based = cli_given(run, "--base"), up = own->up_axis != 0 ? own->up_axis - 1 : 2;
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
-    if (o->second == NULL && !based) return CLI_DONE;
+    if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     cli_mesh_box(&job->mesh, &job->box);
-    if (o->second != NULL) {
+    if (own->second != NULL) {
         cli_box other;
         status = bvx_lattice_fit(run->context, &job->second_view, 1, &unused);
-        if (status != BVX_OK) return cli_fail_status(run, status, o->second);
+        if (status != BVX_OK) return cli_fail_status(run, status, own->second);
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
-    if (based && o->base < job->box.low[up]) job->box.low[up] = o->base;
+    if (based && own->base < job->box.low[up]) job->box.low[up] = own->base;
     job->boxed = 1;
     return CLI_DONE;
 }
@@ -190,10 +254,11 @@ static void make_room_for_surface(cli_run *run)
 
 static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
+    const cli_voxelize_options *const own = run->own;
     bvx_surface_options s;
 
     bvx_surface_options_init(&s, sizeof s);
-    s.mode = run->options->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
+    s.mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
     s.window = job->window;
     s.report = report;
     return bvx_voxelize_surface(run->context, &job->view, &run->report.lattice, &s, &job->grid);
@@ -201,25 +266,30 @@ static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_r
 
 static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_solid_report *report)
 {
+    const cli_voxelize_options *const own = run->own;
     bvx_voxelize_options v;
 
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
+    if (cli_given(run, "--check-thin")) v.check_thin = own->check_thin;
+    if (own->up_axis != 0) v.axis = own->up_axis - 1;
+    if (cli_given(run, "--base")) v.base = own->base;
     v.report = report;
     v.window = job->window;
-    if (run->options->second != NULL) v.second = &job->second_view;
+    if (own->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
 
-static void tell_surface(const cli_options *o, const bvx_surface_report *r, cli_made *made)
+static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     cli_text *const t = &made->members;
-    const char *const mode = cli_mode_names[o->mode];
+    const char *const mode = cli_mode_names[own->mode];
     double const mean = r->triangles != 0 ? (double)r->parts / (double)r->triangles : 0.0;
 
     cli_text_add(&made->text, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
-    if (o->mode == CLI_MODE_SAMPLED) {
+    if (own->mode == CLI_MODE_SAMPLED) {
         cli_text_add(&made->text,
                      "  samples     %" PRIu64 " of %" PRIu64
                      " triangles, mean subdivision coefficient %.3f\n",
@@ -241,13 +311,14 @@ typedef struct voxel_reports {
 /* Voxels, or the field in their place. */
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     const bvx_lattice *const l = &run->report.lattice;
     bvx_status status;
 
-    if (!job->cloud && run->options->mode == CLI_MODE_FIELD)
+    if (!job->cloud && own->mode == CLI_MODE_FIELD)
         return cli_make_field(run, &job->view, l, &job->window, &job->field, made);
     if (job->cloud) status = cli_make_cloud(run, &job->view, l, &job->window, &reports->cloud, &job->grid);
-    else if (run->options->mode != CLI_MODE_SOLID) status = make_surface(run, job, &reports->surface);
+    else if (own->mode != CLI_MODE_SOLID) status = make_surface(run, job, &reports->surface);
     else status = make_solid_voxels(run, job, &reports->solid);
     return status;
 }
@@ -263,13 +334,13 @@ static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
 static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_reports *reports,
                         cli_made *made)
 {
-    const cli_options *const o = run->options;
-    int const solid = !job->cloud && o->mode == CLI_MODE_SOLID;
+    const cli_voxelize_options *const own = run->own;
+    int const solid = !job->cloud && own->mode == CLI_MODE_SOLID;
 
-    if (job->cloud) cli_tell_cloud(o, &reports->cloud, made);
+    if (job->cloud) cli_tell_cloud(run, &reports->cloud, made);
     else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
-    else tell_surface(o, &reports->surface, made);
-    if (solid && o->compare_fills) cli_tell_fills(&job->fills, made);
+    else tell_surface(run, &reports->surface, made);
+    if (solid && own->compare_fills) cli_tell_fills(&job->fills, made);
 
     if (made->set == 0 && !job->cloud)
         cli_advise(made, "no voxel is set: %s",
@@ -279,6 +350,7 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
 /* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
 static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
     voxel_reports reports;
     bvx_status status;
@@ -291,7 +363,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     status = make_voxels(run, job, &reports, made);
     cli_stage_end(run);
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
-    if (status == BVX_OK && o->compare_fills)
+    if (status == BVX_OK && own->compare_fills)
         result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     if (made->field != NULL || result != CLI_DONE) return result;
@@ -299,7 +371,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     tell_voxels(run, job, &reports, made);
     job->voxels.name = o->input[0];
     job->voxels.grid = job->voxels.solid = &job->grid;
-    if (!job->cloud && o->mode == CLI_MODE_SOLID && !o->add_shell && o->second == NULL)
+    if (!job->cloud && own->mode == CLI_MODE_SOLID && !o->add_shell && own->second == NULL)
         job->voxels.source = &job->mesh;
     made->voxels = &job->voxels;
     return CLI_DONE;
@@ -307,12 +379,13 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
 
 static int read_meshes(cli_run *run, voxel_job *job)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
     int status = cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud);
 
     if (status == CLI_DONE)
         status = cli_check_rules(run, cli_cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL);
-    if (status == CLI_DONE && o->second != NULL) status = cli_read_mesh(run, o->second, &job->second);
+    if (status == CLI_DONE && own->second != NULL) status = cli_read_mesh(run, own->second, &job->second);
     if (status != CLI_DONE) return status;
     bvx_mesh_view_of(&job->mesh, &job->view);
     bvx_mesh_view_of(&job->second, &job->second_view);
@@ -321,13 +394,15 @@ static int read_meshes(cli_run *run, voxel_job *job)
 
 static int make_voxelize(cli_run *run, void *work, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     voxel_job *const job = work;
     uint32_t kind = 0;
     int status = check_voxelize_options(run, &kind, &job->window);
 
     if (status == CLI_DONE && kind == CLI_OF_VOLUME)
         return cli_voxelize_volume(run, &job->window, &job->volume, made);
-    if (status == CLI_DONE && run->options->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
+    if (own->mode == CLI_MODE_FIELD) run->progress.writing = 5.0;
+    if (status == CLI_DONE && own->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
     else if (status == CLI_DONE) make_room_for_surface(run);
     if (status == CLI_DONE) status = cli_open_voxels(run);
     if (status == CLI_DONE) status = read_meshes(run, job);
@@ -347,32 +422,36 @@ static void free_voxelize(cli_run *run, void *work)
 }
 
 const cli_command cli_voxelize = {
-    "voxelize",
-    CLI_VOXELIZE,
-    1,
-    1,
-    "IN -o OUT [options]",
-    "a mesh, a cloud of points or a volume as a grid of voxels",
-    "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and writes the voxels whose centres lie inside it,\n"
-    "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
-    "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
-    "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
-    "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
-    "other modes half way between set and empty voxels.\n"
-    "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
-    "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
-    "mesh (" CLI_MESHES_WRITTEN ") it becomes their closed surface: of --level by the values between the\n"
-    "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
-    "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
-    "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"
-    "also what lies behind them.",
-    "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
-    "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
-    "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
-    "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
-    "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
-    "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
-    sizeof(voxel_job),
-    make_voxelize,
-    NULL,
-    free_voxelize};
+    .name = "voxelize",
+    .bit = CLI_VOXELIZE,
+    .least_inputs = 1,
+    .most_inputs = 1,
+    .usage = "IN -o OUT [options]",
+    .does = "a mesh, a cloud of points or a volume as a grid of voxels",
+    .details =
+        "Reads a mesh (" CLI_MESHES_READ
+        ", also with .gz) and writes the voxels whose centres lie inside it,\n"
+        "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
+        "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
+        "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
+        "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
+        "other modes half way between set and empty voxels.\n"
+        "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
+        "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
+        "mesh (" CLI_MESHES_WRITTEN
+        ") it becomes their closed surface: of --level by the values between the\n"
+        "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
+        "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
+        "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"
+        "also what lies behind them.",
+    .example = "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
+               "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"
+               "bitvox voxelize fixtures/knot.ply -o distance.vti --mode field --resolution 64\n"
+               "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
+               "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
+               "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
+    .rows = voxelize_rows,
+    .own = sizeof(cli_voxelize_options),
+    .job = sizeof(voxel_job),
+    .make = make_voxelize,
+    .free = free_voxelize};

@@ -8,6 +8,10 @@ extern const cli_command cli_info, cli_voxelize, cli_lod, cli_render, cli_conver
     cli_refine, cli_fill, cli_sections, cli_slice, cli_repair, cli_boolean, cli_morph, cli_components,
     cli_simplify;
 
+/* command_list.c: all of them, NULL after the last. */
+enum { CLI_COMMANDS = 16 };
+extern const cli_command *const cli_commands[CLI_COMMANDS + 1];
+
 /* cmd_compare.c: bvx_grid_compare with a message that names both. */
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
 /* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
@@ -37,9 +41,25 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, co
                      const bvx_solid_report *report);
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
 /* The solid as a member of the JSON report; that, lines and warnings. */
-void cli_report_solid(cli_text *members, const cli_options *o, const bvx_lattice *lattice,
+void cli_report_solid(const cli_run *run, cli_text *members, const bvx_lattice *lattice,
                       const bvx_solid_report *report);
 void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *report, cli_made *made);
+
+/* ---- cmd_voxelize.c ---- */
+
+/* What the command takes for itself; zero stands for "not given". */
+typedef struct cli_voxelize_options {
+    int32_t mode;    /* CLI_MODE_... */
+    int32_t minimum; /* of clouds: points that set a voxel */
+    int32_t body;    /* of clouds */
+    int32_t check_edges;
+    int32_t check_thin; /* -1: auto, 0: never, 1: always */
+    int32_t compare_fills;
+    double base;        /* height that columns stand on */
+    const char *second; /* the other terrain's file */
+    int32_t up_axis;    /* 1 to 3; 0: not given */
+    int32_t all_labels;
+} cli_voxelize_options;
 
 /* ---- clouds.c: voxels of a cloud of points ---- */
 
@@ -48,7 +68,7 @@ extern const cli_rule cli_cloud_rules[];
 /* Voxels of a cloud on this lattice, and what is reported of them. */
 bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const bvx_lattice *lattice,
                           const bvx_window *window, bvx_points_report *report, bvx_grid *grid);
-void cli_tell_cloud(const cli_options *o, const bvx_points_report *report, cli_made *made);
+void cli_tell_cloud(const cli_run *run, const bvx_points_report *report, cli_made *made);
 
 /* ---- fill_table.c: --compare-fills ---- */
 

@@ -4,6 +4,17 @@
 
 #include "cli_commands/commands.h"
 
+/* What the command takes for itself; zero stands for "not given". */
+typedef struct cli_lod_options {
+    int32_t source; /* BVX_LEVELS_... */
+    int32_t outer_hull;
+    int32_t method; /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
+    cli_list levels;
+    double threshold;
+    int32_t edge_samples;
+    double collapse;
+} cli_lod_options;
+
 typedef struct cli_chain {
     int kind;       /* of the input, CLI_MESH or CLI_GRID */
     bvx_mesh input; /* of a grid: its surface, where distances are measured */

@@ -9,11 +9,10 @@
  * usual, since none can be finer than it. */
 int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 {
+    const cli_lod_options *const own = run->own;
     int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64;
     int32_t const usual = finest >> level;
-    return run->options->levels.count != 0 ? (int32_t)run->options->levels.value[level]
-           : usual > 0                     ? usual
-                                           : 1;
+    return own->levels.count != 0 ? (int32_t)own->levels.value[level] : usual > 0 ? usual : 1;
 }
 
 /* ---- the solid ---- */
@@ -31,6 +30,7 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
     const cli_options *const options = run->options;
+    const cli_lod_options *const own = run->own;
     int32_t resolutions[CLI_MAX_LEVELS], limited;
     uint64_t targets[CLI_MAX_LEVELS];
     bvx_lod_options o;
@@ -43,7 +43,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     }
 
     bvx_lod_options_init(&o, sizeof o);
-    o.collapse = options->collapse;
+    o.collapse = own->collapse;
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
     for (int i = 0; i < c->count; i++) {

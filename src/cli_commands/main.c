@@ -9,29 +9,23 @@
 #include "cli_commands/commands.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #if MAIN_POSIX
 #include <fcntl.h>
 #include <unistd.h>
 #endif
 
-static const cli_command *const commands[] = {
-    &cli_lod,   &cli_simplify,   &cli_info,    &cli_voxelize, &cli_repair, &cli_fill,
-    &cli_morph, &cli_components, &cli_refine,  &cli_sections, &cli_slice,  &cli_boolean,
-    &cli_faces, &cli_convert,    &cli_compare, &cli_render,   NULL};
-
-enum { COMMANDS = sizeof commands / sizeof commands[0] - 1 };
-
 static const char *next_command(const void *user, int i)
 {
     (void)user;
-    return i < COMMANDS ? commands[i]->name : i == COMMANDS ? "help" : NULL;
+    return i < CLI_COMMANDS ? cli_commands[i]->name : i == CLI_COMMANDS ? "help" : NULL;
 }
 
 static const cli_command *find_command(const char *name)
 {
-    for (int i = 0; i < COMMANDS; i++)
-        if (strcmp(commands[i]->name, name) == 0) return commands[i];
+    for (int i = 0; i < CLI_COMMANDS; i++)
+        if (strcmp(cli_commands[i]->name, name) == 0) return cli_commands[i];
     return NULL;
 }
 
@@ -41,7 +35,8 @@ static void print_overview(FILE *to)
 {
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
                 "usage: bitvox COMMAND IN -o OUT [options]\n\n");
-    for (int i = 0; i < COMMANDS; i++) fprintf(to, "  %-11s %s\n", commands[i]->name, commands[i]->does);
+    for (int i = 0; i < CLI_COMMANDS; i++)
+        fprintf(to, "  %-11s %s\n", cli_commands[i]->name, cli_commands[i]->does);
     fprintf(to, "\nbitvox COMMAND --help lists a command's options; bitvox --version prints the version;\n"
                 "bitvox help --man is the manual page, bitvox help --bash-completion a script for bash.\n"
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
@@ -50,7 +45,7 @@ static void print_overview(FILE *to)
 static void print_help(const cli_command *c)
 {
     printf("usage: bitvox %s %s\n\n%s\n\noptions:\n", c->name, c->usage, c->details);
-    cli_print_options(c->bit);
+    cli_print_options(c);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
     for (const char *p = c->example; *p != 0;) {
         size_t const n = strcspn(p, "\n");
@@ -70,8 +65,8 @@ static int help(cli_run *run, int count, char **word)
 {
     if (count > 1) return cli_usage(run, "'%s' is one word too many; help takes one command", word[1]);
     if (count == 0) print_overview(stdout);
-    else if (strcmp(word[0], "--man") == 0) cli_print_manual(commands);
-    else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion(commands);
+    else if (strcmp(word[0], "--man") == 0) cli_print_manual(cli_commands);
+    else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion(cli_commands);
     else if (find_command(word[0]) != NULL) print_help(find_command(word[0]));
     else return refuse_command(run, word[0]);
     return cli_end_of_output(run);
@@ -89,7 +84,11 @@ static int print_version(cli_run *run)
 static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
-    int status = cli_parse(run, count, word);
+    int status;
+
+    run->own = calloc(1, run->command->own + 1);
+    if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to begin with"));
+    status = cli_parse(run, count, word);
 
     if (status == CLI_DONE && run->general->help) {
         print_help(run->command);
@@ -109,6 +108,7 @@ static int run_command(cli_run *run, int count, char **word)
     }
     status = cli_end_of_run(run, status);
     cli_release(run);
+    free(run->own);
     bvx_context_destroy(run->context);
     return status;
 }
@@ -154,6 +154,7 @@ int main(int count, char **word)
 
     run.options = &options;
     run.general = &options.general;
+    run.commands = cli_commands;
     run.plan_stage = cli_plan_stage;
     hold_standard_streams();
     cli_watch_start();

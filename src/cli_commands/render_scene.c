@@ -24,7 +24,8 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
 
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 {
-    int32_t const resolution = run->options->voxels != 0 ? run->options->voxels : COMPARED_RESOLUTION;
+    const cli_render_options *const own = run->own;
+    int32_t const resolution = own->voxels != 0 ? own->voxels : COMPARED_RESOLUTION;
     bvx_lattice lattice;
     int status = CLI_DONE;
 
@@ -44,17 +45,18 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
 
 int cli_open_scene(cli_run *run, int first, cli_scene *s)
 {
+    const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
-    int const count = o->difference ? 2 : 1;
+    int const count = own->difference ? 2 : 1;
     int status = CLI_DONE;
 
     memset(s, 0, sizeof *s);
-    s->compared = o->difference;
+    s->compared = own->difference;
     for (int i = 0; i < count && status == CLI_DONE; i++)
         status = cli_read_input(run, o->input[first + i], &s->input[i]);
-    if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (o->voxels != 0 || o->difference))
+    if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (own->voxels != 0 || own->difference))
         status = voxelize_scene(run, s, count);
-    if (status != CLI_DONE || !o->difference) return status;
+    if (status != CLI_DONE || !own->difference) return status;
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
     cli_stage_end(run);
@@ -68,36 +70,38 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 
 /* ---- drawing ---- */
 
-void cli_scene_view(const cli_options *o, double direction[3], double up[3])
+void cli_scene_view(const cli_run *run, double direction[3], double up[3])
 {
+    const cli_render_options *const own = run->own;
     bvx_render_options usual;
     bvx_render_options_init(&usual, sizeof usual);
-    memcpy(direction, o->from.given ? o->from.value : usual.direction, sizeof usual.direction);
-    memcpy(up, o->up.given ? o->up.value : usual.up, sizeof usual.up);
+    memcpy(direction, own->from.given ? own->from.value : usual.direction, sizeof usual.direction);
+    memcpy(up, own->up.given ? own->up.value : usual.up, sizeof usual.up);
 }
 
 /* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it
  * turns); the higher side where the plane looks at neither. */
-static void take_cut(const cli_options *o, bvx_render_options *r)
+static void take_cut(const cli_run *run, bvx_render_options *r)
 {
+    const cli_planes *const cut = &run->options->cut;
     double direction[3], up[3];
-    cli_scene_view(o, direction, up);
+    cli_scene_view(run, direction, up);
     for (int a = 0; a < 3; a++) {
-        if (!o->cut.given[a]) continue;
-        if (direction[a] < 0.0) r->cut_low[a] = o->cut.value[a];
-        else r->cut_high[a] = o->cut.value[a];
+        if (!cut->given[a]) continue;
+        if (direction[a] < 0.0) r->cut_low[a] = cut->value[a];
+        else r->cut_high[a] = cut->value[a];
     }
 }
 
 /* The box that is seen, and the middle that the picture turns about: of a
  * mesh that of its bounds, of a grid that of its window. */
-static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3], double high[3],
+static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], double high[3],
                          double middle[3])
 {
     bvx_render_options r;
 
     bvx_render_options_init(&r, sizeof r);
-    take_cut(o, &r);
+    take_cut(run, &r);
     if (s->input[0].kind == CLI_MESH) {
         cli_box box;
         cli_mesh_box(&s->input[0].mesh, &box);
@@ -118,20 +122,20 @@ static void box_of_scene(const cli_options *o, const cli_scene *s, double low[3]
 
 void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
 {
-    const cli_options *const o = run->options;
+    const cli_render_options *const own = run->own;
     double low[3], high[3], middle[3], direction[3], up[3], turned[3];
-    box_of_scene(o, s, low, high, middle);
-    cli_scene_view(o, direction, up);
+    box_of_scene(run, s, low, high, middle);
+    cli_scene_view(run, direction, up);
     show[0] = show[1] = 0.0;
-    for (int32_t i = 0; i < o->turntable; i++)
-        if (cli_turn(direction, up, i, o->turntable, turned))
+    for (int32_t i = 0; i < own->turntable; i++)
+        if (cli_turn(direction, up, i, own->turntable, turned))
             cli_turn_room(low, high, middle, turned, up, show);
 }
 
 int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, const double direction[3],
                    const double show[2], bvx_image *image)
 {
-    const cli_options *const o = run->options;
+    const cli_render_options *const own = run->own;
     bvx_render_options r;
     bvx_mesh_view view;
     bvx_status status;
@@ -140,18 +144,18 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     bvx_render_options_init(&r, sizeof r);
     r.width = width;
     r.height = height;
-    r.smooth = o->smooth;
-    r.wireframe = o->wireframe;
-    cli_scene_view(o, unused, r.up);
+    r.smooth = own->smooth;
+    r.wireframe = own->wireframe;
+    cli_scene_view(run, unused, r.up);
     memcpy(r.direction, direction, sizeof r.direction);
     memcpy(r.show, show, sizeof r.show);
-    take_cut(o, &r);
+    take_cut(run, &r);
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {
-        status = o->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, o->slices.axis,
-                                                          o->slices.count, &r, image)
-                                      : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
+        status = own->slices.count != 0 ? bvx_render_slices(run->context, &s->input[0].grid, own->slices.axis,
+                                                            own->slices.count, &r, image)
+                                        : bvx_render_grid(run->context, &s->input[0].grid, &r, image);
     } else {
         bvx_mesh_view_of(&s->input[0].mesh, &view);
         status = bvx_render_mesh(run->context, &view, &r, image);

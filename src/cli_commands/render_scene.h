@@ -4,6 +4,19 @@
 
 #include "cli_commands/commands.h"
 
+/* What the command takes for itself; zero stands for "not given". */
+typedef struct cli_render_options {
+    cli_list size;
+    cli_triple from;
+    cli_triple up;
+    int32_t voxels; /* along the longest axis; 0: draw the mesh */
+    int32_t smooth;
+    int32_t wireframe;
+    cli_sheet slices;
+    int32_t difference; /* --compare */
+    int32_t turntable;  /* pictures; 0: one */
+} cli_render_options;
+
 typedef struct cli_scene {
     cli_input input[2]; /* one, or the two that are compared */
     int compared;
@@ -21,6 +34,6 @@ void cli_turntable_room(cli_run *run, const cli_scene *scene, double show[2]);
 void cli_free_scene(cli_run *run, cli_scene *scene);
 
 /* From the model to the eye, and upwards, as the options say. */
-void cli_scene_view(const cli_options *options, double direction[3], double up[3]);
+void cli_scene_view(const cli_run *run, double direction[3], double up[3]);
 
 #endif

@@ -13,10 +13,7 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
-    v->check_edges = o->check_edges;
-    if (cli_given(run, "--check-thin")) v->check_thin = o->check_thin;
-    if (o->up_axis != 0) v->axis = o->up_axis - 1;
-    if (cli_given(run, "--base")) v->base = o->base;
+    v->check_edges = cli_given(run, "--check-edges");
 }
 
 /* Rows of centres that a rule looks along. */
@@ -213,9 +210,10 @@ static double voxel_volume(const bvx_lattice *l)
     return l->spacing[0] * l->spacing[1] * l->spacing[2];
 }
 
-static void tell_lines(cli_text *t, const cli_options *o, const bvx_lattice *lattice,
-                       const bvx_solid_report *r)
+static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
+    const cli_options *const o = run->options;
+    int const second = cli_given(run, "--second");
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
@@ -225,8 +223,8 @@ static void tell_lines(cli_text *t, const cli_options *o, const bvx_lattice *lat
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
     if (o->fill == BVX_FILL_BELOW) {
         cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
-                     o->second != NULL ? " where both terrains are" : " under the surface");
-        if (o->second != NULL)
+                     second ? " where both terrains are" : " under the surface");
+        if (second)
             cli_text_add(t,
                          "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
                          " voxels, volume %.9g\n",
@@ -237,14 +235,14 @@ static void tell_lines(cli_text *t, const cli_options *o, const bvx_lattice *lat
         cli_text_add(
             t, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
             r->thin_voxels);
-    if (o->check_edges)
+    if (cli_given(run, "--check-edges"))
         cli_text_add(t, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
                      r->boundary_edges, r->flipped_edges);
 }
 
-void cli_report_solid(cli_text *t, const cli_options *o, const bvx_lattice *lattice,
-                      const bvx_solid_report *r)
+void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
+    const cli_options *const o = run->options;
     double const voxel = voxel_volume(lattice);
 
     cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill],
@@ -267,13 +265,13 @@ void cli_report_solid(cli_text *t, const cli_options *o, const bvx_lattice *latt
         cli_json_count(t, "mixed_voxels", r->mixed_voxels);
     }
     if (o->fill == BVX_FILL_BELOW) cli_json_count(t, "columns", r->columns);
-    if (o->second != NULL) {
+    if (cli_given(run, "--second")) {
         cli_json_count(t, "cut_voxels", r->cut_voxels);
         cli_json_count(t, "fill_voxels", r->fill_voxels);
         cli_json_value(t, "cut_volume", (double)r->cut_voxels * voxel);
         cli_json_value(t, "fill_volume", (double)r->fill_voxels * voxel);
     }
-    if (o->check_edges) {
+    if (cli_given(run, "--check-edges")) {
         cli_json_count(t, "boundary_edges", r->boundary_edges);
         cli_json_count(t, "flipped_edges", r->flipped_edges);
     }
@@ -283,10 +281,8 @@ void cli_report_solid(cli_text *t, const cli_options *o, const bvx_lattice *latt
 
 void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *r, cli_made *made)
 {
-    const cli_options *const o = run->options;
-
-    tell_lines(&made->text, o, &grid->lattice, r);
-    cli_report_solid(&made->members, o, &grid->lattice, r);
+    tell_lines(run, &made->text, &grid->lattice, r);
+    cli_report_solid(run, &made->members, &grid->lattice, r);
     cli_tell_faults(&made->warnings, "; --add-shell sets the surface's voxels too", allowed_off(run), grid,
                     r);
 }

@@ -43,12 +43,13 @@ static int32_t format_of_inputs(const cli_run *run, int first)
 /* What the command writes where nothing is said. */
 static int32_t usual_format(const cli_run *run)
 {
+    const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
 
     switch (run->command->bit) {
     case CLI_RENDER: return BVX_FORMAT_PNG;
     case CLI_SLICE: return BVX_FORMAT_CSV;
-    case CLI_VOXELIZE: return o->mode == CLI_MODE_FIELD ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
+    case CLI_VOXELIZE: return own->mode == CLI_MODE_FIELD ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
     case CLI_MORPH:
         return o->inputs > 0 && strcmp(o->input[0], "distance") == 0 ? BVX_FORMAT_NRRD : BVX_FORMAT_BVX;
     case CLI_FILL:

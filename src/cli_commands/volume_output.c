@@ -356,8 +356,9 @@ static int keep_meshes(cli_run *run, void *work)
 
 int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *j, cli_made *made)
 {
+    const cli_voxelize_options *const own = run->own;
     const char *const output = run->options->output;
-    int const all = run->options->all_labels, kind = cli_kind_of_format(bvx_format_of_name(output));
+    int const all = own->all_labels, kind = cli_kind_of_format(bvx_format_of_name(output));
     int status = check_volume_output(run);
 
     if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);

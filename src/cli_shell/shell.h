@@ -19,7 +19,7 @@ enum {
     CLI_MAX_OUTPUTS = 512,
     CLI_MAX_STAGES = 6 * CLI_MAX_LEVELS,
     CLI_MAX_WARNINGS = 32,
-    CLI_MAX_OPTIONS = 256
+    CLI_MAX_OPTIONS = 128
 };
 
 typedef struct cli_run cli_run;
@@ -186,7 +186,8 @@ typedef struct cli_progress_state {
     int calls, call;     /* of the library in it: how many, and which one runs */
     int moved;           /* it has reported something */
     int row, time;       /* of the plan; row -1: before the first */
-    int made, measured;  /* levels, for the plan: made one after the other, measured likewise */
+    int made, measured;  /* levels or pictures, for the plan: made one after the other, measured likewise */
+    double writing;      /* for the plan: how much longer than usual the file takes; 0: as usual */
     double start, ended; /* of the stage, seconds; ended 0: it still runs */
     double reached;      /* of the run */
     double told;         /* when the last line or bar was shown */
@@ -236,13 +237,17 @@ void cli_blocks_offer(bvx_context_options *options);
 /* ---- the run ---- */
 
 struct cli_run {
-    const char *name;                     /* of the command; NULL: none */
-    const cli_command *command;           /* not looked at in this room */
-    void *job;                            /* the command's own */
-    cli_options *options;                 /* likewise */
-    const cli_general *general;           /* a part of the options */
-    const char *about;                    /* the input that messages name, one of several; NULL: no need */
-    unsigned char given[CLI_MAX_OPTIONS]; /* by row of the table of options */
+    const char *name;                   /* of the command; NULL: none */
+    const cli_command *command;         /* not looked at in this room */
+    void *job;                          /* the command's own */
+    cli_options *options;               /* likewise */
+    void *own;                          /* the options of the command alone */
+    const cli_command *const *commands; /* all of them, NULL after the last */
+    const cli_general *general;         /* a part of the options */
+    const char *about;                  /* the input that messages name, one of several; NULL: no need */
+    const struct cli_argument *row[CLI_MAX_OPTIONS]; /* of the command's options */
+    int rows;
+    unsigned char given[CLI_MAX_OPTIONS]; /* by row */
     /* The share of the run that the stage which begins now has; 0 when it
      * is not in the command's plan. NULL: no plan. */
     int (*plan_stage)(struct cli_run *run, const char *name, double *low, double *high);

@@ -207,11 +207,16 @@ def library():
             wrong("tests/unit/call_table.h", f"no call takes bvx_{kind}_options")
 
 
+def program_sources():
+    """All of the program but its main."""
+    return [str(path) for path in sorted(Path("src").glob("cli_*/*.c")) if path.name != "main.c"]
+
+
 def built():
     library()
     program = WORK / "option_contract"
     command = [*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O1", "-Iinclude", "-Isrc", "-Itests/unit", f"-I{WORK}", "-DOPTION_CONTRACT", "-w",
-               "tests/tools/option_contract.c", "src/cli_args/option_table.c", ARCHIVE, "-lm", "-pthread", "-o", str(program)]
+               "tests/tools/option_contract.c", *program_sources(), ARCHIVE, "-lm", "-pthread", "-o", str(program)]
     subprocess.run(command, check=True)
     return subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
 
@@ -248,34 +253,26 @@ exec(Path("tests/tools/option_exceptions.py").read_text())
 
 
 def program(rows):
-    commands, seen = {}, set()
-    for row in rows:
-        if row.startswith("command\t"):
-            _, name, bit = row.split("\t")
-            commands[int(bit)] = name
+    seen = set()
     for row in rows:
         if not row.startswith("row\t"):
             continue
-        _, name, bit_text, kind, low, high, least, names, base, help = row.split("\t")
+        _, name, command, kind, low, high, least, names, base, help = row.split("\t")
         help = help.replace("\\n", " ")
-        for bit, command in commands.items():
-            if not int(bit_text) & bit:
-                continue
-            where = f"src/cli_args/option_table.c: {name} of {command}"
-            field = SYNONYMS.get((command, name), name.strip("-").replace("-", "_"))
-            targets = [STRUCTS[s][field] for s in FILLED[command] if field in STRUCTS[s]]
-            if not targets or (command, name) in OWN or ("*", name) in OWN:
-                if not targets and (command, name) not in OWN and ("*", name) not in OWN:
-                    wrong(where, "fills no field of FILLED, SYNONYMS or OWN in tests/tools/check_options.py")
-                seen.add((command, name))
-                seen.add(("*", name))
-                continue
-            f = targets[0]
-            compare_row(where, f, kind, float(low), float(high), int(least), names.split(",") if names else [], int(base), help)
+        where = f"src/cli_commands/cmd_{command}.c: {name} of {command}"
+        field = SYNONYMS.get((command, name), name.strip("-").replace("-", "_"))
+        targets = [STRUCTS[s][field] for s in FILLED[command] if field in STRUCTS[s]]
+        if not targets or (command, name) in OWN or ("*", name) in OWN:
+            if not targets and (command, name) not in OWN and ("*", name) not in OWN:
+                wrong(where, "fills no field of FILLED, SYNONYMS or OWN in tests/tools/check_options.py")
+            seen.add((command, name))
+            seen.add(("*", name))
+            continue
+        compare_row(where, targets[0], kind, float(low), float(high), int(least), names.split(",") if names else [], int(base), help)
     names_exist({row.split("\t")[1] for row in rows if row.startswith("row\t")})
     for one in OWN:
         if one not in seen:
-            wrong("tests/tools/option_exceptions.py", f"{one} is not in the table of options")
+            wrong("tests/tools/option_exceptions.py", f"{one} is no option of a command")
 
 
 def names_exist(known):

@@ -18,7 +18,7 @@
     } while (0)
 #include "call_table.h"
 
-#include "cli_args/args.h"
+#include "cli_commands/commands.h"
 
 enum { WHOLE, WIDE, REAL, BYTE, BLOCK };
 
@@ -123,32 +123,31 @@ static void taken(const char *kind, const char *field, bvx_status (*make)(const 
 
 #include "option_rows.h"
 
-static void print_table(void)
+static void print_row(const cli_command *c, const cli_argument *a)
 {
     static const char *const kinds[] = {"FLAG", "INT",    "LONG",   "REAL", "TRIPLE", "PAIR",
                                         "LIST", "BYTES",  "CHOICE", "SIZE", "CUT",    "SLICES",
                                         "FILE", "NUMBER", "ERRORS", "SET",  "TEXT"};
-    static const struct {
-        const char *name;
-        int32_t bit;
-    } commands[] = {{"info", CLI_INFO},         {"voxelize", CLI_VOXELIZE}, {"lod", CLI_LOD},
-                    {"render", CLI_RENDER},     {"convert", CLI_CONVERT},   {"compare", CLI_COMPARE},
-                    {"faces", CLI_FACES},       {"refine", CLI_REFINE},     {"fill", CLI_FILL},
-                    {"sections", CLI_SECTIONS}, {"slice", CLI_SLICE},       {"repair", CLI_REPAIR},
-                    {"boolean", CLI_BOOLEAN},   {"morph", CLI_MORPH},       {"components", CLI_COMPONENTS},
-                    {"simplify", CLI_SIMPLIFY}};
-    const cli_argument *a;
 
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
-        printf("command\t%s\t%d\n", commands[i].name, (int)commands[i].bit);
-    for (int i = 0; (a = cli_argument_at(i)) != NULL; i++) {
-        printf("row\t%s\t%d\t%s\t%.17g\t%.17g\t%d\t", a->name, (int)a->commands, kinds[a->kind], a->low,
-               a->high, a->least);
-        for (int k = 0; a->choice != NULL && a->choice[k] != NULL; k++)
-            printf("%s%s", k == 0 ? "" : ",", a->choice[k]);
-        printf("\t%d\t", a->base);
-        for (const char *p = a->help; *p != 0; p++) fputs(*p == '\n' ? "\\n" : (char[2]){*p, 0}, stdout);
-        printf("\n");
+    printf("row\t%s\t%s\t%s\t%.17g\t%.17g\t%d\t", a->name, c->name, kinds[a->kind], a->low, a->high,
+           a->least);
+    for (int k = 0; a->choice != NULL && a->choice[k] != NULL; k++)
+        printf("%s%s", k == 0 ? "" : ",", a->choice[k]);
+    printf("\t%d\t", a->base);
+    for (const char *p = a->help; *p != 0; p++) fputs(*p == '\n' ? "\\n" : (char[2]){*p, 0}, stdout);
+    printf("\n");
+}
+
+static void print_table(void)
+{
+    const cli_command *c;
+
+    for (int i = 0; (c = cli_commands[i]) != NULL; i++) {
+        const cli_argument *row[CLI_MAX_OPTIONS];
+        int const rows = cli_list_rows(c, row);
+
+        if (rows == CLI_MAX_OPTIONS) printf("wrong\t%s: more rows than CLI_MAX_OPTIONS\n", c->name);
+        for (int k = 0; k < rows; k++) print_row(c, row[k]);
     }
 }
 
