@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_options.py WORK ARCHIVE - what is said of options in five places agrees.
+"""check_options.py WORK ARCHIVE, or check_options.py PROGRAM, whose archive stands beside it - what is said of options in five places agrees.
 
 The comments of include/bitvox.h are read: each field of an option struct has its [Default: ] and, where it is a number, its [Limit: ],
 or names the list it chooses from (BVX_CAPS_...). Then:
@@ -19,9 +19,14 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-WORK, ARCHIVE = Path(sys.argv[1]), sys.argv[2]
+if len(sys.argv) == 2:
+    FOLDER = tempfile.TemporaryDirectory()
+    WORK, ARCHIVE = Path(FOLDER.name), str(Path(sys.argv[1]).with_name("libbitvox.a"))
+else:
+    WORK, ARCHIVE = Path(sys.argv[1]), sys.argv[2]
 HEADER = Path("include/bitvox.h").read_text()
 problems = []
 
