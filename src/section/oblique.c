@@ -29,7 +29,13 @@ static void close_oblique(bvxi_oblique *o)
     bvxi_drop(o->ctx, o->touch);
     bvxi_drop(o->ctx, o->cell);
     bvxi_drop(o->ctx, o->active);
-    bvxi_drop(o->ctx, o->cell_at);
+    bvxi_drop(o->ctx, o->mark);
+    bvxi_drop(o->ctx, o->crossed);
+    bvxi_drop(o->ctx, o->vertex_at);
+    bvxi_drop(o->ctx, o->touch_first);
+    bvxi_drop(o->ctx, o->split_first);
+    bvxi_drop(o->ctx, o->split);
+    bvxi_drop(o->ctx, o->inside);
     bvxi_edge_free(o, &o->lattice_vertex);
     bvxi_drop(o->ctx, o->value);
     bvxi_drop(o->ctx, o->known);

@@ -9,7 +9,8 @@
 
 #include "section/section.h"
 
-#define BVXI_OBLIQUE_NEAR 1e-6 /* cells: what lies nearer to a plane or an edge lies on it */
+#define BVXI_OBLIQUE_NEAR   1e-6 /* cells: what lies nearer to a plane or an edge lies on it */
+#define BVXI_CROSSING_LEAST 0.02 /* of an edge: no crossing is nearer to its ends */
 
 enum { BVXI_OBLIQUE_PLANES = 1024, BVXI_BLOCK_SIDE = 4, BVXI_BLOCK_SIZE = 64, BVXI_SIGN_UNKNOWN = 2 };
 
@@ -47,7 +48,8 @@ typedef struct bvxi_tetra {
 
 typedef struct bvxi_tetra_vertex {
     double at[3];
-    uint32_t parent[2]; /* the edge that it split; BVXI_NONE: one of the lattice's */
+    uint32_t parent[2]; /* the edge that it split; first BVXI_NONE: one of the lattice's, second its place
+                           among the values of known blocks, or BVXI_NONE */
     uint32_t tetra;     /* one that it is a corner of */
     float value;
     int8_t sign; /* 1 inside, -1 outside, 0 on a contour */
@@ -60,6 +62,13 @@ typedef struct bvxi_smooth {
     double scale; /* nodes a cell */
     double *node;
 } bvxi_smooth;
+
+/* Edges of a block's vertices along the seven ways of axes: a bit each where the surface of plain cells crosses
+ * it, and the number of the first one's vertex. */
+typedef struct bvxi_oblique_crossed {
+    uint64_t edges[7];
+    uint32_t first[7];
+} bvxi_oblique_crossed;
 
 /* Edges by their ends. near: those with one first end lie beside one another, for ends that come in order. */
 typedef struct bvxi_edge_map {
@@ -103,24 +112,28 @@ typedef struct bvxi_oblique {
     uint64_t known_room;
     float *value; /* [known * 64] */
     uint64_t value_room;
-    bvxi_edge_map lattice_vertex; /* block, number in it: among those of the tetrahedra */
-    uint32_t *cell_at;            /* [known * 64] cells that are split, or BVXI_NONE */
-    uint64_t *active;             /* [known] a bit a cell: others whose corners differ */
-    uint64_t cell_at_room;
+    uint64_t *inside;             /* [known] a bit a vertex */
+    uint32_t *vertex_at;          /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
+    bvxi_edge_map lattice_vertex; /* the same of other blocks: block, number in it */
+    uint64_t *split, *active; /* [known] a bit a cell: those that are split; others whose corners differ */
+    uint32_t *split_first;    /* [known + 1] split cells of the blocks before */
+    uint32_t *touch_first;    /* [known + 1] and how often planes touch them */
+    bvxi_oblique_crossed *crossed; /* [known] */
 
     /* split cells: each has a chain of tetrahedra, and which planes touch it */
     uint32_t (*cell)[2]; /* block, number in it; its first tetrahedron is 6 times its number */
-    uint64_t cell_count, cell_room;
+    uint64_t cell_count;
     uint32_t (*touch)[2]; /* cell, plane */
-    uint64_t touch_count, touch_room;
+    uint64_t touch_count;
     uint32_t *plane_touch; /* [plane + 1] where its cells begin in touch_cell */
     uint32_t *touch_cell;
 
     bvxi_tetra *tetra;
-    uint32_t *chain;                     /* the next of the same cell */
-    uint32_t *twin;                      /* scratch of splitting */
-    uint32_t *stamp;                     /* scratch of walking */
-    uint64_t tetra_count, tetra_room[4]; /* of these four arrays */
+    uint32_t *chain;                                /* the next of the same cell */
+    uint32_t *twin;                                 /* scratch of splitting */
+    uint32_t *stamp;                                /* scratch of walking */
+    uint8_t *mark;                                  /* scratch: what was seen of each at once */
+    uint64_t tetra_count, tetra_room[4], mark_room; /* four: of the first arrays */
     uint32_t stamps;
 
     bvxi_tetra_vertex *vertex;
@@ -139,7 +152,8 @@ typedef struct bvxi_oblique {
     double *position;
     uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
     uint32_t *triangle;
-    uint32_t *output; /* [tetra vertex] of those on contours */
+    uint32_t *output;                          /* [tetra vertex] of those on contours */
+    uint64_t plain_positions, plain_triangles; /* of plain cells, which come first */
     uint64_t position_count, position_room, kept_room, triangle_count, triangle_room, output_room;
 } bvxi_oblique;
 
@@ -183,9 +197,10 @@ double bvxi_oblique_distance(const bvxi_oblique *o, uint32_t plane, const double
 bvx_status bvxi_oblique_rest(bvxi_oblique *o);
 /* The number at a place: the smooth one, and what it leaves of near planes' distances. */
 double bvxi_oblique_number(const bvxi_oblique *o, const double at[3]);
-/* Where the lattice's vertex is: on a plane that is very near. 0: on none. */
-int bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3]);
-/* The same, when all planes near it are among these. */
+/* The same, when all planes that have a say there are among these; NULL: all. */
+double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
+                                 uint32_t count);
+/* Where the lattice's vertex is: on a plane that is very near, all of which are among these. */
 void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
                               uint32_t count, double at[3]);
 /* The sign of a point of a plane far from its contours; exact next to them. */
@@ -213,10 +228,23 @@ static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c
            (uint64_t)(c[0] >> 2);
 }
 
+/* The planes in a block or near its vertices and those behind it; plane: [BVXI_OBLIQUE_PLANES]. */
+uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane);
+
+/* oblique_plain.c: the surface in cells that are not split comes first, with room for more triangles. */
+bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more);
+/* The vertex on a lattice's edge, from a vertex of a known block along a way, or BVXI_NONE. */
+uint32_t bvxi_oblique_plain_vertex(const bvxi_oblique *o, uint32_t known, int bit, int way);
+/* Signs of known blocks' vertices become bits; cells of a block whose corners differ. */
+bvx_status bvxi_oblique_take_signs(bvxi_oblique *o);
+uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known);
+/* Edges that the surface crosses in a tetrahedron, by bits of its corners inside; their number. */
+int bvxi_oblique_case(int inside, uint8_t edge[4][2]);
+void bvxi_oblique_cross_edge(const double in[3], double rise, const double out[3], double fall, double at[3]);
+
 /* oblique_cells.c: cells that planes and the surface share become tetrahedra, split by the planes. */
 bvx_status bvxi_oblique_cells(bvxi_oblique *o);
 bvx_status bvxi_oblique_split_planes(bvxi_oblique *o);
-bvx_status bvxi_oblique_lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], uint32_t *number);
 /* The number of a cell among those that are split, or BVXI_NONE. */
 uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
 extern const uint8_t bvxi_kuhn[6][4];
@@ -227,6 +255,10 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
+/* fans.c: how many of the vertices that are asked for have triangles that are not one closed fan. */
+bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
+                           const uint8_t *asked, uint64_t *broken);
+
 /* oblique_surface.c */
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 
@@ -234,6 +266,9 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 
 bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
                              const char *what);
+/* Room for so many in all. */
+bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                                const char *what);
 bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number);
 bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
                           uint32_t *number);
@@ -250,8 +285,31 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
 /* A tetrahedron with the edge, or BVXI_NONE; fills the star of a. */
 bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t *tetra);
 
+/* ---- oblique_look.c: by several threads at once ---- */
+
+enum { BVXI_LOOK_TETRA = 512, BVXI_LOOK_VERTICES = 512, BVXI_LOOK_SEEN = 2048 };
+
+/* The tetrahedra round a vertex, and the vertices of those; tables of numbers beside. */
+typedef struct bvxi_look {
+    uint32_t tetra[BVXI_LOOK_TETRA], count, vertices;
+    uint32_t joined[BVXI_LOOK_VERTICES];
+    int8_t sign[BVXI_LOOK_VERTICES];
+    uint32_t seen[BVXI_LOOK_SEEN], key[BVXI_LOOK_SEEN], place[BVXI_LOOK_SEEN];
+} bvxi_look;
+
+/* 0: there are too many. */
+int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
+/* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is inside,
+ * *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
+int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
+int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
+int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
+/* How often the sign changes round an edge; 0: there are too many tetrahedra. */
+int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t b, uint32_t *changes);
+
 /* edges: the value of a key, BVXI_NONE at first; add makes room. */
 bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
+bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *map, uint64_t count);
 uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
 void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *map);
 

@@ -9,155 +9,233 @@
  * is lost there. */
 #include "section/oblique.h"
 
+#include "bits/bits.h"
+
 /* Corners as bits x, y, z; positive. Entries 6 on: the axes in order of each way. */
 const uint8_t bvxi_kuhn[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
                                  {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
 
-enum { CELL_NODES = 125 };
+enum {
+    CELL_NODES = 125, /* vertices of a block and those behind it */
+    CELL_GRAIN = 64,
+    SPLIT_ROOM = 4 /* what planes and contours make of a tetrahedron, in the mean */
+};
 
-/* A block of cells as it is looked at: its vertices and those behind it. */
-typedef struct oblique_cell_work {
-    double (*height)[CELL_NODES]; /* of each plane that is in the block */
-    uint32_t *plane;
-    uint32_t planes;
-    uint8_t inside[CELL_NODES];
-} oblique_cell_work;
+#define ALL_CELLS UINT64_MAX
 
-static int node_of(int c, int corner)
+/* A block of cells as it is looked at: the planes in it, and which cells each touches. */
+typedef struct oblique_block {
+    int32_t first[3];
+    uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
+    uint64_t touched[BVXI_OBLIQUE_PLANES];
+} oblique_block;
+
+typedef struct cells_job {
+    bvxi_oblique *o;
+    oblique_block *block; /* [threads] */
+    int32_t pieces;
+} cells_job;
+
+/* Cells that have corners on both sides of a plane, or on it, from bits of the block's nodes. */
+static uint64_t cells_of_nodes(const uint8_t node[CELL_NODES])
 {
-    return (c & 3) + (corner & 1) + 5 * ((c >> 2 & 3) + (corner >> 1 & 1)) + 25 * ((c >> 4) + (corner >> 2));
+    uint64_t cells = 0;
+
+    for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
+        const uint8_t *const n = node + (c & 3) + 5 * (c >> 2 & 3) + 25 * (c >> 4);
+        int const sides = n[0] | n[1] | n[5] | n[6] | n[25] | n[26] | n[30] | n[31];
+        cells |= (uint64_t)(sides == 3) << c;
+    }
+    return cells;
 }
 
-static void look_at_block(const bvxi_oblique *o, const int32_t first[3], oblique_cell_work *w)
+/* The lattice's last vertices begin no cell. */
+static uint64_t whole_cells(const bvxi_oblique *o, const int32_t first[3])
 {
-    double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
+    static const uint64_t last[3] = {UINT64_C(0x8888888888888888), UINT64_C(0xf000f000f000f000),
+                                     UINT64_C(0xffff000000000000)};
+    uint64_t cells = ALL_CELLS;
 
-    w->planes = 0;
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_oblique_plane *const p = &o->plane[i];
-        double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
-                                    bvxi_absolute(p->normal[2]));
-        if (bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach + 0.5) w->plane[w->planes++] = i;
-    }
+    for (int k = 0; k < 3; k++)
+        if (first[k] + BVXI_BLOCK_SIDE >= o->side[k]) cells &= ~last[k];
+    return cells;
+}
+
+static void look_at_block(const bvxi_oblique *o, uint32_t known, oblique_block *b)
+{
+    double place[CELL_NODES][3];
+
+    bvxi_oblique_block_place(o, o->known[known], b->first);
+    b->planes = bvxi_oblique_near_planes(o, b->first, b->plane);
+    if (b->planes == 0) return;
     for (int n = 0; n < CELL_NODES; n++) {
-        int32_t const at[3] = {first[0] + n % 5, first[1] + n / 5 % 5, first[2] + n / 25};
-        double place[3];
-        if (at[0] >= o->side[0] || at[1] >= o->side[1] || at[2] >= o->side[2]) {
-            w->inside[n] = 0;
-            for (uint32_t i = 0; i < w->planes; i++) w->height[i][n] = 1.0;
-            continue;
+        int32_t const at[3] = {b->first[0] + n % 5, b->first[1] + n / 5 % 5, b->first[2] + n / 25};
+        bvxi_oblique_place_among(o, at, b->plane, b->planes, place[n]);
+    }
+    for (uint32_t i = 0; i < b->planes; i++) {
+        const bvxi_oblique_plane *const p = &o->plane[b->plane[i]];
+        uint8_t node[CELL_NODES];
+        for (int n = 0; n < CELL_NODES; n++) {
+            double const h = bvxi_oblique_height(p, place[n]);
+            node[n] = (uint8_t)((h >= -BVXI_OBLIQUE_NEAR) | (h <= BVXI_OBLIQUE_NEAR) << 1);
         }
-        w->inside[n] = (uint8_t)bvxi_oblique_inside(o, at);
-        if (w->planes == 0) continue;
-        bvxi_oblique_place_among(o, at, w->plane, w->planes, place);
-        for (uint32_t i = 0; i < w->planes; i++)
-            w->height[i][n] = bvxi_oblique_height(&o->plane[w->plane[i]], place);
+        b->touched[i] = cells_of_nodes(node) & whole_cells(o, b->first);
     }
 }
 
-static int touches(const oblique_cell_work *w, uint32_t plane, int cell)
+/* Cells of the block in which a plane says another thing than their corners, which agree. */
+static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b, uint64_t inside,
+                                   uint64_t cells)
 {
-    int above = 0, below = 0;
+    uint64_t found = 0;
 
-    for (int c = 0; c < 8; c++) {
-        double const h = w->height[plane][node_of(cell, c)];
-        above |= h >= -BVXI_OBLIQUE_NEAR;
-        below |= h <= BVXI_OBLIQUE_NEAR;
-    }
-    return above && below;
+    for (uint32_t i = 0; i < b->planes; i++)
+        for (uint64_t left = b->touched[i] & cells & ~found; left != 0; left &= left - 1) {
+            int const c = bvxi_lowest(left);
+            int32_t const at[3] = {b->first[0] + (c & 3), b->first[1] + (c >> 2 & 3), b->first[2] + (c >> 4)};
+            double place[3];
+            if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
+                (bvxi_oblique_side(o, b->plane[i], place) > 0) != (int)(inside >> c & 1))
+                found |= UINT64_C(1) << c;
+        }
+    return found;
 }
 
-/* Put a cell among those that are split, with the planes in it, where there is a reason. */
-static bvx_status judge_cell(bvxi_oblique *o, const oblique_cell_work *w, uint32_t known, int cell,
-                             const int32_t at[3])
+/* Which cells of known blocks are split, and how many planes touch those. */
+static void judge_piece(void *user, int32_t index, int32_t worker)
 {
-    uint64_t const first = o->touch_count;
-    uint32_t const block = o->known[known];
-    int const sign = w->inside[node_of(cell, 0)];
-    int mixed = 0, wanted;
+    const cells_job *const job = user;
+    bvxi_oblique *const o = job->o;
+    oblique_block *const b = &job->block[worker];
+    uint64_t begin, end;
 
-    for (int c = 1; c < 8; c++) mixed |= w->inside[node_of(cell, c)] != sign;
-    wanted = mixed || (o->contour_cells[block] >> cell & 1);
-    if (mixed) o->active[known] |= UINT64_C(1) << cell;
-    for (uint32_t i = 0; i < w->planes; i++) {
-        double place[3];
-        if (!touches(w, i, cell)) continue;
-        BVXI_TRY(bvxi_oblique_grow(o, &o->touch, o->touch_count, &o->touch_room, sizeof *o->touch,
-                                   "the cells that planes touch"));
-        o->touch[o->touch_count][0] = (uint32_t)o->cell_count;
-        o->touch[o->touch_count++][1] = w->plane[i];
-        if (!wanted && bvxi_oblique_in_cube(&o->plane[w->plane[i]], at, 1.0, place))
-            wanted = (bvxi_oblique_side(o, w->plane[i], place) > 0) != sign;
+    bvxi_piece(o->known_count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t mixed, wanted, touched = 0;
+        uint32_t touches = 0;
+
+        look_at_block(o, (uint32_t)i, b);
+        mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
+        wanted = mixed | o->contour_cells[o->known[i]];
+        wanted |= contradicted_cells(o, b, o->inside[i], ~wanted);
+        for (uint32_t p = 0; p < b->planes; p++) touched |= b->touched[p];
+        o->split[i] = wanted & touched;
+        o->active[i] = mixed & ~touched;
+        for (uint32_t p = 0; p < b->planes; p++) touches += bvxi_popcount(b->touched[p] & o->split[i]);
+        o->split_first[i] = bvxi_popcount(o->split[i]);
+        o->touch_first[i] = touches;
     }
-    if (!wanted) o->touch_count = first;
-    if (o->touch_count == first) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &o->cell, o->cell_count, &o->cell_room, sizeof *o->cell,
-                               "the cells that are split"));
-    o->cell[o->cell_count][0] = block;
-    o->cell[o->cell_count][1] = (uint32_t)cell;
-    o->cell_at[(uint64_t)known * BVXI_BLOCK_SIZE + (uint64_t)cell] = (uint32_t)o->cell_count++;
-    o->active[known] &= ~(UINT64_C(1) << cell);
+}
+
+/* The split cells with what touches them, in their order. */
+static void list_piece(void *user, int32_t index, int32_t worker)
+{
+    const cells_job *const job = user;
+    bvxi_oblique *const o = job->o;
+    oblique_block *const b = &job->block[worker];
+    uint64_t begin, end;
+
+    bvxi_piece(o->known_count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t cell = o->split_first[i], touch = o->touch_first[i];
+        if (o->split[i] == 0) continue;
+        look_at_block(o, (uint32_t)i, b);
+        for (uint64_t left = o->split[i]; left != 0; left &= left - 1, cell++) {
+            int const c = bvxi_lowest(left);
+            o->cell[cell][0] = o->known[i];
+            o->cell[cell][1] = (uint32_t)c;
+            for (uint32_t p = 0; p < b->planes; p++) {
+                if (!(b->touched[p] >> c & 1)) continue;
+                o->touch[touch][0] = cell;
+                o->touch[touch++][1] = b->plane[p];
+            }
+        }
+    }
+}
+
+/* Counts become sums of those before. */
+static bvx_status number_cells(bvxi_oblique *o)
+{
+    uint64_t cells = 0, touches = 0;
+
+    for (uint32_t i = 0; i <= o->known_count; i++) {
+        uint32_t const own = i == o->known_count ? 0 : o->split_first[i];
+        uint32_t const of = i == o->known_count ? 0 : o->touch_first[i];
+        o->split_first[i] = (uint32_t)cells;
+        o->touch_first[i] = (uint32_t)touches;
+        cells += own;
+        touches += of;
+        /* Six tetrahedra a cell to begin with; numbers have 32 bits. */
+        if (cells > UINT32_MAX / 6 || touches > UINT32_MAX)
+            return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: more than 2^32 of the tetrahedra; take fewer cells", o->function);
+    }
+    o->cell_count = cells;
+    o->touch_count = touches;
     return BVX_OK;
 }
 
-static bvx_status judge_blocks(bvxi_oblique *o, oblique_cell_work *w)
+static bvx_status find_cells(cells_job *job)
 {
-    for (uint32_t i = 0; i < o->known_count; i++) {
-        int32_t first[3];
+    bvxi_oblique *const o = job->o;
+    bvx_context *const ctx = o->ctx;
 
-        bvxi_oblique_block_place(o, o->known[i], first);
-        look_at_block(o, first, w);
-        for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
-            int32_t const at[3] = {first[0] + (c & 3), first[1] + (c >> 2 & 3), first[2] + (c >> 4)};
-            if (at[0] + 1 < o->side[0] && at[1] + 1 < o->side[1] && at[2] + 1 < o->side[2])
-                BVXI_TRY(judge_cell(o, w, i, c, at));
-        }
-    }
-    return BVX_OK;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.1, 0.4, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, judge_piece, job)));
+    BVXI_TRY(number_cells(o));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->cell_count + 1) * sizeof *o->cell, "the cells that are split",
+                        &o->cell));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->touch_count + 1) * sizeof *o->touch,
+                        "the cells that planes touch", &o->touch));
+    return BVXI_SHARE(ctx, 0.4, 0.5, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, list_piece, job));
 }
 
 /* ---- tetrahedra ---- */
 
-bvx_status bvxi_oblique_lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], uint32_t *number)
+/* A vertex of the lattice among those of the tetrahedra; planes: those near its cell's block. */
+static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                                 uint32_t planes, uint32_t *number)
 {
     int bit;
     uint64_t const block = bvxi_oblique_block(o, vertex, &bit);
+    uint64_t slot = BVXI_NONE;
     uint32_t *found;
     bvxi_tetra_vertex *v;
     double at[3];
     float value;
 
-    BVXI_TRY(bvxi_edge_add(o, &o->lattice_vertex, (uint32_t)block + 64, (uint32_t)bit, &found));
+    if (o->block_at[block] >= 0) {
+        slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
+        found = &o->vertex_at[slot];
+    } else BVXI_TRY(bvxi_edge_add(o, &o->lattice_vertex, (uint32_t)block + 64, (uint32_t)bit, &found));
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
-    bvxi_oblique_place(o, vertex, at);
+
+    bvxi_oblique_place_among(o, vertex, plane, planes, at);
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, number));
     *found = *number;
     v = &o->vertex[*number];
     v->lattice = 1;
+    v->parent[1] = (uint32_t)slot;
     v->sign = bvxi_oblique_inside(o, vertex) ? 1 : -1;
-    value = o->block_at[block] >= 0 ? o->value[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit]
-                                    : bvxi_oblique_vertex_value(o, vertex);
+    value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
     v->value = (value > 0.0F) == (v->sign > 0) ? value : -value;
     return BVX_OK;
 }
 
-/* The cell at a place among those that are split. */
-static uint32_t split_cell_at(const bvxi_oblique *o, const int32_t at[3])
+uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3])
 {
     int bit;
     uint64_t block;
+    int32_t known;
 
     for (int k = 0; k < 3; k++)
         if (at[k] < 0 || at[k] >= o->side[k] - 1) return BVXI_NONE;
     block = bvxi_oblique_block(o, at, &bit);
-    if (o->block_at[block] < 0) return BVXI_NONE;
-    return o->cell_at[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit];
-}
-
-uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3])
-{
-    return split_cell_at(o, at);
+    known = o->block_at[block];
+    if (known < 0 || !(o->split[known] >> bit & 1)) return BVXI_NONE;
+    return o->split_first[known] + bvxi_popcount(o->split[known] & ((UINT64_C(1) << bit) - 1));
 }
 
 static int kuhn_of(int b, int c)
@@ -181,8 +259,8 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
         next[x] = at[x] + (near >> x & 1);
         before[x] = at[x] - ((7 ^ far) >> x & 1);
     }
-    up = split_cell_at(o, next);
-    down = split_cell_at(o, before);
+    up = bvxi_oblique_cell_at(o, next);
+    down = bvxi_oblique_cell_at(o, before);
     /* without corner 0: the next cell along the first axis of the way, where that axis comes last */
     n[0] = up == BVXI_NONE ? BVXI_NONE : 6 * up + (uint32_t)kuhn_of(far ^ near, 7 ^ near);
     n[3] = down == BVXI_NONE ? BVXI_NONE : 6 * down + (uint32_t)kuhn_of(7 ^ far, (7 ^ far) | near);
@@ -191,27 +269,50 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
     n[swapped ? 1 : 2] = 6 * cell + (uint32_t)kuhn_of(near, near | (7 ^ far));
 }
 
+static bvx_status make_tetrahedra_of(bvxi_oblique *o, uint64_t cell, const uint32_t *plane, uint32_t planes)
+{
+    int32_t at[3];
+    int const c = (int)o->cell[cell][1];
+    uint32_t corner[8];
+
+    bvxi_oblique_block_place(o, o->cell[cell][0], at);
+    at[0] += c & 3;
+    at[1] += c >> 2 & 3;
+    at[2] += c >> 4;
+    for (int k = 0; k < 8; k++) {
+        int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
+        BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));
+    }
+    for (int k = 0; k < 6; k++) {
+        uint32_t v[4], n[4], number;
+        for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
+        kuhn_neighbours(o, (uint32_t)cell, at, k, n);
+        BVXI_TRY(bvxi_tetra_add(o, v, n, k == 0 ? BVXI_NONE : (uint32_t)(6 * cell), &number));
+    }
+    return BVX_OK;
+}
+
 static bvx_status make_tetrahedra(bvxi_oblique *o)
 {
-    for (uint64_t i = 0; i < o->cell_count; i++) {
-        int32_t at[3];
-        int const c = (int)o->cell[i][1];
-        uint32_t corner[8];
+    static const char what[] = "the tetrahedra";
+    uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
-        bvxi_oblique_block_place(o, o->cell[i][0], at);
-        at[0] += c & 3;
-        at[1] += c >> 2 & 3;
-        at[2] += c >> 4;
-        for (int k = 0; k < 8; k++) {
-            int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
-            BVXI_TRY(bvxi_oblique_lattice_vertex(o, place, &corner[k]));
-        }
-        for (int k = 0; k < 6; k++) {
-            uint32_t v[4], n[4], number;
-            for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
-            kuhn_neighbours(o, (uint32_t)i, at, k, n);
-            BVXI_TRY(bvxi_tetra_add(o, v, n, k == 0 ? BVXI_NONE : (uint32_t)(6 * i), &number));
-        }
+    /* What splitting makes of a cell as a rule: arrays that grow are copied. */
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->tetra, tetra, &o->tetra_room[0], sizeof *o->tetra, what));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->chain, tetra, &o->tetra_room[1], 4, what));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->twin, tetra, &o->tetra_room[2], 4, what));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->stamp, tetra, &o->tetra_room[3], 4, what));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->vertex, vertices, &o->vertex_room, sizeof *o->vertex, what));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
+    for (uint32_t i = 0; i < o->known_count; i++) {
+        uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
+        int32_t first[3];
+
+        if (o->split[i] == 0) continue;
+        bvxi_oblique_block_place(o, o->known[i], first);
+        planes = bvxi_oblique_near_planes(o, first, plane);
+        for (uint64_t c = o->split_first[i]; c < o->split_first[i + 1]; c++)
+            BVXI_TRY(make_tetrahedra_of(o, c, plane, planes));
     }
     return BVX_OK;
 }
@@ -237,26 +338,34 @@ static bvx_status order_touches(bvxi_oblique *o)
     return BVX_OK;
 }
 
+static bvx_status open_cells(bvxi_oblique *o)
+{
+    static const char what[] = "the cells of the surface";
+    uint64_t const n = o->known_count;
+    bvx_context *const ctx = o->ctx;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->inside));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->split));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->active));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->split_first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->touch_first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * BVXI_BLOCK_SIZE * 4, what, &o->vertex_at));
+    memset(o->vertex_at, 0xff, (size_t)(n * BVXI_BLOCK_SIZE * 4));
+    return BVX_OK;
+}
+
 bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 {
-    uint64_t const nodes = (uint64_t)o->plane_count * sizeof(double[CELL_NODES]);
-    oblique_cell_work w;
+    uint64_t const bytes = (uint64_t)bvxi_threads(o->ctx) * sizeof(oblique_block);
     bvx_status status;
+    cells_job job;
 
-    o->cell_at_room = o->known_count;
-    memset(&w, 0, sizeof w);
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->cell_at_room * BVXI_BLOCK_SIZE * 4,
-                        "the cells that are split", &o->cell_at));
-    BVXI_TRY(
-        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->cell_at_room * 8, "the cells of the surface", &o->active));
-    memset(o->cell_at, 0xff, (size_t)(o->cell_at_room * BVXI_BLOCK_SIZE * 4));
-    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, nodes, "the heights over planes", &w.height);
-    if (status == BVX_OK)
-        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)o->plane_count * 4, "the planes of a block",
-                            &w.plane);
-    if (status == BVX_OK) status = judge_blocks(o, &w);
-    bvxi_drop(o->ctx, w.plane);
-    bvxi_drop(o->ctx, w.height);
+    BVXI_TRY(open_cells(o));
+    job.o = o;
+    job.pieces = bvxi_piece_count(o->known_count, CELL_GRAIN);
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the planes of blocks", &job.block));
+    status = find_cells(&job);
+    bvxi_drop(o->ctx, job.block);
     if (status != BVX_OK) return status;
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);

@@ -86,13 +86,14 @@ static double beyond_box(const bvxi_oblique *o, const double at[3])
     return sum > 0.0 ? sqrt(sum) : 0.0;
 }
 
-double bvxi_oblique_number(const bvxi_oblique *o, const double at[3])
+double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
+                                 uint32_t count)
 {
     double const smooth = bvxi_smooth_at(&o->smooth, at), beyond = 1.0 / o->reach;
     double sum = 0.0, weights = beyond * beyond * beyond;
 
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_oblique_plane *const p = &o->plane[i];
+    for (uint32_t n = 0; n < count; n++) {
+        const bvxi_oblique_plane *const p = &o->plane[plane == NULL ? n : plane[n]];
         double const h = bvxi_absolute(bvxi_oblique_height(p, at));
         double weight;
 
@@ -104,4 +105,9 @@ double bvxi_oblique_number(const bvxi_oblique *o, const double at[3])
         weights += weight;
     }
     return smooth + sum / weights - beyond_box(o, at);
+}
+
+double bvxi_oblique_number(const bvxi_oblique *o, const double at[3])
+{
+    return bvxi_oblique_number_among(o, at, NULL, o->plane_count);
 }

@@ -24,7 +24,7 @@ static int place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint
 
     for (int k = 0; k < 3; k++) at[k] = vertex[k];
     for (uint32_t n = 0; n < count; n++) {
-        uint32_t const i = plane == NULL ? n : plane[n];
+        uint32_t const i = plane[n];
         double const h = bvxi_absolute(bvxi_oblique_height(&o->plane[i], at));
         if (h >= least) continue;
         least = h;
@@ -36,11 +36,6 @@ static int place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint
         for (int k = 0; k < 3; k++) at[k] -= h * p->normal[k];
     }
     return nearest != BVXI_NONE;
-}
-
-int bvxi_oblique_place(const bvxi_oblique *o, const int32_t vertex[3], double at[3])
-{
-    return place_onto(o, vertex, NULL, o->plane_count, at);
 }
 
 void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
@@ -61,8 +56,35 @@ void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t fir
     first[2] = (int32_t)(block / (uint32_t)x / (uint32_t)y) * BVXI_BLOCK_SIDE;
 }
 
-/* The value of a vertex, never 0. */
-float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
+uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
+{
+    double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_oblique_plane *const p = &o->plane[i];
+        double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
+                                    bvxi_absolute(p->normal[2]));
+        if (bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach + 0.5) plane[count++] = i;
+    }
+    return count;
+}
+
+/* Planes that have a say somewhere in a cube of four cells, in their order. */
+static uint32_t heard_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
+{
+    double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
+    double const reach = o->reach + 4.0; /* more than half the cube's diagonal, and what vertices move by */
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++)
+        if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], centre)) < reach) plane[count++] = i;
+    return count;
+}
+
+/* The value of a vertex, never 0. near: planes that it may move onto; heard: those that have a say there. */
+static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *near,
+                         uint32_t near_count, const uint32_t *heard, uint32_t heard_count)
 {
     double at[3], value = 0.0;
     uint32_t on = BVXI_NONE;
@@ -71,13 +93,22 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
     for (int k = 0; k < 3; k++)
         if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return -1.0F;
     /* on no plane, unless it moves onto one: a plane within reach of nothing is one that it moves onto */
-    if (bvxi_oblique_place(o, vertex, at))
-        for (uint32_t i = 0; i < o->plane_count && on == BVXI_NONE; i++)
-            if (bvxi_absolute(bvxi_oblique_height(&o->plane[i], at)) <= BVXI_OBLIQUE_NEAR) on = i;
-    value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at) : bvxi_oblique_number(o, at);
+    if (place_onto(o, vertex, near, near_count, at))
+        for (uint32_t i = 0; i < near_count && on == BVXI_NONE; i++)
+            if (bvxi_absolute(bvxi_oblique_height(&o->plane[near[i]], at)) <= BVXI_OBLIQUE_NEAR) on = near[i];
+    value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at)
+                            : bvxi_oblique_number_among(o, at, heard, heard_count);
     rounded = (float)value;
     if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
     return rounded;
+}
+
+float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
+{
+    uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES];
+    uint32_t const count = bvxi_oblique_near_planes(o, vertex, near);
+
+    return value_among(o, vertex, near, count, heard, heard_planes(o, vertex, heard));
 }
 
 /* Known blocks have values; the others one sign. */
@@ -133,13 +164,16 @@ static void known_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = job->from + begin; i < job->from + end; i++) {
         int32_t first[3], at[3];
         float *const value = o->value + i * BVXI_BLOCK_SIZE;
+        uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], near_count, heard_count;
 
         bvxi_oblique_block_place(o, o->known[i], first);
+        near_count = bvxi_oblique_near_planes(o, first, near);
+        heard_count = heard_planes(o, first, heard);
         for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
             at[0] = first[0] + (n & 3);
             at[1] = first[1] + (n >> 2 & 3);
             at[2] = first[2] + (n >> 4);
-            value[n] = bvxi_oblique_vertex_value(o, at);
+            value[n] = value_among(o, at, near, near_count, heard, heard_count);
         }
     }
 }

@@ -14,12 +14,26 @@
  * Each step leaves what the ones before it made. */
 #include "section/oblique.h"
 
+#include "bits/bits.h"
+
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
 
+/* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled after
+ * that one by one, in order, and so are those of which something has changed since then: the result is that of
+ * going through all of them. */
 typedef struct signs_job {
     bvxi_oblique *o;
     int32_t pieces;
+    uint8_t *wrong; /* of each */
+    uint8_t *again; /* [vertices] something round a vertex has changed */
+    uint64_t vertices;
 } signs_job;
+
+static void change_round(const signs_job *job, uint32_t v)
+{
+    /* Vertices that are added on the way lie on no contour, and are not gone through. */
+    if (v < job->vertices) job->again[v] = 1;
+}
 
 static uint32_t first_plane(const bvxi_oblique *o, uint32_t v)
 {
@@ -163,6 +177,8 @@ static void close_link(link_work *w)
 typedef struct oblique_region_work {
     uint32_t *joined; /* [vertex] */
     double *vote;     /* [vertex] area on the contours' left less that on their right */
+    uint64_t *first;  /* [plane + 2] of each plane's faces */
+    uint64_t *face;   /* 4 times a tetrahedron and the corner opposite */
     uint32_t *torn;   /* vertices of which two planes say different things; once a plane but the first */
     uint64_t torn_count, torn_room;
 } oblique_region_work;
@@ -211,41 +227,112 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
     }
 }
 
-/* step 0: every vertex for itself; 1: join and vote; 2: votes to the roots; 3: signs. */
-static bvx_status look_at_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane, int step,
-                                 uint32_t t)
+static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
 {
-    const uint32_t *const v = o->tetra[t].v;
-    int on = 0;
+    int n = 0;
 
-    for (int k = 0; k < 4; k++) on |= bvxi_is_on(o, v[k], plane) << k;
-    for (int k = 0; k < 4 && on != 0; k++) {
-        uint32_t const x = v[k];
-        uint32_t face[3];
-        int n = 0;
+    for (int k = 0; k < 4; k++)
+        if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
+}
 
-        for (int j = 0; j < 4; j++)
-            if (j != k) face[n++] = v[j];
-        if (step == 1 && (on | 1 << k) == 15) look_at_plane_face(o, w, plane, face);
-        if (!(on >> k & 1) || o->vertex[x].sign == 0) continue;
-        if (step == 0) {
-            w->joined[x] = x;
-            w->vote[x] = 0.0;
+/* Joins and votes first, then the votes to the roots, then signs. */
+static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+{
+    uint64_t const begin = w->first[plane], end = w->first[plane + 1];
+    uint32_t v[3];
+
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        for (int k = 0; k < 3; k++) {
+            w->joined[v[k]] = v[k];
+            w->vote[v[k]] = 0.0;
         }
-        if (step == 2 && region_root(w, x) != x) {
+    }
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        look_at_plane_face(o, w, plane, v);
+    }
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        for (int k = 0; k < 3; k++) {
+            uint32_t const x = v[k];
+            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || region_root(w, x) == x) continue;
             w->vote[region_root(w, x)] += w->vote[x];
             w->vote[x] = 0.0;
         }
-        if (step == 3) {
-            double const vote = w->vote[region_root(w, x)];
+    }
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        for (int k = 0; k < 3; k++) {
+            uint32_t const x = v[k];
+            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[region_root(w, x)];
             if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
-            if (first_plane(o, x) == plane) flip_sign(o, x);
-            else {
-                BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
-                                           "the vertices that planes contradict each other of"));
-                w->torn[w->torn_count++] = x;
+            if (first_plane(o, x) == plane) {
+                flip_sign(o, x);
+                continue;
             }
+            BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
+                                       "the vertices that planes contradict each other of"));
+            w->torn[w->torn_count++] = x;
         }
+    }
+    return BVX_OK;
+}
+
+/* The planes that three vertices lie on, 64 at a time. */
+static uint64_t planes_of_face(const bvxi_oblique *o, uint32_t tetra, int corner, uint32_t word)
+{
+    uint64_t on = UINT64_MAX;
+
+    for (int k = 0; k < 4; k++)
+        if (k != corner) on &= bvxi_tetra_on(o, o->tetra[tetra].v[k])[word];
+    return on;
+}
+
+/* Which faces lie on planes, each marked at one of the two tetrahedra beside it. */
+static void mark_faces_piece(void *user, int32_t index, int32_t worker)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++) {
+        o->mark[t] = 0;
+        for (int k = 0; k < 4; k++) {
+            uint64_t on = 0;
+            if (o->tetra[t].n[k] < t) continue;
+            for (uint32_t w = 0; w < o->plane_words; w++) on |= planes_of_face(o, (uint32_t)t, k, w);
+            if (on != 0) o->mark[t] |= (uint8_t)(1 << k);
+        }
+    }
+}
+
+/* All faces on planes, those of one plane together. */
+static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
+{
+    static const char what[] = "the faces on planes";
+    uint64_t const n = (uint64_t)o->plane_count + 2;
+    uint64_t *next;
+
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, what, &w->first));
+    next = w->first + 1;
+    for (int fill = 0; fill < 2; fill++) {
+        for (uint64_t t = 0; t < o->tetra_count; t++)
+            for (int k = 0; k < 4 && o->mark[t] != 0; k++) {
+                if (!(o->mark[t] >> k & 1)) continue;
+                for (uint32_t word = 0; word < o->plane_words; word++)
+                    for (uint64_t on = planes_of_face(o, (uint32_t)t, k, word); on != 0; on &= on - 1) {
+                        uint32_t const plane = 64 * word + (uint32_t)bvxi_lowest(on);
+                        if (fill) w->face[next[plane]++] = 4 * t + (uint64_t)k;
+                        else next[plane + 1]++;
+                    }
+            }
+        if (fill) break;
+        /* next[p] is where the faces of plane p begin, and where those of the next begin once they are in */
+        for (uint32_t p = 0; p < o->plane_count; p++) next[p + 1] += next[p];
+        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->plane_count] + 1) * 8, what, &w->face));
     }
     return BVX_OK;
 }
@@ -290,17 +377,20 @@ static int has_whole_star(const bvxi_oblique *o, uint32_t v)
     return 1;
 }
 
-/* The sign that makes no bridge and no hole, where one does and the other does not. */
-static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v)
+/* The sign that makes no bridge and no hole, where one does and the other does not. Those around a vertex that
+ * gets another sign are to be looked at again. */
+static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     int64_t euler = 1;
     int all = 0, inside;
     bvx_status const status = euler_round(o, w, v, &euler, &all);
 
     inside = all || (euler <= 0 && has_inside(o, w));
-    close_link(w);
-    if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v))
+    if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v)) {
         flip_sign(o, v);
+        for (uint32_t i = 0; i < w->count; i++) change_round(job, w->vertex[i]);
+    }
+    close_link(w);
     return status;
 }
 
@@ -313,21 +403,50 @@ static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
     return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
 }
 
+/* The same verdict as settle_sign, for all vertices as they are. */
+static void judge_loose_piece(void *user, int32_t index, int32_t worker)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+    bvxi_look look;
+
+    (void)worker;
+    bvxi_piece(job->vertices, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t const v = (uint32_t)i;
+        int any, all, inside;
+        int64_t euler;
+
+        job->wrong[i] = 0;
+        if (!is_loose_sign(o, v)) continue;
+        job->wrong[i] = 1;
+        if (!bvxi_look_link(o, &look, v)) continue;
+        euler = bvxi_look_euler(o, &look, v, &any, &all);
+        inside = all || (euler <= 0 && any);
+        job->wrong[i] = euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, &look, v);
+    }
+}
+
 /* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
  * so do those off all planes that lie between contours or next to the surface. */
-static bvx_status settle_signs(bvxi_oblique *o, const oblique_region_work *torn)
+static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const oblique_region_work *torn)
 {
     bvx_status status;
     link_work w;
 
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_count;
+    job->pieces = bvxi_piece_count(job->vertices, 256);
     status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
     if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
     for (uint64_t i = 0; i < torn->torn_count && status == BVX_OK; i++)
-        status = settle_sign(o, &w, torn->torn[i]);
-    for (uint32_t v = 0; v < o->vertex_count && status == BVX_OK; v++)
-        if (is_loose_sign(o, v)) status = settle_sign(o, &w, v);
+        status = settle_sign(o, &w, torn->torn[i], job);
+    memset(job->again, 0, (size_t)job->vertices);
+    if (status == BVX_OK)
+        status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_loose_piece, job);
+    for (uint32_t v = 0; v < job->vertices && status == BVX_OK; v++)
+        if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) status = settle_sign(o, &w, v, job);
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.vertex);
     bvxi_drop(o->ctx, w.number);
@@ -336,25 +455,27 @@ static bvx_status settle_signs(bvxi_oblique *o, const oblique_region_work *torn)
 
 /* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
  * it is told by the tetrahedra, from the direction in which the contours' edges run. */
-static bvx_status settle_regions(bvxi_oblique *o)
+static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 {
     uint64_t const n = o->vertex_count;
     oblique_region_work w;
     bvx_status status;
 
     memset(&w, 0, sizeof w);
-    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
-
+    job->pieces = bvxi_piece_count(o->tetra_count, 4096);
+    status = BVXI_SHARE(o->ctx, 0.0, 0.4,
+                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, mark_faces_piece, job));
+    if (status == BVX_OK) status = list_plane_faces(o, &w);
+    if (status == BVX_OK)
+        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
     if (status == BVX_OK) status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 8, "the regions of planes", &w.vote);
-    for (uint32_t p = 0; p < o->plane_count && status == BVX_OK; p++)
-        for (int step = 0; step < 4; step++)
-            for (uint32_t i = o->plane_touch[p]; i < o->plane_touch[p + 1]; i++)
-                for (uint32_t t = 6 * o->touch_cell[i]; t != BVXI_NONE; t = o->chain[t])
-                    if (status == BVX_OK) status = look_at_region(o, &w, p, step, t);
-    if (status == BVX_OK) status = settle_signs(o, &w);
+    for (uint32_t p = 0; p < o->plane_count && status == BVX_OK; p++) status = settle_region(o, &w, p);
+    if (status == BVX_OK) status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, &w));
     bvxi_drop(o->ctx, w.torn);
     bvxi_drop(o->ctx, w.vote);
     bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.face);
+    bvxi_drop(o->ctx, w.first);
     return status;
 }
 
@@ -378,7 +499,12 @@ static uint32_t shared_in_ring(const bvxi_oblique *o, uint32_t t, uint32_t next,
     return BVXI_NONE;
 }
 
-static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u)
+static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_job *job)
+{
+    for (int k = 0; k < 4; k++) change_round(job, o->tetra[tetra].v[k]);
+}
+
+static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u, const signs_job *job)
 {
     int closed;
     uint32_t t = BVXI_NONE, m;
@@ -394,6 +520,8 @@ static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32
             at[k] = 0.4 * (o->vertex[a].at[k] + o->vertex[b].at[k]) + 0.2 * o->vertex[u].at[k];
         for (int k = 0; k < 4; k++)
             if (x->v[k] != a && x->v[k] != b && x->v[k] != u) {
+                change_corners(o, o->ring[i], job);
+                if (x->n[k] != BVXI_NONE) change_corners(o, x->n[k], job);
                 BVXI_TRY(bvxi_tetra_split_face(o, o->ring[i], k, at, &m));
                 set_opposite(o, m, u);
                 return BVX_OK;
@@ -425,7 +553,7 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
 
 /* Inside and outside as one stretch each: from the plane's vertex inside on, both ways, the first change is
  * the only one. The vertices that stand against that are parted from the edge. */
-static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane)
+static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane, const signs_job *job)
 {
     uint64_t n, start, end, wrong;
 
@@ -457,19 +585,44 @@ static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t 
             }
         }
         if (wrong == n) return BVX_OK;
-        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong]));
+        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong], job));
     } while (wrong < n);
     return BVX_OK;
 }
 
-static bvx_status settle_edges(bvxi_oblique *o)
+static void judge_edge_piece(void *user, int32_t index, int32_t worker)
 {
-    uint64_t const room = o->contour_edge.room;
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    const bvxi_edge_map *const m = &o->contour_edge;
+    uint64_t begin, end;
+    bvxi_look look;
 
-    for (uint64_t i = 0; i < room; i++) {
-        uint64_t const key = o->contour_edge.key[i];
-        if (key == UINT64_MAX || o->contour_edge.value[i] == BVXI_NONE) continue;
-        BVXI_TRY(settle_edge(o, (uint32_t)(key >> 32), (uint32_t)key, o->contour_edge.value[i] / 2));
+    (void)worker;
+    bvxi_piece(m->room, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t changes;
+        job->wrong[i] = 0;
+        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        job->wrong[i] = !bvxi_look_edge(o, &look, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i],
+                                        &changes) ||
+                        changes > 2;
+    }
+}
+
+static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
+{
+    const bvxi_edge_map *const m = &o->contour_edge;
+
+    memset(job->again, 0, (size_t)job->vertices);
+    job->pieces = bvxi_piece_count(m->room, 1024);
+    BVXI_TRY(bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_edge_piece, job));
+    for (uint64_t i = 0; i < m->room; i++) {
+        uint64_t const key = m->key[i];
+        uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
+        if (key == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        if (!job->wrong[i] && !job->again[a] && !job->again[b]) continue;
+        BVXI_TRY(settle_edge(o, a, b, m->value[i] / 2, job));
     }
     return BVX_OK;
 }
@@ -489,7 +642,7 @@ static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, u
     return found;
 }
 
-static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v)
+static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     uint32_t const plane = first_plane(o, v);
     uint32_t keep[2], wrong = BVXI_NONE, t, m;
@@ -513,6 +666,7 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
         for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
         BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
         if (t == BVXI_NONE) return BVX_OK;
+        for (uint64_t i = 0; i < o->star_count; i++) change_corners(o, o->star[i], job);
         BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
         set_opposite(o, m, wrong);
         if (w->number_room <= m) {
@@ -526,36 +680,100 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
     return BVX_OK;
 }
 
-static bvx_status settle_vertices(bvxi_oblique *o)
+static void judge_vertex_piece(void *user, int32_t index, int32_t worker)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+    bvxi_look look;
+
+    (void)worker;
+    bvxi_piece(job->vertices, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        job->wrong[i] = 0;
+        if (o->vertex[i].sign != 0) continue;
+        job->wrong[i] = !bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i);
+    }
+}
+
+static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 {
     link_work w;
-    uint64_t const count = o->vertex_count;
     bvx_status status;
 
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_room;
-    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
+    memset(job->again, 0, (size_t)job->vertices);
+    job->pieces = bvxi_piece_count(job->vertices, 256);
+    status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_vertex_piece, job);
+    if (status == BVX_OK)
+        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex",
+                            &w.number);
     if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
-    for (uint64_t v = 0; v < count && status == BVX_OK; v++)
-        if (o->vertex[v].sign == 0) status = oblique_settle_vertex(o, &w, (uint32_t)v);
+    for (uint64_t v = 0; v < job->vertices && status == BVX_OK; v++)
+        if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
+            status = oblique_settle_vertex(o, &w, (uint32_t)v, job);
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.vertex);
     bvxi_drop(o->ctx, w.number);
     return status;
 }
 
+/* Tetrahedra with two or more vertices on contours: those that are split become no others. */
+static void mark_contours_piece(void *user, int32_t index, int32_t worker)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++) {
+        int on_contours = 0;
+        for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
+        o->mark[t] = on_contours >= 2;
+    }
+}
+
+static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
+{
+    uint64_t const marked = o->tetra_count;
+
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &o->mark, o->tetra_room[0], &o->mark_room, 1, "the marks of tetrahedra"));
+    job->pieces = bvxi_piece_count(marked, 4096);
+    BVXI_TRY(bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, mark_contours_piece, job));
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    return bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra");
+}
+
+/* The ends of all are known now: later vertices lie on no contour. */
+static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
+{
+    uint64_t const most = job->vertices > o->contour_edge.room ? job->vertices : o->contour_edge.room;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most, "the vertices to settle", &job->wrong));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, job->vertices, "the vertices to settle", &job->again));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, settle_regions(o, job)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.7, settle_edges(o, job)));
+    return BVXI_SHARE(o->ctx, 0.7, 1.0, settle_vertices(o, job));
+}
+
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
+    bvx_status status;
     signs_job job;
 
+    memset(&job, 0, sizeof job);
     job.o = o;
     job.pieces = bvxi_piece_count(o->vertex_count, 256);
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.5,
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2,
                         bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, signs_piece, &job)));
-    for (uint64_t t = 0; t < o->tetra_count; t++) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
-    BVXI_TRY(settle_regions(o));
-    BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.7));
-    BVXI_TRY(settle_edges(o));
-    BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.8));
-    return settle_vertices(o);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
+    job.vertices = o->vertex_count;
+    status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
+    bvxi_drop(o->ctx, job.again);
+    bvxi_drop(o->ctx, job.wrong);
+    return status;
 }

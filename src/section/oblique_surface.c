@@ -10,8 +10,6 @@
 
 #include "mesh/mesh.h"
 
-#define CROSSING_LEAST 0.02 /* of an edge: no crossing is nearer to its ends */
-
 #define ONE_PLACE 1e-12 /* of the contours' longest side */
 
 /* ---- vertices ---- */
@@ -36,20 +34,43 @@ static bvx_status contour_vertex(bvxi_oblique *o, uint32_t v, uint32_t *number)
     return BVX_OK;
 }
 
+/* The vertex that plain cells have on an edge of the lattice, or BVXI_NONE. */
+static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
+{
+    const bvxi_tetra_vertex *const x = &o->vertex[a], *const y = &o->vertex[b];
+    uint32_t const one = x->parent[1], two = y->parent[1];
+    int32_t place[2][3];
+    int up = 0, down = 0;
+    uint32_t slot;
+
+    if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
+    for (int e = 0; e < 2; e++) {
+        slot = e == 0 ? one : two;
+        bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
+        for (int k = 0; k < 3; k++) place[e][k] += (int32_t)(slot >> 2 * k & 3);
+    }
+    /* All edges between vertices of the lattice run one step along some axes at once, up or down. */
+    for (int k = 0; k < 3; k++) {
+        up |= (place[1][k] > place[0][k]) << k;
+        down |= (place[1][k] < place[0][k]) << k;
+    }
+    slot = up != 0 ? one : two;
+    return bvxi_oblique_plain_vertex(o, slot / BVXI_BLOCK_SIZE, (int)(slot % BVXI_BLOCK_SIZE), up | down);
+}
+
 /* Where an edge from inside to outside is crossed. */
 static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32_t *number)
 {
+    const bvxi_tetra_vertex *const a = &o->vertex[in], *const b = &o->vertex[out];
     uint32_t *found;
 
-    if (o->vertex[out].sign == 0) return contour_vertex(o, out, number);
+    if (b->sign == 0) return contour_vertex(o, out, number);
+    *number = vertex_of_plain(o, in, out);
+    if (*number != BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_edge_add(o, &o->crossing, in, out, &found));
     if (*found == BVXI_NONE) {
-        const bvxi_tetra_vertex *const a = &o->vertex[in], *const b = &o->vertex[out];
-        double const rise = bvxi_absolute(a->value), fall = bvxi_absolute(b->value);
-        double share = rise + fall > 0.0 ? rise / (rise + fall) : 0.5, at[3];
-        if (share < CROSSING_LEAST) share = CROSSING_LEAST;
-        if (share > 1.0 - CROSSING_LEAST) share = 1.0 - CROSSING_LEAST;
-        for (int k = 0; k < 3; k++) at[k] = a->at[k] + share * (b->at[k] - a->at[k]);
+        double at[3];
+        bvxi_oblique_cross_edge(a->at, bvxi_absolute(a->value), b->at, bvxi_absolute(b->value), at);
         BVXI_TRY(add_position(o, at, found));
     }
     *number = *found;
@@ -73,88 +94,74 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 }
 
 /* Corners may be one vertex of a contour: a triangle is left then, or nothing. */
-static bvx_status add_quadrangle(bvxi_oblique *o, const uint32_t q[4])
+static bvx_status march_tetrahedron(bvxi_oblique *o, const uint32_t v[4], int inside)
 {
-    BVXI_TRY(add_surface_triangle(o, q[0], q[1], q[2]));
-    return add_surface_triangle(o, q[0], q[2], q[3]);
+    uint8_t edge[4][2];
+    uint32_t number[4];
+    int const n = bvxi_oblique_case(inside, edge);
+
+    for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
+    for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
+    return BVX_OK;
 }
 
-/* The surface in a positive tetrahedron, seen from outside counter-clockwise. */
-static bvx_status march_tetrahedron(bvxi_oblique *o, const uint32_t v[4])
+typedef struct march_job {
+    bvxi_oblique *o;
+    int32_t pieces;
+    uint64_t triangles[BVXI_MOST_PIECES];
+} march_job;
+
+/* Which corners are inside, and how many triangles that makes at most. */
+static void mark_inside_piece(void *user, int32_t index, int32_t worker)
 {
-    /* the other three corners, in the order in which they are seen from a corner outwards */
-    static const uint8_t others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    uint32_t n[4];
-    int inside = 0, in[4], out[4], ins = 0, outs = 0;
+    march_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end, triangles = 0;
 
-    for (int k = 0; k < 4; k++) {
-        int const is_in = o->vertex[v[k]].sign > 0;
-        inside |= is_in << k;
-        if (is_in) in[ins++] = k;
-        else out[outs++] = k;
+    (void)worker;
+    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++) {
+        static const uint8_t many[16] = {0, 1, 1, 2, 1, 2, 2, 1, 1, 2, 2, 1, 2, 1, 1, 0};
+        int inside = 0;
+        for (int k = 0; k < 4; k++) inside |= (o->vertex[o->tetra[t].v[k]].sign > 0) << k;
+        o->mark[t] = (uint8_t)inside;
+        triangles += many[inside];
     }
-    if (inside == 0 || inside == 15) return BVX_OK;
-    if (ins == 1) {
-        const uint8_t *const x = others[in[0]];
-        for (int k = 0; k < 3; k++) BVXI_TRY(edge_vertex(o, v[in[0]], v[x[k]], &n[k]));
-        return add_surface_triangle(o, n[0], n[1], n[2]);
-    }
-    if (outs == 1) {
-        const uint8_t *const x = others[out[0]];
-        for (int k = 0; k < 3; k++) BVXI_TRY(edge_vertex(o, v[x[k]], v[out[0]], &n[k]));
-        return add_surface_triangle(o, n[0], n[2], n[1]);
-    }
+    job->triangles[index] = triangles;
+}
 
-    /* two and two: round the four crossings; turned where (in, in, out, out) is a negative order */
-    {
-        static const uint8_t even[6] = {1, 0, 1, 1, 0, 1};
-        static const uint8_t pair[4][4] = {{0, 0, 1, 2}, {0, 0, 3, 4}, {1, 3, 0, 5}, {2, 4, 5, 0}};
-        int const positive = even[pair[in[0]][in[1]]];
-        BVXI_TRY(edge_vertex(o, v[in[0]], v[out[0]], &n[0]));
-        BVXI_TRY(edge_vertex(o, v[in[0]], v[out[1]], &n[positive ? 1 : 3]));
-        BVXI_TRY(edge_vertex(o, v[in[1]], v[out[1]], &n[2]));
-        BVXI_TRY(edge_vertex(o, v[in[1]], v[out[0]], &n[positive ? 3 : 1]));
-        return add_quadrangle(o, n);
+/* Signs of lattice vertices that were settled are those of the lattice too. */
+static void give_settled_signs(bvxi_oblique *o)
+{
+    for (uint64_t i = 0; i < o->vertex_count; i++) {
+        const bvxi_tetra_vertex *const x = &o->vertex[i];
+        if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
     }
 }
 
-static bvx_status march_split_cells(bvxi_oblique *o)
+static bvx_status march_all(bvxi_oblique *o)
 {
+    march_job job;
+    uint64_t more = 0;
+
+    job.o = o;
+    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
+    give_settled_signs(o);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
+                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, mark_inside_piece, &job)));
+    for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
+
+    /* The tetrahedra's own after those of plain cells, whose vertices they share. */
+    o->crossing.near = 1;
+    BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         uint32_t v[4];
+        if (t % 262144 == 0)
+            BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
+        if (o->mark[t] == 0 || o->mark[t] == 15) continue;
         memcpy(v, o->tetra[t].v, sizeof v);
-        BVXI_TRY(march_tetrahedron(o, v));
-    }
-    return BVX_OK;
-}
-
-static bvx_status march_cell(bvxi_oblique *o, const int32_t at[3])
-{
-    uint32_t corner[8];
-
-    for (int k = 0; k < 8; k++) {
-        int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
-        BVXI_TRY(bvxi_oblique_lattice_vertex(o, place, &corner[k]));
-    }
-    for (int k = 0; k < 6; k++) {
-        uint32_t v[4];
-        for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
-        BVXI_TRY(march_tetrahedron(o, v));
-    }
-    return BVX_OK;
-}
-
-static bvx_status march_cells(bvxi_oblique *o)
-{
-    for (uint32_t i = 0; i < o->known_count; i++) {
-        int32_t first[3];
-        if (o->active[i] == 0) continue;
-        if (i % 1024 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)i / o->known_count));
-        bvxi_oblique_block_place(o, o->known[i], first);
-        for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
-            int32_t const at[3] = {first[0] + (c & 3), first[1] + (c >> 2 & 3), first[2] + (c >> 4)};
-            if (o->active[i] >> c & 1) BVXI_TRY(march_cell(o, at));
-        }
+        BVXI_TRY(march_tetrahedron(o, v, o->mark[t]));
     }
     return BVX_OK;
 }
@@ -273,10 +280,28 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     }
 }
 
+/* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is looked at:
+ * contours that are far from agreeing may leave a tear there. */
+static bvx_status refuse_torn(bvxi_oblique *o)
+{
+    uint64_t broken = 0;
+
+    memset(o->kept, 0, (size_t)o->position_count);
+    for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
+    BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));
+    if (broken == 0) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours contradict each other too much for a closed, manifold mesh; move "
+                         "those apart that cross where their planes meet, or take a smaller agree",
+                         o->function);
+}
+
 static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mesh)
 {
     uint64_t vertices;
 
+    BVXI_TRY(refuse_torn(o));
+    memset(o->kept, 0, (size_t)o->position_count);
     give_contour_points(o);
     keep_bodies(o, joined, &vertices);
     oblique_count_unkept(o, joined);
@@ -310,10 +335,8 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     o->output_room = o->vertex_count;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
-    o->crossing.near = 1;
-    BVXI_TRY(march_split_cells(o));
-    BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.5));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.9, march_cells(o)));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.7, march_all(o)));
     bytes = o->position_count * 4;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
     status = write_surface(o, joined, mesh);

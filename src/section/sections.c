@@ -226,8 +226,8 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     return bvxi_stack_open(ctx, sections_name, sections, options, stack);
 }
 
-/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be, and
- * contours on crossing planes that are far from agreeing a tear: such a mesh is refused, not handed out. */
+/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be: such a
+ * mesh is refused, not handed out. */
 static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, int own)
 {
     bvx_certificate c;
@@ -296,21 +296,6 @@ static int is_parallel(const double a[3], const double b[3], int *against)
     return square <= SECTIONS_PARALLEL * SECTIONS_PARALLEL;
 }
 
-static bvx_status build_oblique(bvx_context *context, const bvx_sections *sections,
-                                const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
-{
-    int const own = mesh->positions == NULL;
-
-    BVXI_TRY(
-        BVXI_SHARE(context, 0.0, 0.98, bvxi_oblique_body(context, sections_name, sections, o, report, mesh)));
-    return BVXI_SHARE(
-        context, 0.98, 1.0,
-        check_body(context,
-                   "the contours contradict each other too much for a closed, manifold mesh; move "
-                   "those apart that cross where their planes meet, or take a smaller agree",
-                   mesh, own));
-}
-
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
                                 const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
 {
@@ -331,7 +316,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     stack.positions = positions;
     stack.normals = NULL;
     status = parallel ? build_stack(context, &stack, o, report, mesh)
-                      : build_oblique(context, sections, o, report, mesh);
+                      : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
     bvxi_drop(context, positions);
     return status;
 }

@@ -21,6 +21,15 @@ bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint6
     return BVX_OK;
 }
 
+bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                                const char *what)
+{
+    if (count <= *room) return BVX_OK;
+    BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, block, *room * item, count * item, what));
+    *room = count;
+    return BVX_OK;
+}
+
 /* ---- edges by their ends ---- */
 
 static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
@@ -36,9 +45,9 @@ static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
     return i;
 }
 
-static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m)
+static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
 {
-    bvxi_edge_map larger = {NULL, NULL, m->room == 0 ? 1024 : 2 * m->room, m->count, m->near};
+    bvxi_edge_map larger = {NULL, NULL, room, m->count, m->near};
     bvx_status status = bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra",
                                    &larger.key);
 
@@ -61,13 +70,21 @@ static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m)
     return BVX_OK;
 }
 
+bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *m, uint64_t count)
+{
+    uint64_t room = 1024;
+
+    while (room < 2 * count) room *= 2;
+    return room > m->room ? edge_more(o, m, room) : BVX_OK;
+}
+
 bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *m, uint32_t a, uint32_t b, uint32_t **value)
 {
     uint64_t const key = oblique_edge_key(a, b);
     uint64_t at;
 
     /* At most half full, so that searches are short and always end. */
-    if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m));
+    if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m, m->room == 0 ? 1024 : 2 * m->room));
     at = edge_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
         m->key[at] = key;
