@@ -231,6 +231,7 @@ static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c
 /* The planes in a block or near its vertices and those behind it; plane: [BVXI_OBLIQUE_PLANES]. */
 uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane);
 
+extern const uint8_t bvxi_kuhn[6][4];
 /* oblique_plain.c: the surface in cells that are not split comes first, with room for more triangles. */
 bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more);
 /* The vertex on a lattice's edge, from a vertex of a known block along a way, or BVXI_NONE. */
@@ -247,7 +248,6 @@ bvx_status bvxi_oblique_cells(bvxi_oblique *o);
 bvx_status bvxi_oblique_split_planes(bvxi_oblique *o);
 /* The number of a cell among those that are split, or BVXI_NONE. */
 uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
-extern const uint8_t bvxi_kuhn[6][4];
 
 /* oblique_contours.c: contours become edges of the tetrahedra. */
 bvx_status bvxi_oblique_contours(bvxi_oblique *o);

@@ -11,10 +11,6 @@
 
 #include "bits/bits.h"
 
-/* Corners as bits x, y, z; positive. Entries 6 on: the axes in order of each way. */
-const uint8_t bvxi_kuhn[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
-                                 {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
-
 enum {
     CELL_NODES = 125, /* vertices of a block and those behind it */
     CELL_GRAIN = 64,

@@ -18,6 +18,10 @@ enum {
     PLAIN_EDGES = 19      /* of a cell */
 };
 
+/* Corners as bits x, y, z; positive. Entries 6 on: the axes in order of each way. */
+const uint8_t bvxi_kuhn[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
+                                 {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
+
 /* ---- tetrahedra by the signs of their corners ---- */
 
 /* Edges (inside, outside) round the surface in a positive tetrahedron, seen counter-clockwise from outside. */
