@@ -2,10 +2,10 @@
  *
  * Round a vertex of such a surface its triangles are one fan: each of its neighbours is followed by exactly one
  * other, and the way over all of them is one circle. Where that holds of every vertex the surface is closed,
- * oriented, edge- and vertex-manifold; of vertices that are not asked for it is known already. */
+ * oriented, edge- and vertex-manifold; of vertices that are not requested it is known already. */
 #include "section/oblique.h"
 
-/* Neighbours (from, to) of vertices that are asked for, in the order of these. */
+/* Neighbours (from, to) of the vertices requested, in the order of these. */
 typedef struct fans_work {
     uint64_t *first; /* [vertices + 1] */
     uint32_t (*pair)[2];

@@ -255,7 +255,7 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
-/* fans.c: how many of the vertices that are asked for have triangles that are not one closed fan. */
+/* fans.c: how many of the vertices requested (asked) have triangles that are not one closed fan. */
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
                            const uint8_t *asked, uint64_t *broken);
 

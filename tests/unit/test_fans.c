@@ -41,7 +41,7 @@ static void test_a_missing_and_a_turned_triangle_are_found(void)
 
     TEST_ASSERT_EQUAL_UINT64(3, broken_of(open, 3, 4, 1)); /* vertex 1 has all of its own */
     TEST_ASSERT_EQUAL_UINT64(3, broken_of(turned, 4, 4, 1));
-    TEST_ASSERT_EQUAL_UINT64(0, broken_of(turned, 4, 4, 0)); /* what is not asked for is not looked at */
+    TEST_ASSERT_EQUAL_UINT64(0, broken_of(turned, 4, 4, 0)); /* what is not requested is not looked at */
 }
 
 static void test_bodies_that_share_a_vertex_or_an_edge_are_found(void)
