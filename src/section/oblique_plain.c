@@ -367,7 +367,7 @@ static void plain_surface_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static bvx_status make_plain(bvxi_oblique *o, plain_job *job, uint64_t more)
+static bvx_status make_plain_surface(bvxi_oblique *o, plain_job *job, uint64_t more)
 {
     static const char what[] = "the surface";
     bvx_context *const ctx = o->ctx;
@@ -399,7 +399,7 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * sizeof *o->crossed, "the crossed edges", &o->crossed));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, sizeof *job + (n + 1) * 4, "the crossed edges", &job));
     job->triangles = (uint32_t *)(void *)(job + 1);
-    status = make_plain(o, job, more);
+    status = make_plain_surface(o, job, more);
     bvxi_drop(o->ctx, job);
     return status;
 }
