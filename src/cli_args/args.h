@@ -37,6 +37,7 @@ struct cli_command {
     const char *example;      /* command lines that work in the project's folder, one a line */
     const cli_argument *rows; /* the options that it takes, in the order of its help */
     size_t own;               /* bytes of those that are its own: run->own */
+    void (*start)(void *own); /* what they are where nothing is given; NULL: zero */
     size_t job;               /* bytes of what it works with: run->job */
     /* Check, open, read, call the library: all but writing. */
     int (*make)(cli_run *run, void *job, cli_made *made);

@@ -28,7 +28,7 @@ void cli_tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made *ma
     cli_text_add(lines, "  points      %" PRIu64, r->inside);
     if (r->outside != 0) cli_text_add(lines, ", and %" PRIu64 " outside", r->outside);
     cli_text_add(lines, "\n  occupied    %" PRIu64 "\n", r->occupied);
-    if (own->body) cli_text_add(lines, "  filled      %" PRIu64 "\n", r->filled);
+    if (own->cloud.body) cli_text_add(lines, "  filled      %" PRIu64 "\n", r->filled);
 
     cli_text_add(t, ", \"cloud\": {\"inside\": %" PRIu64, r->inside);
     cli_json_count(t, "outside", r->outside);
@@ -38,7 +38,7 @@ void cli_tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made *ma
     cli_text_add(t, "}");
 
     if (made->set == 0) cli_advise(made, "no voxel is set: none holds so many points");
-    else if (own->body && r->pockets == 0)
+    else if (own->cloud.body && r->pockets == 0)
         cli_advise(
             made,
             "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
@@ -51,11 +51,8 @@ bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    bvx_points_options p;
+    bvx_points_options p = own->cloud;
 
-    bvx_points_options_init(&p, sizeof p);
-    if (own->minimum != 0) p.minimum = own->minimum;
-    p.body = own->body;
     p.close_gaps = o->close_gaps;
     p.window = *window;
     p.report = report;

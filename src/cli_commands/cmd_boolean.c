@@ -13,11 +13,17 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
 typedef struct boolean_options {
+    bvx_boolean_options meshes;
     int32_t resample; /* grids of other lattices are sampled */
-    int32_t thin;     /* BVX_THIN_... */
 } boolean_options;
+
+static void start_boolean(void *options)
+{
+    boolean_options *const o = options;
+
+    bvx_boolean_options_init(&o->meshes, sizeof o->meshes);
+}
 
 #define OWN(name) CLI_OWN(boolean_options, name)
 
@@ -41,7 +47,7 @@ static const cli_argument boolean_rows[] = {
     {.also = cli_takes_reduction},
     {.also = cli_takes_interpolation},
     {.also = cli_takes_sharp},
-    CHOICE("--thin", "WHAT", OWN(thin), boolean_thin_names, BVX_THIN_SHELL,
+    CHOICE("--thin", "WHAT", OWN(meshes.thin), boolean_thin_names, BVX_THIN_SHELL,
            "walls of the meshes too thin for the voxels. keep: whole, about as thick\n"
            "as they are; drop: lost where no centre lies in them, with a warning [keep]"),
     {.also = cli_takes_least_part},
@@ -171,12 +177,11 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
 static int combine_meshes(cli_run *run, boolean_run *b)
 {
     const boolean_options *const own = run->own;
-    bvx_boolean_options o;
+    bvx_boolean_options o = own->meshes;
     bvx_mesh_view view[2];
     bvx_lattice lattice;
     bvx_status status;
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.lattice = &lattice;
     o.position_type = BVX_POSITION_AUTO;
     o.fill = run->options->fill;
@@ -184,7 +189,6 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
-    if (cli_given(run, "--thin")) o.thin = own->thin;
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");
@@ -467,6 +471,7 @@ const cli_command cli_boolean = {
         "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
         "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
     .rows = boolean_rows,
+    .start = start_boolean,
     .own = sizeof(boolean_options),
     .job = sizeof(boolean_run),
     .make = make_boolean,

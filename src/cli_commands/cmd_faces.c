@@ -7,12 +7,13 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
-typedef struct faces_options {
-    int32_t merge;
-} faces_options;
+/* The library's own options, at first what it takes by itself. */
+static void start_faces(void *options)
+{
+    bvx_faces_options_init(options, sizeof(bvx_faces_options));
+}
 
-#define OWN(name) CLI_OWN(faces_options, name)
+#define OWN(name) CLI_OWN(bvx_faces_options, name)
 
 static const cli_argument faces_rows[] = {
     {.also = cli_takes_output},
@@ -20,7 +21,7 @@ static const cli_argument faces_rows[] = {
     {.also = cli_takes_padding},
     {.also = cli_takes_fill_of_solids},
     {.also = cli_takes_volumes},
-    FLAG("--merge", OWN(merge), "faces of one plane become few rectangles"),
+    FLAG("--merge", OWN(merged), "faces of one plane become few rectangles"),
     {.also = cli_takes_output_origin},
     {.also = cli_takes_kept_parts},
     {.also = cli_takes_all},
@@ -43,12 +44,10 @@ static int check_faces_options(cli_run *run)
 
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
 {
-    const faces_options *const own = run->own;
-    bvx_faces_options f;
-    bvx_faces_options_init(&f, sizeof f);
-    f.position_type = BVX_POSITION_AUTO;
-    f.merged = own->merge;
-    return bvx_extract_faces(run->context, grid, &f, mesh);
+    bvx_faces_options *const f = run->own;
+
+    f->position_type = BVX_POSITION_AUTO;
+    return bvx_extract_faces(run->context, grid, f, mesh);
 }
 
 static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
@@ -87,12 +86,12 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
 
 static void tell_faces(const cli_run *run, const void *work, cli_made *made)
 {
-    const faces_options *const own = run->own;
+    const bvx_faces_options *const own = run->own;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
     (void)work;
     cli_tell(made, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
-             own->merge ? "rectangles" : "faces     ", c->triangles / 2);
+             own->merged ? "rectangles" : "faces     ", c->triangles / 2);
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n  volume      %.9g\n", c->triangles,
              c->vertices, c->volume);
 }
@@ -119,7 +118,8 @@ const cli_command cli_faces = {
         "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
     .example = "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
     .rows = faces_rows,
-    .own = sizeof(faces_options),
+    .start = start_faces,
+    .own = sizeof(bvx_faces_options),
     .job = sizeof(faces_job),
     .make = make_faces,
     .tell = tell_faces,

@@ -14,6 +14,14 @@
 
 /* ---- its options ---- */
 
+static void start_lod(void *options)
+{
+    cli_lod_options *const o = options;
+
+    bvx_lod_options_init(&o->samples, sizeof o->samples);
+    bvx_levels_options_init(&o->levels, sizeof o->levels);
+}
+
 #define OWN(name) CLI_OWN(cli_lod_options, name)
 
 static const char *const method_names[] = {BVX_LOD_LIST(CLI_NAME_OF) "collapse", NULL};
@@ -34,7 +42,7 @@ static const cli_argument lod_rows[] = {
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n"
           "20 triangles]"),
     {.also = cli_takes_collapse},
-    CHOICE("--source", "WHAT", OWN(source), source_names, BVX_LEVELS_AUTO,
+    CHOICE("--source", "WHAT", OWN(levels.source), source_names, BVX_LEVELS_AUTO,
            "what levels are made from. mesh: the mesh itself, which must be closed,\n"
            "manifold and oriented; measured: its surface, measured as repair does;\n"
            "auto: the mesh where it is that and does not cross itself [auto; measured with\n"
@@ -46,18 +54,18 @@ static const cli_argument lod_rows[] = {
     FLAG("--sharp", SHARED(sharp), "of the measured surface: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", SHARED(no_sharp),
          "do not put vertices there [where many of the mesh's edges are sharp]"),
-    FLAG("--outer-hull", OWN(outer_hull), "inner shells and cavities go"),
+    FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities go"),
     CHOICE("--method", "NAME", OWN(method), method_names, BVX_LOD_EDGE_RATIO,
            "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\n"
            "solid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
            "--threshold, --edge-samples, --collapse, --fill, --close-gaps, --padding]"),
-    LIST("--levels", "A,B,C", OWN(levels), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
+    LIST("--levels", "A,B,C", OWN(resolutions), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "edge-ratio, coverage: samples along the longest axis of each level\n"
          "[64,32,16]"),
-    BETWEEN("--threshold", "T", OWN(threshold), 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
-    WHOLE("--edge-samples", "N", OWN(edge_samples), 1, 65536,
+    BETWEEN("--threshold", "T", OWN(samples.threshold), 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
+    WHOLE("--edge-samples", "N", OWN(samples.edge_samples), 1, 65536,
           "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
-    FROM_TO("--collapse", "F", OWN(collapse), 1, 64,
+    FROM_TO("--collapse", "F", OWN(samples.collapse), 1, 64,
             "edge-ratio, coverage with --triangles: make up to F times as many, then\n"
             "collapse the cheapest edges; 2 to 4 comes much nearer to the mesh [off]"),
     {.also = cli_takes_fill_of_solids},
@@ -150,14 +158,16 @@ static int check_lod_options(cli_run *run, cli_chain *c)
         CLI_DONE)
         return CLI_USAGE;
     c->by_triangles = o->triangles.count != 0;
-    c->count = c->by_triangles ? o->triangles.count : own->levels.count != 0 ? own->levels.count : 3;
+    c->count = c->by_triangles               ? o->triangles.count
+               : own->resolutions.count != 0 ? own->resolutions.count
+                                             : 3;
     if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;
-    for (int i = 0; i < own->levels.count && o->resolution.count != 0; i++)
-        if (own->levels.value[i] > o->resolution.value[0])
+    for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
+        if (own->resolutions.value[i] > o->resolution.value[0])
             return cli_usage(run,
                              "--resolution %" PRId64 " is below level %" PRId64
                              "; it must be at least the finest level",
-                             o->resolution.value[0], own->levels.value[i]);
+                             o->resolution.value[0], own->resolutions.value[i]);
     return CLI_DONE;
 }
 
@@ -193,16 +203,12 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     cli_mesh_entry *const entry = &run->report.mesh[i];
     int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
     uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
-    bvx_lod_options l;
+    bvx_lod_options l = own->samples;
     bvx_status status;
     int result;
 
-    bvx_lod_options_init(&l, sizeof l);
     if (own->method != 0) l.method = own->method;
-    if (own->threshold != 0.0) l.threshold = own->threshold;
-    l.edge_samples = own->edge_samples;
     l.position_type = BVX_POSITION_AUTO;
-    l.collapse = own->collapse;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
@@ -377,6 +383,7 @@ const cli_command cli_lod = {
                "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
                "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
     .rows = lod_rows,
+    .start = start_lod,
     .own = sizeof(cli_lod_options),
     .job = sizeof(lod_job),
     .make = make_lod,

@@ -9,17 +9,23 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
 typedef struct morph_options {
-    int32_t neighbourhood; /* index into 6, 18, 26 */
-    int32_t steps;
-    double radius;
-    double thickness;
-    double drain;       /* radius */
-    int32_t drain_side; /* 0 to 5: x-low, x-high, y-low ... */
-    int32_t side;       /* BVX_DISTANCE_... */
-    int32_t beyond;     /* 0: empty, 1: set, 2: nothing */
+    bvx_morph_options change;
+    bvx_hollow_options hollow;
+    bvx_distance_options distance;
+    int32_t neighbourhood; /* index into cli_neighbours */
+    int32_t drain_side;    /* 0 to 5: x-low, x-high, y-low ... */
 } morph_options;
+
+static void start_morph(void *options)
+{
+    morph_options *const o = options;
+
+    bvx_morph_options_init(&o->change, sizeof o->change);
+    bvx_hollow_options_init(&o->hollow, sizeof o->hollow);
+    bvx_distance_options_init(&o->distance, sizeof o->distance);
+    o->drain_side = 4;
+}
 
 #define OWN(name) CLI_OWN(morph_options, name)
 
@@ -38,18 +44,20 @@ static const cli_argument morph_rows[] = {
     {.also = cli_takes_output_origin},
     CHOICE("--neighbourhood", "N", OWN(neighbourhood), cli_connectivity_names, 0,
            "6: voxels across faces; 18: and edges; 26: and corners [6]"),
-    WHOLE("--steps", "N", OWN(steps), 1, 65536, "how many times the neighbourhood is applied [1]"),
-    FROM_TO("--radius", "R", OWN(radius), 0, 1e300,
+    WHOLE("--steps", "N", OWN(change.steps), 1, 65536, "how many times the neighbourhood is applied [1]"),
+    FROM_TO("--radius", "R", OWN(change.radius), 0, 1e300,
             "a ball in place of the neighbourhood, in the lattice's unit"),
-    FROM_TO("--thickness", "T", OWN(thickness), 0, 1e300, "hollow: of the shell, in the lattice's unit"),
-    FROM_TO("--drain", "R", OWN(drain), 0, 1e300, "hollow: radius of a round hole through the shell [none]"),
+    FROM_TO("--thickness", "T", OWN(hollow.thickness), 0, 1e300,
+            "hollow: of the shell, in the lattice's unit"),
+    FROM_TO("--drain", "R", OWN(hollow.drain_radius), 0, 1e300,
+            "hollow: radius of a round hole through the shell [none]"),
     CHOICE("--drain-side", "SIDE", OWN(drain_side), side_names, 0,
            "where the hole comes from: x-low, x-high, y-low, y-high, z-low or\n"
            "z-high [z-low]"),
-    CHOICE("--side", "NAME", OWN(side), distance_names, BVX_DISTANCE_OUTSIDE,
+    CHOICE("--side", "NAME", OWN(distance.side), distance_names, BVX_DISTANCE_OUTSIDE,
            "distance. outside: of each centre to the nearest set one; inside: to\n"
            "the nearest empty one; signed: the first less the second [outside]"),
-    CHOICE("--beyond", "WHAT", OWN(beyond), beyond_names, 0,
+    CHOICE("--beyond", "WHAT", OWN(distance.beyond), beyond_names, 0,
            "what lies beyond the grid: empty or set voxels; distance: or nothing\n"
            "[empty; distance: nothing]"),
     CHOICE("--value-type", "TYPE", SHARED(value_type), cli_value_type_names, BVX_F32,
@@ -114,8 +122,8 @@ static uint32_t facts_of_action(const morph_options *own, morph_action action)
     return (action == HOLLOW     ? (uint32_t)HOLLOWS
             : action == DISTANCE ? (uint32_t)MEASURES
                                  : (uint32_t)GROWS) |
-           (own->thickness > 0.0 ? IS_THICK : 0u) | (own->drain > 0.0 ? DRAINS : 0u) |
-           (own->beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
+           (own->hollow.thickness > 0.0 ? IS_THICK : 0u) | (own->hollow.drain_radius > 0.0 ? DRAINS : 0u) |
+           (own->distance.beyond == BVX_BEYOND_NOTHING ? NOTHING_BEYOND : 0u);
 }
 
 /* The word is the action's name. */
@@ -180,8 +188,9 @@ static int make_room(cli_run *run, morph_job *job)
     status = cli_make_lattice(run, &view, &l);
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
-    voxels = cli_given(run, "--radius") ? ceil(own->radius / (l.spacing[2] < least ? l.spacing[2] : least))
-                                        : (double)(own->steps != 0 ? own->steps : 1);
+    voxels = cli_given(run, "--radius")
+                 ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
+                 : (double)own->change.steps;
     voxels += cli_makes_mesh(run);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
@@ -194,30 +203,20 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
     static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *,
                                             bvx_grid *) = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open,
                                                            bvx_grid_close};
-    bvx_morph_options m;
+    bvx_morph_options m = own->change;
 
-    bvx_morph_options_init(&m, sizeof m);
-    if (cli_given(run, "--radius")) {
-        m.neighbourhood = 0;
-        m.radius = own->radius;
-    } else {
-        m.neighbourhood = cli_neighbours[own->neighbourhood];
-        m.steps = own->steps != 0 ? own->steps : 1;
-    }
-    m.beyond = own->beyond == BVX_BEYOND_SET;
+    m.neighbourhood = cli_given(run, "--radius") ? 0 : cli_neighbours[own->neighbourhood];
+    m.beyond = own->distance.beyond == BVX_BEYOND_SET;
     return operation[job->action](run->context, &job->in.grid, &m, &job->out);
 }
 
 static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
-    bvx_hollow_options h;
+    bvx_hollow_options h = own->hollow;
 
-    bvx_hollow_options_init(&h, sizeof h);
-    h.thickness = own->thickness;
-    h.drain_radius = own->drain;
-    if (cli_given(run, "--drain-side")) h.drain_side = 1 << own->drain_side;
-    h.beyond = own->beyond == BVX_BEYOND_SET;
+    h.drain_side = 1 << own->drain_side;
+    h.beyond = own->distance.beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
     return bvx_grid_hollow(run->context, &job->in.grid, &h, &job->out);
 }
@@ -231,19 +230,18 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
     const morph_options *const own = run->own;
     const double *const h = job->in.grid.lattice.spacing;
     double const most = fmax(h[0], fmax(h[1], h[2]));
-    bvx_hollow_options d;
+    bvx_hollow_options d = own->hollow;
     bvx_grid closed = {0};
     bvx_status status = BVX_OK;
 
-    bvx_hollow_options_init(&d, sizeof d);
-    d.beyond = own->beyond == BVX_BEYOND_SET;
+    d.drain_side = 1 << own->drain_side;
+    d.beyond = own->distance.beyond == BVX_BEYOND_SET;
     for (int deep = 1; deep >= 0 && status == BVX_OK; deep--) {
-        d.thickness = own->thickness + deep * 1.75 * most;
+        d.thickness = own->hollow.thickness + deep * 1.75 * most;
         d.drain_radius = 0.0;
         d.report = NULL;
         status = bvx_grid_hollow(run->context, &job->in.grid, &d, &closed);
-        d.drain_radius = own->drain;
-        if (cli_given(run, "--drain-side")) d.drain_side = 1 << own->drain_side;
+        d.drain_radius = own->hollow.drain_radius;
         d.report = &job->hollow;
         if (status == BVX_OK) status = bvx_grid_hollow(run->context, &job->in.grid, &d, hole);
         if (status == BVX_OK && job->hollow.hollowed != 0) break;
@@ -257,9 +255,9 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
 static int stays(const cli_run *run, const morph_job *job, int solid, double distance)
 {
     const morph_options *const own = run->own;
-    if (job->action == DILATE) return solid || distance <= own->radius;
-    if (job->action == ERODE) return solid && distance > own->radius;
-    return solid && distance <= own->thickness;
+    if (job->action == DILATE) return solid || distance <= own->change.radius;
+    if (job->action == ERODE) return solid && distance > own->change.radius;
+    return solid && distance <= own->hollow.thickness;
 }
 
 /* Grown, shrunk and hollowed by the distance to the mesh itself, not to the centres of voxels. */
@@ -293,8 +291,8 @@ static void take_drill(const cli_run *run, morph_job *job)
 
     if (job->hole.words == NULL || job->hollow.drained == 0) return;
     drill->hole = &job->hole;
-    drill->axis = cli_given(run, "--drain-side") ? own->drain_side / 2 : 2;
-    drill->radius = own->drain;
+    drill->axis = own->drain_side / 2;
+    drill->radius = own->hollow.drain_radius;
     memcpy(drill->at, job->hollow.drain, sizeof drill->at);
 }
 
@@ -309,12 +307,12 @@ static int moves_walls(const cli_run *run, const morph_job *job)
 static bvx_status move_walls(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
-    double const far = job->action == HOLLOW ? own->thickness : own->radius;
+    double const far = job->action == HOLLOW ? own->hollow.thickness : own->change.radius;
     bvx_status status;
 
     job->voxels.offset = job->action == DILATE ? far : -far;
     status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
-    if (status == BVX_OK && job->action == HOLLOW && own->drain > 0.0)
+    if (status == BVX_OK && job->action == HOLLOW && own->hollow.drain_radius > 0.0)
         status = drill_hole(run, job, &job->hole);
     if (status == BVX_OK) status = bvx_grid_create(run->context, &job->in.grid.lattice, NULL, &job->out);
     if (status != BVX_OK) return status;
@@ -343,7 +341,7 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
         if (h->hollowed == 0)
-            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", own->thickness);
+            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", own->hollow.thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && cli_touches_side(&job->out) &&
@@ -399,7 +397,6 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
 {
     const morph_options *const own = run->own;
     size_t const size = field->value_type == BVX_F64 ? 8 : 4;
-    bvx_distance_options d;
     bvx_status const status = make_band(run, grid, field);
 
     if (status != BVX_OK) return status;
@@ -407,10 +404,8 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
                                                             : NULL;
     if (field->distances == NULL) return BVX_ERR_MEMORY;
     cli_note_peak(run, field->value_count * size);
-    bvx_distance_options_init(&d, sizeof d);
-    d.side = own->side;
-    d.beyond = own->beyond;
-    return bvx_grid_distance(run->context, grid, &d, field->value_type, field->distances, field->value_count);
+    return bvx_grid_distance(run->context, grid, &own->distance, field->value_type, field->distances,
+                             field->value_count);
 }
 
 static double value_at(const bvx_field *f, uint64_t i)
@@ -432,8 +427,8 @@ static void tell_distances(const cli_run *run, const morph_job *job, cli_made *m
         if (v < least) least = v;
         if (v > greatest) greatest = v;
     }
-    cli_tell(made, "  distances   %s, %.9g to %.9g\n", sides[own->side], least, greatest);
-    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[own->side]);
+    cli_tell(made, "  distances   %s, %.9g to %.9g\n", sides[own->distance.side], least, greatest);
+    cli_text_add(t, ", \"morph\": {\"action\": \"distance\", \"side\": \"%s\"", sides[own->distance.side]);
     cli_json_value(t, "least", least);
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
@@ -523,6 +518,7 @@ const cli_command cli_morph = {
         "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
         "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
     .rows = morph_rows,
+    .start = start_morph,
     .own = sizeof(morph_options),
     .job = sizeof(morph_job),
     .make = make_morph,

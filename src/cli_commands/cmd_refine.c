@@ -7,13 +7,18 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
 typedef struct refine_options {
-    int32_t base_voxels; /* --base */
-    int32_t depth;       /* --halvings; -1: auto */
-    int32_t outer_levels;
-    double adaptive;
+    bvx_refine_options tree;
+    int32_t base_voxels; /* --base; 0: not given */
+    int32_t depth;       /* --halvings */
 } refine_options;
+
+static void start_refine(void *options)
+{
+    refine_options *const o = options;
+
+    bvx_refine_options_init(&o->tree, sizeof o->tree);
+}
 
 #define OWN(name) CLI_OWN(refine_options, name)
 
@@ -31,8 +36,9 @@ static const cli_argument refine_rows[] = {
     WHOLE_OR("--halvings", "L|auto", OWN(depth), 0, 25, auto_names, -1,
              "how many times voxels are halved [6]; auto: with --resolution, as it\n"
              "takes least time by an estimate [auto with --resolution]"),
-    WHOLE("--outer-levels", "L", OWN(outer_levels), 0, 25, "with --window: how many times beyond it [0]"),
-    BETWEEN("--adaptive", "T", OWN(adaptive), 0, 1e300,
+    WHOLE("--outer-levels", "L", OWN(tree.outer_levels), 0, 25,
+          "with --window: how many times beyond it [0]"),
+    BETWEEN("--adaptive", "T", OWN(tree.tolerance), 0, 1e300,
             "a voxel whose triangles lie within T of one plane is not halved,\n"
             "in the mesh's unit [off]"),
     {.also = cli_takes_states},
@@ -76,9 +82,9 @@ static int check_levels(cli_run *run)
     if (cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL) != CLI_DONE)
         return CLI_USAGE;
     if (levels == REFINE_AUTO) return CLI_DONE;
-    if (own->outer_levels > levels)
+    if (own->tree.outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
-                         own->outer_levels, levels);
+                         own->tree.outer_levels, levels);
     return cli_check_tree_level(run, levels);
 }
 
@@ -119,16 +125,13 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     const refine_options *const own = run->own;
     const cli_options *const o = run->options;
     const char *const path = cli_input_name(o->input[0]);
-    bvx_refine_options r;
+    bvx_refine_options r = own->tree;
     bvx_octree *tree = NULL;
     bvx_mesh_view view;
     bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
-    bvx_refine_options_init(&r, sizeof r);
     r.window = t->window;
-    r.outer_levels = own->outer_levels;
-    r.tolerance = own->adaptive;
     cli_stage_begin(run, "refine");
     status = make_base(run, &view, &r, &t->base);
     if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
@@ -227,6 +230,7 @@ const cli_command cli_refine = {
                "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
                "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
     .rows = refine_rows,
+    .start = start_refine,
     .own = sizeof(refine_options),
     .job = sizeof(cli_tree),
     .make = make_refine,

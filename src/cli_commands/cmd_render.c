@@ -9,6 +9,13 @@
 
 /* ---- its options ---- */
 
+static void start_render(void *options)
+{
+    cli_render_options *const o = options;
+
+    bvx_render_options_init(&o->picture, sizeof o->picture);
+}
+
 #define OWN(name) CLI_OWN(cli_render_options, name)
 
 static const cli_argument render_rows[] = {
@@ -24,8 +31,8 @@ static const cli_argument render_rows[] = {
     WHOLE("--voxels", "N", OWN(voxels), 1, LARGEST_SIDE,
           "draw the voxels of a mesh's solid, N along its longest axis\n"
           "[256 with --compare]"),
-    FLAG("--smooth", OWN(smooth), "smooth shading; sharp edges stay sharp"),
-    FLAG("--wireframe", OWN(wireframe), "draw the edges of triangles or voxels too"),
+    FLAG("--smooth", OWN(picture.smooth), "smooth shading; sharp edges stay sharp"),
+    FLAG("--wireframe", OWN(picture.wireframe), "draw the edges of triangles or voxels too"),
     PLANES("--cut", "AXIS=VALUE", SHARED(cut),
            "take away what lies between a plane and the eye, in the model's unit;\n"
            "once for each axis, or x=0.5,z=1"),
@@ -364,6 +371,7 @@ const cli_command cli_render = {
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
                "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
     .rows = render_rows,
+    .start = start_render,
     .own = sizeof(cli_render_options),
     .job = sizeof(render_job),
     .make = make_render,

@@ -9,14 +9,13 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
-typedef struct repair_options {
-    int32_t if_needed;
-    int32_t measure;
-    int32_t thin; /* BVX_THIN_... */
-} repair_options;
+/* The library's own options, at first what it takes by itself. */
+static void start_repair(void *options)
+{
+    bvx_repair_options_init(options, sizeof(bvx_repair_options));
+}
 
-#define OWN(name) CLI_OWN(repair_options, name)
+#define OWN(name) CLI_OWN(bvx_repair_options, name)
 
 static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
 
@@ -110,7 +109,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
 
 static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made *made)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     const bvx_certificate *const c = &r->before;
 
     cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
@@ -203,7 +202,7 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
                           cli_made *made)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
     if (!r->copied)
@@ -235,20 +234,17 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
-    bvx_repair_options_init(o, sizeof *o);
+    *o = *own;
     if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
     if (cli_given(run, "--interpolation")) o->interpolation = c->interpolation;
     if (c->sharp || c->no_sharp) o->sharp = c->sharp;
-    o->measure = own->measure;
     if (cli_given(run, "--shell")) o->shell = c->shell;
-    if (cli_given(run, "--thin")) o->thin = own->thin;
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     o->keep_crumbs = cli_given(run, "--least-part");
-    o->if_needed = own->if_needed;
     if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
 }
 
@@ -283,7 +279,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     bvx_mesh_view from, to;
     bvx_status status;
     int const result = cli_reduce(run, repaired, reduction);
@@ -331,7 +327,7 @@ static int write_repaired(cli_run *run, void *work)
 
 static int make_repair(cli_run *run, void *work, cli_made *made)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     repair_job *const job = work;
     bvx_repair_report *const r = &job->report;
     cli_mesh_entry *const entry = &run->report.mesh[0];
@@ -357,7 +353,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
 
 static void tell_repair(const cli_run *run, const void *work, cli_made *made)
 {
-    const repair_options *const own = run->own;
+    const bvx_repair_options *const own = run->own;
     const repair_job *const job = work;
 
     cli_report_repair(&made->members, &job->report, own->measure);
@@ -390,7 +386,8 @@ const cli_command cli_repair = {
         "voxels are kept. With --triangles or --error the result's edges then collapse.",
     .example = "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
     .rows = repair_rows,
-    .own = sizeof(repair_options),
+    .start = start_repair,
+    .own = sizeof(bvx_repair_options),
     .job = sizeof(repair_job),
     .make = make_repair,
     .tell = tell_repair,

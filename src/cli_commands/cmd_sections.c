@@ -9,23 +9,19 @@
 
 /* ---- its options ---- */
 
-/* Zero stands for "not given". */
 typedef struct sections_options {
-    cli_list size;
-    double spacing; /* of planes */
-    int32_t cells;  /* of planes that are not parallel */
-    double agree;
-    int32_t layers;
-    int32_t blend;   /* BVX_BLEND_... */
-    int32_t caps;    /* BVX_CAPS_... */
-    int32_t nesting; /* BVX_NESTING_... */
-    int32_t mend;
-    int32_t crossings; /* BVX_CROSSINGS_... */
-    int32_t subdivide;
-    int32_t label;           /* of the body */
-    const char *block_model; /* a file's name */
+    bvx_sections_options body;
+    cli_list grid;           /* --grid; not given: none */
+    const char *block_model; /* a file's name, or NULL */
     cli_triple block;
 } sections_options;
+
+static void start_sections(void *options)
+{
+    sections_options *const o = options;
+
+    bvx_sections_options_init(&o->body, sizeof o->body);
+}
 
 #define OWN(name) CLI_OWN(sections_options, name)
 
@@ -36,41 +32,42 @@ static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NU
 
 static const cli_argument sections_rows[] = {
     {.also = cli_takes_output},
-    SIZE("--grid", "NxM", OWN(size), 8192,
+    SIZE("--grid", "NxM", OWN(grid), 8192,
          "cells over the sections [auto: sides of twice the mean length of the\n"
          "contours' segments]"),
-    BETWEEN("--spacing", "S", OWN(spacing), 0, 1e300,
+    BETWEEN("--spacing", "S", OWN(body.spacing), 0, 1e300,
             "side of a cell in the contours' unit, in place of --grid"),
-    WHOLE("--cells", "N", OWN(cells), 8, 1024,
+    WHOLE("--cells", "N", OWN(body.cells), 8, 1024,
           "planes that are not parallel: cells along the longest side of the\n"
           "contours' box [auto: 64]"),
-    FROM_TO("--agree", "D", OWN(agree), 0, 1e300,
+    FROM_TO("--agree", "D", OWN(body.agree), 0, 1e300,
             "planes that are not parallel: contours at most so far apart where two\n"
             "planes cross are moved to agree [a hundredth of that longest side]"),
     FROM_TO("--close-gap", "G", SHARED(close_gap), 0, 1e300,
             "of .csv: loops whose ends lie further apart than G are refused as open\n"
             "polylines; 0 closes all of them by a straight side [0]"),
-    WHOLE("--layers", "N", OWN(layers), 1, 64, "layers of cells from section to section [1]"),
-    CHOICE("--blend", "HOW", OWN(blend), blend_names, BVX_BLEND_LINEAR,
+    WHOLE("--layers", "N", OWN(body.layers), 1, 64, "layers of cells from section to section [1]"),
+    CHOICE("--blend", "HOW", OWN(body.blend), blend_names, BVX_BLEND_LINEAR,
            "from section to section: linear, or cubic over four of them, smooth\n"
            "across sections [linear]"),
-    CHOICE("--caps", "HOW", OWN(caps), caps_names, BVX_CAPS_FLAT,
+    CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper: each part to a\n"
            "ridge half a spacing beyond, also those that end in between; open [flat]"),
-    CHOICE("--nesting", "HOW", OWN(nesting), nesting_names, BVX_NESTING_LEVELS,
+    CHOICE("--nesting", "HOW", OWN(body.nesting), nesting_names, BVX_NESTING_LEVELS,
            "loops in loops between two sections: levels, outlines and holes each\n"
            "for themselves, so that walls have no windows; whole, both at\n"
            "once [levels]"),
-    FLAG("--mend", OWN(mend),
+    FLAG("--mend", OWN(body.mend),
          "split loops where they touch or cross, in place of refusing them; inside\n"
          "stays what an odd number of loops enclose"),
-    CHOICE("--crossings", "HOW", OWN(crossings), crossings_names, BVX_CROSSINGS_EXACT,
+    CHOICE("--crossings", "HOW", OWN(body.crossings), crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\n"
            "interpolated distances with the contours' points put in; classic,\n"
            "marching cubes [exact]"),
-    WHOLE("--subdivide", "N", OWN(subdivide), 0, 8,
+    WHOLE("--subdivide", "N", OWN(body.depth), 0, 8,
           "halve cells that a contour crosses twice on a side, N times at most [5]"),
-    WHOLE("--label", "L", OWN(label), -2147483647.0, 2147483647.0, "the body, where the file holds several"),
+    WHOLE("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0,
+          "the body, where the file holds several"),
     FILE_NAME("--block-model", "CSV", OWN(block_model),
               "also write blocks: centre, sides and the share that is inside"),
     TRIPLE("--block", "X,Y,Z", OWN(block), "sides of a block, with --block-model"),
@@ -116,7 +113,7 @@ static uint32_t facts_of_sections(const cli_run *run)
 
     if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
     if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
-    if (own->caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
+    if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
     if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
         facts |= MODEL_IS_CSV;
     for (int k = 0; k < 3; k++)
@@ -149,25 +146,13 @@ static int build_body(cli_run *run, sections_job *job)
 {
     const sections_options *const own = run->own;
     const cli_options *const o = run->options;
-    bvx_sections_options s;
+    bvx_sections_options s = own->body;
     bvx_status status;
     int32_t reason;
     int result;
 
-    bvx_sections_options_init(&s, sizeof s);
-    if (cli_given(run, "--grid"))
-        for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->size.value[k];
-    s.spacing = own->spacing;
-    s.cells = own->cells;
-    s.agree = own->agree;
-    if (cli_given(run, "--layers")) s.layers = own->layers;
-    if (cli_given(run, "--subdivide")) s.depth = own->subdivide;
-    if (cli_given(run, "--label")) s.label = own->label;
-    s.blend = own->blend;
-    s.caps = own->caps;
-    s.nesting = own->nesting;
-    s.mend = own->mend;
-    s.crossings = own->crossings;
+    if (own->grid.count != 0)
+        for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
@@ -176,7 +161,7 @@ static int build_body(cli_run *run, sections_job *job)
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label",
                         cli_input_name(o->input[0]));
-    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->mend)
+    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
     result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
@@ -422,7 +407,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
 {
     const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
-    int32_t const depth = cli_given(run, "--subdivide") ? own->subdivide : USUAL_DEPTH;
+    int32_t const depth = own->body.depth;
 
     if (r->planes != 0) {
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
@@ -445,7 +430,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
             "between %" PRIu64
             " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
             r->joined_slabs);
-    if (own->caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
+    if (own->body.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_advise(
             made,
             "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
@@ -509,6 +494,7 @@ const cli_command cli_sections = {
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
     .rows = sections_rows,
+    .start = start_sections,
     .own = sizeof(sections_options),
     .job = sizeof(sections_job),
     .make = make_sections,

@@ -7,6 +7,14 @@
 
 /* ---- its options ---- */
 
+static void start_voxelize(void *options)
+{
+    cli_voxelize_options *const o = options;
+
+    bvx_voxelize_options_init(&o->solid, sizeof o->solid);
+    bvx_points_options_init(&o->cloud, sizeof o->cloud);
+}
+
 #define OWN(name) CLI_OWN(cli_voxelize_options, name)
 
 static const char *const check_thin_names[] = {"auto", "never", "always", NULL};
@@ -38,22 +46,23 @@ static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_fill},
     WHOLE("--close-gaps", "N", SHARED(close_gaps), 0, 65535,
           "with --fill flood, or --body: gaps of up to N voxels hold the flood [0]"),
-    WHOLE("--minimum", "N", OWN(minimum), 1, 2147483647.0,
+    WHOLE("--minimum", "N", OWN(cloud.minimum), 1, 2147483647.0,
           "of a cloud: points that a voxel needs to be set [1]"),
-    FLAG("--body", OWN(body), "of a cloud: set what a flood from outside cannot reach too"),
+    FLAG("--body", OWN(cloud.body), "of a cloud: set what a flood from outside cannot reach too"),
     {.also = cli_takes_add_shell},
-    FLAG("--check-edges", OWN(check_edges), "count edges with one triangle, and those between flipped ones"),
-    CHOICE("--check-thin", "WHEN", OWN(check_thin), check_thin_names, -1,
+    FLAG("--check-edges", OWN(solid.check_edges),
+         "count edges with one triangle, and those between flipped ones"),
+    CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, -1,
            "look for walls too thin for the voxels, for a warning with their place.\n"
            "auto: in whole lattices; always; never [auto]"),
     FLAG("--compare-fills", OWN(compare_fills), "a table of what each rule would set, and where they differ"),
-    NUMBER("--base", "H", OWN(base),
+    NUMBER("--base", "H", OWN(solid.base),
            "with --fill below: the height that columns stand on [the lattice's\n"
            "low end]"),
     FILE_NAME("--second", "MESH", OWN(second),
               "with --fill below: what lies between IN and this terrain; reports cut\n"
               "and fill"),
-    CHOICE("--up", "AXIS", OWN(up_axis), cli_axis_names, 1, "with --fill below: x, y or z [z]"),
+    CHOICE("--up", "AXIS", OWN(solid.axis), cli_axis_names, 0, "with --fill below: x, y or z [z]"),
     {.also = cli_takes_selection},
     FLAG("--all-labels", OWN(all_labels), "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
     {.also = cli_takes_below},
@@ -94,7 +103,7 @@ static uint32_t facts_of_mode(const cli_run *run)
     const cli_voxelize_options *const own = run->own;
 
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
-           (own->check_thin == 1 ? LOOKS_FOR_THIN : 0u);
+           (own->solid.check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
 
 /* A volume has its own lattice, and voxels already. */
@@ -197,7 +206,7 @@ static int choose_box(cli_run *run, voxel_job *job)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    int const based = cli_given(run, "--base"), up = own->up_axis != 0 ? own->up_axis - 1 : 2;
+    int const based = cli_given(run, "--base"), up = own->solid.axis;
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
@@ -212,7 +221,7 @@ static int choose_box(cli_run *run, voxel_job *job)
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
-    if (based && own->base < job->box.low[up]) job->box.low[up] = own->base;
+    if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
     job->boxed = 1;
     return CLI_DONE;
 }
@@ -267,13 +276,9 @@ static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_r
 static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_solid_report *report)
 {
     const cli_voxelize_options *const own = run->own;
-    bvx_voxelize_options v;
+    bvx_voxelize_options v = own->solid;
 
-    bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
-    if (cli_given(run, "--check-thin")) v.check_thin = own->check_thin;
-    if (own->up_axis != 0) v.axis = own->up_axis - 1;
-    if (cli_given(run, "--base")) v.base = own->base;
     v.report = report;
     v.window = job->window;
     if (own->second != NULL) v.second = &job->second_view;
@@ -451,6 +456,7 @@ const cli_command cli_voxelize = {
                "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
                "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
     .rows = voxelize_rows,
+    .start = start_voxelize,
     .own = sizeof(cli_voxelize_options),
     .job = sizeof(voxel_job),
     .make = make_voxelize,

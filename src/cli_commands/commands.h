@@ -49,16 +49,11 @@ void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_re
 
 /* What the command takes for itself; zero stands for "not given". */
 typedef struct cli_voxelize_options {
-    int32_t mode;    /* CLI_MODE_... */
-    int32_t minimum; /* of clouds: points that set a voxel */
-    int32_t body;    /* of clouds */
-    int32_t check_edges;
-    int32_t check_thin; /* -1: auto, 0: never, 1: always */
-    int32_t compare_fills;
-    double base;        /* height that columns stand on */
+    bvx_voxelize_options solid;
+    bvx_points_options cloud;
+    int32_t mode; /* CLI_MODE_... */
+    int32_t compare_fills, all_labels;
     const char *second; /* the other terrain's file */
-    int32_t up_axis;    /* 1 to 3; 0: not given */
-    int32_t all_labels;
 } cli_voxelize_options;
 
 /* ---- clouds.c: voxels of a cloud of points ---- */

@@ -4,15 +4,12 @@
 
 #include "cli_commands/commands.h"
 
-/* What the command takes for itself; zero stands for "not given". */
+/* What the command takes for itself. */
 typedef struct cli_lod_options {
-    int32_t source; /* BVX_LEVELS_... */
-    int32_t outer_hull;
-    int32_t method; /* BVX_LOD_... or CLI_METHOD_COLLAPSE */
-    cli_list levels;
-    double threshold;
-    int32_t edge_samples;
-    double collapse;
+    bvx_lod_options samples;   /* --method edge-ratio, coverage */
+    bvx_levels_options levels; /* --method collapse */
+    int32_t method;            /* BVX_LOD_... or CLI_METHOD_COLLAPSE; 0: not given */
+    cli_list resolutions;      /* --levels */
 } cli_lod_options;
 
 typedef struct cli_chain {

@@ -40,8 +40,8 @@ static int check_measured_options(cli_run *run)
 {
     const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
-    uint32_t const facts = (own->source == BVX_LEVELS_MESH ? FROM_MESH : 0u) |
-                           (own->source == BVX_LEVELS_MEASURED ? FROM_MEASURED : 0u) |
+    uint32_t const facts = (own->levels.source == BVX_LEVELS_MESH ? FROM_MESH : 0u) |
+                           (own->levels.source == BVX_LEVELS_MEASURED ? FROM_MEASURED : 0u) |
                            (o->open != BVX_OPEN_SHELL ? LEAVES_OPEN : 0u);
 
     if (cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut") != CLI_DONE)
@@ -57,7 +57,7 @@ static void take_levels_options(const cli_run *run, cli_lod_collapse *l, bvx_lev
     const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
 
-    bvx_levels_options_init(b, sizeof *b);
+    *b = own->levels;
     if (l->run.by_error) b->target_errors = l->run.error;
     else b->target_triangles = l->run.target;
     b->error_kind = o->error_kind;
@@ -65,13 +65,11 @@ static void take_levels_options(const cli_run *run, cli_lod_collapse *l, bvx_lev
     b->colour_weight = o->colour_weight;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
-    b->source = own->source;
     b->open = o->open;
 
     if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
     if (o->sharp || o->no_sharp) b->sharp = o->sharp;
-    b->outer = own->outer_hull;
     if (cli_given(run, "--shell")) b->shell = o->shell;
     b->least_part = (uint64_t)o->least_part;
     b->least_cavity = (uint64_t)o->least_cavity;
@@ -164,7 +162,7 @@ static const char *reason_of(const cli_run *run, const cli_lod_collapse *l)
                                          "since it and its levels cross themselves",
                                          "since the mesh itself exceeds the memory limit"};
 
-    return own->source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
+    return own->levels.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }
 
 static void tell_lod_head(const cli_run *run, const cli_lod_collapse *l, cli_made *made)

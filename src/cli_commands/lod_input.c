@@ -12,7 +12,7 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
     const cli_lod_options *const own = run->own;
     int32_t const finest = c->kind == CLI_GRID && c->resolution < 64 ? c->resolution : 64;
     int32_t const usual = finest >> level;
-    return own->levels.count != 0 ? (int32_t)own->levels.value[level] : usual > 0 ? usual : 1;
+    return own->resolutions.count != 0 ? (int32_t)own->resolutions.value[level] : usual > 0 ? usual : 1;
 }
 
 /* ---- the solid ---- */
@@ -33,7 +33,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     const cli_lod_options *const own = run->own;
     int32_t resolutions[CLI_MAX_LEVELS], limited;
     uint64_t targets[CLI_MAX_LEVELS];
-    bvx_lod_options o;
+    bvx_lod_options o = own->samples;
     bvx_status status;
 
     if (options->resolution.count != 0) {
@@ -42,8 +42,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
         return CLI_DONE;
     }
 
-    bvx_lod_options_init(&o, sizeof o);
-    o.collapse = own->collapse;
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
     for (int i = 0; i < c->count; i++) {

@@ -73,10 +73,10 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 void cli_scene_view(const cli_run *run, double direction[3], double up[3])
 {
     const cli_render_options *const own = run->own;
-    bvx_render_options usual;
-    bvx_render_options_init(&usual, sizeof usual);
-    memcpy(direction, own->from.given ? own->from.value : usual.direction, sizeof usual.direction);
-    memcpy(up, own->up.given ? own->up.value : usual.up, sizeof usual.up);
+    const bvx_render_options *const usual = &own->picture;
+
+    memcpy(direction, own->from.given ? own->from.value : usual->direction, sizeof usual->direction);
+    memcpy(up, own->up.given ? own->up.value : usual->up, sizeof usual->up);
 }
 
 /* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it
@@ -98,9 +98,9 @@ static void take_cut(const cli_run *run, bvx_render_options *r)
 static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], double high[3],
                          double middle[3])
 {
-    bvx_render_options r;
+    const cli_render_options *const own = run->own;
+    bvx_render_options r = own->picture;
 
-    bvx_render_options_init(&r, sizeof r);
     take_cut(run, &r);
     if (s->input[0].kind == CLI_MESH) {
         cli_box box;
@@ -136,16 +136,13 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
                    const double show[2], bvx_image *image)
 {
     const cli_render_options *const own = run->own;
-    bvx_render_options r;
+    bvx_render_options r = own->picture;
     bvx_mesh_view view;
     bvx_status status;
     double unused[3];
 
-    bvx_render_options_init(&r, sizeof r);
     r.width = width;
     r.height = height;
-    r.smooth = own->smooth;
-    r.wireframe = own->wireframe;
     cli_scene_view(run, unused, r.up);
     memcpy(r.direction, direction, sizeof r.direction);
     memcpy(r.show, show, sizeof r.show);

@@ -10,8 +10,7 @@ typedef struct cli_render_options {
     cli_triple from;
     cli_triple up;
     int32_t voxels; /* along the longest axis; 0: draw the mesh */
-    int32_t smooth;
-    int32_t wireframe;
+    bvx_render_options picture;
     cli_sheet slices;
     int32_t difference; /* --compare */
     int32_t turntable;  /* pictures; 0: one */

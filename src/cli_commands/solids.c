@@ -13,7 +13,6 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->fill = o->fill;
     v->close_gaps = o->fill == BVX_FILL_FLOOD ? o->close_gaps : 0;
     v->add_shell = o->add_shell;
-    v->check_edges = cli_given(run, "--check-edges");
 }
 
 /* Rows of centres that a rule looks along. */

@@ -39,7 +39,6 @@ LATER = {
 
 # Choices of the program whose number is not the field's: from the place among the names, and the base.
 BY_INDEX = {
-    ("bvx_voxelize_options", "axis"): lambda n: n - 1,
     ("bvx_keep_options", "connectivity"): lambda n: (6, 18, 26)[n],
     ("bvx_morph_options", "neighbourhood"): lambda n: (6, 18, 26)[n],
     ("bvx_hollow_options", "drain_side"): lambda n: 1 << n,
