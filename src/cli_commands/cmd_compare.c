@@ -135,14 +135,12 @@ static int check_mesh(cli_run *run, const cli_input *in)
 {
     cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes];
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(&in->mesh, &view);
     cli_stage_begin(run, "check %s", run->report.meshes == 0 ? "A" : "B");
     /* formats differ in what vertices they repeat */
-    status = bvx_mesh_check(run->context, &view, 1, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 1, &entry->certificate),
+                            cli_input_name(in->path)));
     entry->path = in->path;
     entry->colours = in->mesh.colours != NULL;
     entry->uvs = in->mesh.uvs != NULL;

@@ -62,9 +62,9 @@ static int check_components_options(cli_run *run)
 {
     const components_options *const own = run->own;
     const cli_options *const o = run->options;
-    int kind, status = cli_input_kind(run, o->input[0], &kind);
+    int kind;
 
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_input_kind(run, o->input[0], &kind));
     if (kind == CLI_MESH)
         return cli_usage(run,
                          "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
@@ -106,8 +106,7 @@ static int keep_components(cli_run *run, components_job *job)
     status = bvx_grid_keep(run->context, &job->in.grid, &k, &job->in.grid);
     if (status == BVX_OK && own->fill_cavities)
         status = bvx_grid_fill_cavities(run->context, &job->in.grid, 6, 0, &job->in.grid, &job->filled);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(job->in.path));
+    return cli_stage_check(run, status, cli_input_name(job->in.path));
 }
 
 /* ---- what is reported of the rest ---- */
@@ -135,8 +134,7 @@ static int list_components(cli_run *run, components_job *job)
     if (status == BVX_OK && job->connectivity != 18)
         status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
     if (status == BVX_OK) status = bvx_grid_count(run->context, g, &job->set);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
     for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
     qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
     return CLI_DONE;

@@ -34,9 +34,8 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
     int const to = format == BVX_FORMAT_VTU ? CLI_TREE : cli_kind_of_format(format);
-    int status = cli_input_kind(run, o->input[0], kind);
 
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_input_kind(run, o->input[0], kind));
     if (format == BVX_FORMAT_PNG)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
@@ -49,8 +48,8 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (*kind == CLI_MESH && to == CLI_GRID)
         return cli_usage(run, "%s is a mesh and %s would be a grid: 'bitvox voxelize' makes a grid of a mesh",
                          cli_input_name(o->input[0]), o->output);
-    status = cli_check_rules(run, convert_rules, *kind == CLI_MESH ? CLI_OF_MESH : CLI_OF_GRID, NULL);
-    return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
+    CLI_TRY(cli_check_rules(run, convert_rules, *kind == CLI_MESH ? CLI_OF_MESH : CLI_OF_GRID, NULL));
+    return cli_window_option(run, &t->window);
 }
 
 typedef struct convert_job {
@@ -105,14 +104,12 @@ static int make_convert(cli_run *run, void *work, cli_made *made)
 {
     convert_job *const job = work;
     const char *const out = run->options->output;
-    int kind, status = check_convert_options(run, &kind, &job->tree);
+    int kind;
 
-    if (status != CLI_DONE) return status;
+    CLI_TRY(check_convert_options(run, &kind, &job->tree));
     if (kind == CLI_MESH) return convert_mesh(run, job, made);
-    status = bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run);
-    if (status == CLI_DONE)
-        status = cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(bvx_format_of_name(out) == BVX_FORMAT_VTU ? cli_open_output(run, out) : cli_open_voxels(run));
+    CLI_TRY(cli_read_grid_or_tree(run, run->options->input[0], &job->tree.window, &job->in));
     return job->in.kind == CLI_TREE ? convert_tree(run, job, made) : convert_grid(run, job, made);
 }
 

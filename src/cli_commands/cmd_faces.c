@@ -35,11 +35,11 @@ static int check_faces_options(cli_run *run)
                                      {.also = cli_fill_rules},
                                      {0}};
     const char *const path = run->options->input[0];
-    int kind, status = cli_input_kind(run, path, &kind);
+    int kind;
 
-    return status == CLI_DONE
-               ? cli_check_rules(run, rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path))
-               : status;
+    CLI_TRY(cli_input_kind(run, path, &kind));
+
+    return cli_check_rules(run, rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
 }
 
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
@@ -62,7 +62,7 @@ static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
     cli_stage_begin(run, "faces");
     status = extract(run, &in->grid, mesh);
     entry->milliseconds = cli_stage_end(run) * 1e3;
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     return cli_check_mesh(run, mesh, 0, run->options->output, "check");
 }
 

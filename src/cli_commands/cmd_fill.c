@@ -121,8 +121,7 @@ static int find_seeds(cli_run *run, fill_job *job)
         if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
         status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
     }
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_stage_check(run, status, path));
     if (job->count != 0) return CLI_DONE;
     return cli_fail(
         run,
@@ -142,8 +141,7 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     status = bvx_grid_fill(run->context, walls, job->seeds, job->count,
                            cli_neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
     job->reaches_side = cli_touches_side(&job->out);
     size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
     for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
@@ -220,14 +218,13 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
 {
     const fill_options *const own = run->own;
     fill_job *const job = work;
-    int kind, status = check_fill_options(run, &kind);
+    int kind;
 
-    if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = read_fill_inputs(run, job);
-    if (status == CLI_DONE)
-        status = own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job);
-    if (status == CLI_DONE) status = fill_from_seeds(run, job);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(check_fill_options(run, &kind));
+    CLI_TRY(cli_open_voxels(run));
+    CLI_TRY(read_fill_inputs(run, job));
+    CLI_TRY(own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job));
+    CLI_TRY(fill_from_seeds(run, job));
 
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;

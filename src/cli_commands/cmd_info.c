@@ -67,13 +67,11 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)
 {
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, weld ? "check welded" : "check");
-    status = bvx_mesh_check(run->context, &view, weld, c);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, weld, c),
+                            cli_input_name(run->options->input[0])));
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -103,15 +101,13 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
 {
     const info_options *const own = run->own;
     bvx_mesh_view view;
-    bvx_status status;
 
     if (!own->count_crossings) return CLI_DONE;
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "crossings");
-    status = bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    CLI_TRY(cli_stage_check(run, bvx_mesh_crossings(run->context, &view, &entry->crossings, NULL, 0),
+                            cli_input_name(run->options->input[0])));
 
     entry->has_crossings = 1;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
@@ -121,10 +117,10 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
 {
     const bvx_mesh *const mesh = &job->in.mesh;
     cli_mesh_entry *const entry = &run->report.mesh[0];
-    int differs, status = check_both(run, mesh, &job->certificate, &job->welded, &differs);
+    int differs;
 
-    if (status == CLI_DONE) status = count_crossings(run, mesh, entry);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(check_both(run, mesh, &job->certificate, &job->welded, &differs));
+    CLI_TRY(count_crossings(run, mesh, entry));
     entry->path = run->options->input[0];
     entry->certificate = job->certificate;
     entry->welded = differs ? &job->welded : NULL;
@@ -239,8 +235,7 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
     status = bvx_grid_count(run->context, g, &made->set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(in->path)));
     f.volume = (double)made->set * g->lattice.spacing[0] * g->lattice.spacing[1] * g->lattice.spacing[2];
     made->shown = g;
     made->placed = in->placed;
@@ -338,7 +333,7 @@ static int make_info(cli_run *run, void *work, cli_made *made)
     cli_input *const in = &job->in;
     const char *const path = run->options->input[0];
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
-    int cloud, status;
+    int cloud;
 
     made->untitled = 1; /* samples come before the name */
     if (raw || cli_is_contours(run, path)) cli_text_add(&made->head, "%s\n", cli_input_name(path));
@@ -348,8 +343,7 @@ static int make_info(cli_run *run, void *work, cli_made *made)
         return cli_tell_sections(run, path, made);
     }
     if (raw) return cli_tell_samples(run, path, made);
-    status = read_for_info(run, in, &cloud, made);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(read_for_info(run, in, &cloud, made));
     cli_text_add(&made->head, "%s\n", cli_input_name(path));
     return cloud                  ? info_of_cloud(&in->mesh, in->path, made)
            : in->kind == CLI_MESH ? info_of_mesh(run, job, made)

@@ -205,7 +205,6 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
     bvx_lod_options l = own->samples;
     bvx_status status;
-    int result;
 
     if (own->method != 0) l.method = own->method;
     l.position_type = BVX_POSITION_AUTO;
@@ -225,14 +224,11 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     }
     if (o->carry) {
         cli_stage_begin(run, "carry %d", i);
-        status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
-        cli_stage_end(run);
-        if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
+        CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
     }
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
-    result = cli_check_mesh(run, &c->mesh[i], i, c->path[i], "check %d");
-    if (result != CLI_DONE) return result;
+    CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], "check %d"));
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
@@ -242,14 +238,13 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 {
     uint64_t const samples = run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
     bvx_mesh_view view;
-    bvx_status status;
 
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
     cli_stage_begin(run, "distance %d", i);
-    status = bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
+    CLI_TRY(cli_stage_check(
+        run, bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]),
+        c->path[i]));
     run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
 }

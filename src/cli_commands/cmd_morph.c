@@ -158,13 +158,12 @@ static const cli_rule input_rules[] = {{.when = CLI_OF_GRID, .also = cli_grid_ru
 static int check_morph_options(cli_run *run, morph_job *job)
 {
     const char *const path = run->options->input[1];
-    int kind, status = take_action(run, job);
+    int kind;
 
-    if (status == CLI_DONE)
-        status = cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
-                                 action_names[job->action]);
-    if (status == CLI_DONE) status = cli_input_kind(run, path, &kind);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(take_action(run, job));
+    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
+                            action_names[job->action]));
+    CLI_TRY(cli_input_kind(run, path, &kind));
     if (kind != CLI_GRID && cli_makes_mesh(run) && !cli_given(run, "--padding") &&
         !run->options->origin.given)
         run->options->padding = 1; /* the surface ends where the mesh does, also at the lattice's sides */
@@ -180,13 +179,11 @@ static int make_room(cli_run *run, morph_job *job)
     cli_options *const o = run->options;
     bvx_mesh_view view;
     bvx_lattice l;
-    bvx_status status;
     double voxels;
 
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
     bvx_mesh_view_of(&job->in.mesh, &view);
-    status = cli_make_lattice(run, &view, &l);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
     voxels = cli_given(run, "--radius")
                  ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
@@ -361,8 +358,7 @@ static int make_changed(cli_run *run, morph_job *job, cli_made *made)
              : job->action == HOLLOW ? hollow_voxels(run, job)
                                      : change_voxels(run, job);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
 
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
@@ -450,7 +446,7 @@ static int make_distances(cli_run *run, morph_job *job, cli_made *made)
     cli_stage_end(run);
     if (field->row_values == NULL || field->distances == NULL)
         return cli_fail(run, "no memory for %" PRIu64 " distances", field->value_count);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(job->in.path));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(job->in.path)));
 
     made->field = field;
     made->set = job->before;

@@ -91,16 +91,15 @@ static int check_levels(cli_run *run)
 static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 {
     const char *const path = run->options->input[0];
-    int status = cli_check_tree_output(run, t);
 
-    if (status == CLI_DONE) status = cli_input_kind(run, path, kind);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_check_tree_output(run, t));
+    CLI_TRY(cli_input_kind(run, path, kind));
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
         return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
-    status = *kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL);
-    return status == CLI_DONE ? cli_window_option(run, &t->window) : status;
+    CLI_TRY(*kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL));
+    return cli_window_option(run, &t->window);
 }
 
 /* ---- the tree ---- */

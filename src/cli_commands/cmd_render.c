@@ -323,15 +323,14 @@ static int check_render_options(cli_run *run)
 {
     const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
-    int status;
 
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
         return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
-    status = cli_check_rules(run, slices_rules, 0, NULL);
-    if (status == CLI_DONE) status = check_kinds(run);
-    return status == CLI_DONE ? check_turntable(run) : status;
+    CLI_TRY(cli_check_rules(run, slices_rules, 0, NULL));
+    CLI_TRY(check_kinds(run));
+    return check_turntable(run);
 }
 
 static int make_render(cli_run *run, void *work, cli_made *made)

@@ -271,8 +271,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     bvx_mesh_view_of(source, &view);
     cli_stage_begin(run, "repair");
     status = bvx_repair(run->context, &view, &o, repaired);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
 /* Edges of the result collapse; what was measured of it is measured again. */
@@ -295,7 +294,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
                                &report->distance);
     cli_stage_end(run);
     report->mean_off_caps = report->max_off_caps = HUGE_VAL; /* not known of the fewer triangles */
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_check_call(run, status, cli_input_name(run->options->input[0]));
 }
 
 static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired)
@@ -305,8 +304,7 @@ static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repa
     if (!run->options->carry) return CLI_DONE;
     cli_stage_begin(run, "carry");
     status = bvx_mesh_carry(run->context, source, repaired);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
 typedef struct repair_job {
@@ -331,15 +329,14 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     repair_job *const job = work;
     bvx_repair_report *const r = &job->report;
     cli_mesh_entry *const entry = &run->report.mesh[0];
-    int status = check_repair_options(run);
 
-    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &job->source);
-    if (status == CLI_DONE) status = cli_check_carry(run, &job->source);
-    if (status == CLI_DONE) status = repair_mesh(run, &job->source, &job->repaired, r);
-    if (status == CLI_DONE) status = reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction);
-    if (status == CLI_DONE) status = carry_attributes(run, &job->source, &job->repaired);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(check_repair_options(run));
+    CLI_TRY(cli_open_output(run, run->options->output));
+    CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));
+    CLI_TRY(cli_check_carry(run, &job->source));
+    CLI_TRY(repair_mesh(run, &job->source, &job->repaired, r));
+    CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
+    CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
 
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;

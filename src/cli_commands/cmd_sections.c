@@ -163,7 +163,7 @@ static int build_body(cli_run *run, sections_job *job)
                         cli_input_name(o->input[0]));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
     job->volume = run->report.mesh[0].certificate.volume;
     return result;
@@ -254,7 +254,7 @@ static int make_blocks(cli_run *run, sections_job *job)
         bvx_grid_free(run->context, &grid);
     }
     job->block_seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, own->block_model);
+    CLI_TRY(cli_check_call(run, status, own->block_model));
     return text->failed ? cli_fail(run, "no memory for the block model") : CLI_DONE;
 }
 

@@ -57,12 +57,9 @@ static int check_input(cli_run *run, cli_collapse_run *c)
 {
     const char *const in = cli_input_name(run->options->input[0]);
     char fault[96];
-    bvx_status status;
 
     cli_stage_begin(run, "check input");
-    status = bvx_mesh_check(run->context, &c->view, 1, &c->before);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, in);
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
     if (cli_is_sound(&c->before) || borders_of(run) != BVX_OPEN_SHELL) return CLI_DONE;
 
     fault_text(&c->before, fault, sizeof fault);
@@ -92,7 +89,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     cli_stage_begin(run, "level 0");
     status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
 
     c->surface = c->before;
     c->source = "mesh";

@@ -28,9 +28,9 @@ static int check_slice_options(cli_run *run)
     const slice_options *const own = run->own;
     const cli_options *const o = run->options;
     int32_t const format = bvx_format_of_name(o->output);
-    int kind, status = cli_input_kind(run, o->input[0], &kind);
+    int kind;
 
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_input_kind(run, o->input[0], &kind));
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
         return cli_usage(run,
                          "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")",
@@ -52,8 +52,7 @@ static int slice_surface(cli_run *run, cli_input *in)
     e.position_type = BVX_F64;
     cli_stage_begin(run, "surface");
     status = bvx_extract_surface(run->context, &in->grid, &e, &in->mesh);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(in->path));
+    return cli_stage_check(run, status, cli_input_name(in->path));
 }
 
 static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections)
@@ -70,8 +69,7 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "slice");
     status = bvx_slice_mesh(run->context, &view, &s, sections);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
 typedef struct slice_job {

@@ -212,12 +212,12 @@ static int choose_box(cli_run *run, voxel_job *job)
 
     if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     cli_mesh_box(&job->mesh, &job->box);
     if (own->second != NULL) {
         cli_box other;
-        status = bvx_lattice_fit(run->context, &job->second_view, 1, &unused);
-        if (status != BVX_OK) return cli_fail_status(run, status, own->second);
+        CLI_TRY(
+            cli_check_call(run, bvx_lattice_fit(run->context, &job->second_view, 1, &unused), own->second));
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
@@ -238,11 +238,9 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     const cli_options *const o = run->options;
     bvx_lattice *const l = &run->report.lattice;
     int const result = job->cloud ? CLI_DONE : choose_box(run, job);
-    bvx_status status;
 
     if (result != CLI_DONE) return result;
-    status = fit_lattice(run, job, l);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_input_name(o->input[0])));
     run->report.has_lattice = 1;
     if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
         return CLI_FAILED;
@@ -370,7 +368,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
     if (status == BVX_OK && own->compare_fills)
         result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(o->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     if (made->field != NULL || result != CLI_DONE) return result;
 
     tell_voxels(run, job, &reports, made);
@@ -386,12 +384,10 @@ static int read_meshes(cli_run *run, voxel_job *job)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    int status = cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud);
 
-    if (status == CLI_DONE)
-        status = cli_check_rules(run, cli_cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL);
-    if (status == CLI_DONE && own->second != NULL) status = cli_read_mesh(run, own->second, &job->second);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud));
+    CLI_TRY(cli_check_rules(run, cli_cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL));
+    if (own->second != NULL) CLI_TRY(cli_read_mesh(run, own->second, &job->second));
     bvx_mesh_view_of(&job->mesh, &job->view);
     bvx_mesh_view_of(&job->second, &job->second_view);
     return CLI_DONE;

@@ -80,12 +80,11 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 {
     int const known = c->count != 0;
     cli_box box;
-    int status = known ? cli_open_levels(run, c->count, c->path) : CLI_DONE;
 
-    if (status == CLI_DONE) status = cli_read_mesh(run, run->options->input[0], &c->input);
-    if (status == CLI_DONE) status = cli_check_carry(run, &c->input);
-    if (status == CLI_DONE) status = check_colour_weight(run, &c->input);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
+    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    CLI_TRY(cli_check_carry(run, &c->input));
+    CLI_TRY(check_colour_weight(run, &c->input));
 
     bvx_mesh_view_of(&c->input, &c->view);
     cli_mesh_box(&c->input, &box);
@@ -132,7 +131,6 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     uint64_t const samples = wanted_samples(run);
     bvx_distance_report d;
     bvx_mesh_view view;
-    bvx_status status;
 
     if (c->level[i].measured) {
         turn_distance(&c->level[i].distance, &c->distance[i]);
@@ -140,9 +138,8 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
         if (samples == 0) return CLI_DONE;
         bvx_mesh_view_of(&c->mesh[i], &view);
         cli_stage_begin(run, "distance %d", i);
-        status = bvx_mesh_distance(run->context, &c->view, &view, samples, DISTANCE_SEED, &d);
-        cli_stage_end(run);
-        if (status != BVX_OK) return cli_fail_status(run, status, c->path[i]);
+        CLI_TRY(cli_stage_check(
+            run, bvx_mesh_distance(run->context, &c->view, &view, samples, DISTANCE_SEED, &d), c->path[i]));
         turn_distance(&d, &c->distance[i]);
     }
     run->report.mesh[i].distance = &c->distance[i];
@@ -158,8 +155,7 @@ static int carry_level(cli_run *run, cli_collapse_run *c, int i)
     if (!run->options->carry) return CLI_DONE;
     cli_stage_begin(run, "carry %d", i);
     status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, c->path[i]);
+    return cli_stage_check(run, status, c->path[i]);
 }
 
 static void report_level(cli_run *run, cli_collapse_run *c, int i)

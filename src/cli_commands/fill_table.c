@@ -46,8 +46,7 @@ int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice
     memset(comparison, 0, sizeof *comparison);
     cli_stage_begin(run, "compare fills");
     status = bvx_compare_fills(run->context, mesh, lattice, &o, comparison);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
 }
 
 void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made)

@@ -130,7 +130,7 @@ static int build_levels(cli_run *run, cli_lod_collapse *l)
     cli_stage_begin(run, "level 0");
     status = bvx_build_levels(run->context, &c->view, &b, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
 
     c->before = l->report.before;
     c->surface = is_measured(l) ? l->report.repair.after : l->report.before;

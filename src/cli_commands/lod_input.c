@@ -34,7 +34,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     int32_t resolutions[CLI_MAX_LEVELS], limited;
     uint64_t targets[CLI_MAX_LEVELS];
     bvx_lod_options o = own->samples;
-    bvx_status status;
 
     if (options->resolution.count != 0) {
         c->resolution = (int32_t)options->resolution.value[0];
@@ -49,9 +48,10 @@ static int choose_resolution(cli_run *run, cli_chain *c)
         else resolutions[i] = cli_level_resolution(run, c, i);
     }
 
-    status = bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding, &c->resolution,
-                           &limited);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(options->input[0]));
+    CLI_TRY(cli_check_call(run,
+                           bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding,
+                                         &c->resolution, &limited),
+                           cli_input_name(options->input[0])));
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
@@ -77,21 +77,18 @@ static int make_solid(cli_run *run, cli_chain *c)
 
     cli_stage_begin(run, "check input");
     /* the solid asks for places, not for numbers */
-    status = bvx_mesh_check(run->context, &c->view, 1, &c->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
     if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
     cli_stage_begin(run, "voxelize");
-    status = fit(run, c, c->resolution, &run->report.lattice);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_check_call(run, fit(run, c, c->resolution, &run->report.lattice), path));
     run->report.has_lattice = 1;
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = &c->solid_report;
     status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
     c->solid_seconds = cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_check_call(run, status, path));
     result = count_solid(run, c);
     if (result == CLI_DONE) cli_warn_of_solid(run, &c->solid, &c->solid_report);
     return result;
@@ -127,10 +124,10 @@ static int open_grid(cli_run *run, cli_chain *c)
 {
     const char *const path = run->options->input[0];
     double low[3], high[3];
-    int placed, result = cli_read_grid(run, path, NULL, &c->solid, &placed);
+    int placed;
     bvx_status status;
 
-    if (result != CLI_DONE) return result;
+    CLI_TRY(cli_read_grid(run, path, NULL, &c->solid, &placed));
     run->report.lattice = c->solid.lattice;
     run->report.has_lattice = 1;
     for (int a = 0; a < 3; a++) {
@@ -139,12 +136,10 @@ static int open_grid(cli_run *run, cli_chain *c)
         high[a] = low[a] + c->solid.size[a] * c->solid.lattice.spacing[a];
     }
     c->diagonal = cli_diagonal(low, high);
-    result = count_solid(run, c);
-    if (result != CLI_DONE) return result;
+    CLI_TRY(count_solid(run, c));
     cli_stage_begin(run, "surface");
     status = surface_of_solid(run, c);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(path));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
     bvx_mesh_view_of(&c->input, &c->view);
     return CLI_DONE;
 }

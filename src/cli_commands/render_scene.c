@@ -157,5 +157,5 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
         bvx_mesh_view_of(&s->input[0].mesh, &view);
         status = bvx_render_mesh(run->context, &view, &r, image);
     }
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(s->input[0].path));
+    return cli_check_call(run, status, cli_input_name(s->input[0].path));
 }

@@ -163,7 +163,7 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_mesh_view_of(&in->mesh, &view);
     status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     if (run->command->bit != CLI_MORPH || !cli_makes_mesh(run)) bvx_mesh_free(run->context, &in->mesh);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(in->path));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     cli_warn_of_solid(run, &in->grid, &report);
     return CLI_DONE;
 }

@@ -109,7 +109,7 @@ static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
     status = cli_select_voxels(run, &j->volume, &j->report, &j->grid);
     cli_stage_end(run);
     if (status == BVX_OK) status = keep_chosen(run, j, &j->grid, &j->grid);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
 
     made->grid = &j->grid;
     made->set = j->report.inside;
@@ -146,10 +146,9 @@ static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *m
 /* Reduce, check and write a mesh as output number n, under the path that the report keeps. */
 static int put_mesh(cli_run *run, bvx_mesh *mesh, int n, const char *path, cli_reduction *reduction)
 {
-    int result = cli_reduce(run, mesh, reduction);
-
-    if (result == CLI_DONE) result = cli_check_mesh(run, mesh, n, path, "check");
-    return result == CLI_DONE ? cli_write_mesh_as(run, mesh, n, path) : result;
+    CLI_TRY(cli_reduce(run, mesh, reduction));
+    CLI_TRY(cli_check_mesh(run, mesh, n, path, "check"));
+    return cli_write_mesh_as(run, mesh, n, path);
 }
 
 static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
@@ -251,8 +250,7 @@ static int list_labels(cli_run *run, cli_volume_job *j)
         if (j->labels == NULL) return cli_fail(run, "no memory for %" PRIu64 " labels", count);
         status = bvx_list_labels(run->context, &j->volume.view, j->labels, count, &j->label_count);
     }
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, in);
+    CLI_TRY(cli_stage_check(run, status, in));
     if (count == 0) return cli_fail(run, "%s: no sample is other than 0; there are no labels", in);
     if (count > CLI_MAX_OUTPUTS)
         return cli_fail(run,
@@ -359,13 +357,12 @@ int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *
     const cli_voxelize_options *const own = run->own;
     const char *const output = run->options->output;
     int const all = own->all_labels, kind = cli_kind_of_format(bvx_format_of_name(output));
-    int status = check_volume_output(run);
 
-    if (status == CLI_DONE) status = cli_check_selection(run, run->options->input[0]);
-    if (status == CLI_DONE && kind == CLI_GRID) status = cli_open_grid_output(run, output);
-    if (status == CLI_DONE && kind == CLI_MESH && !all) status = cli_open_output(run, output);
-    if (status == CLI_DONE) status = cli_read_volume(run, run->options->input[0], window, &j->volume);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(check_volume_output(run));
+    CLI_TRY(cli_check_selection(run, run->options->input[0]));
+    if (kind == CLI_GRID) CLI_TRY(cli_open_grid_output(run, output));
+    if (kind == CLI_MESH && !all) CLI_TRY(cli_open_output(run, output));
+    CLI_TRY(cli_read_volume(run, run->options->input[0], window, &j->volume));
     if (kind == CLI_GRID) return make_volume_grid(run, j, made);
     made->write = keep_meshes;
     return all ? make_label_meshes(run, j, made) : make_volume_mesh(run, j, made);

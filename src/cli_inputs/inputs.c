@@ -83,7 +83,7 @@ static int keep_read_parts(cli_run *run, cli_input *in)
         return cli_usage(run, "--keep-largest and --least-part are for grids; %s is an octree",
                          cli_input_name(in->path));
     status = cli_keep_parts(run, &in->grid, &in->grid);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, cli_input_name(in->path));
+    return cli_check_call(run, status, cli_input_name(in->path));
 }
 
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
@@ -146,12 +146,9 @@ int cli_window_option(cli_run *run, bvx_window *window)
 
 int cli_read_input(cli_run *run, const char *path, cli_input *input)
 {
-    int status;
-
     memset(input, 0, sizeof *input);
     input->path = path;
-    status = cli_input_kind(run, path, &input->kind);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_input_kind(run, path, &input->kind));
     if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
     if (cli_check_rules(run, tree_rules, CLI_OF_MESH, cli_input_name(path)) != CLI_DONE) return CLI_USAGE;
     return cli_read_mesh(run, path, &input->mesh);

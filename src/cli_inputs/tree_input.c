@@ -34,8 +34,7 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
     uint64_t words;
 
     if (cli_check_tree_level(run, levels) != CLI_DONE) return CLI_USAGE;
-    status = bvx_octree_lattice(run->context, tree, level, &lattice);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, level, &lattice), path));
     window_at(finest, levels - level, &window);
     words = bvx_grid_bound(&lattice, &window);
     if (o->general.memory_limit == 0 && words > TREE_GRID_BYTES / 8)
@@ -51,6 +50,5 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
     }
     cli_stage_begin(run, "expand");
     status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
-    cli_stage_end(run);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, path);
+    return cli_stage_check(run, status, path);
 }

@@ -311,14 +311,12 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
     int32_t const format = cli_input_format(run, path);
     bvx_read_volume_options o;
     bvx_status read;
-    int status;
 
     memset(v, 0, sizeof *v);
-    status = cli_check_selection(run, path);
-    if (status == CLI_DONE) status = cli_read_file(run, path, &v->file);
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, v->file.size);
-    if (status == CLI_DONE && format == BVX_FORMAT_NRRD) status = read_data_files(run, path, v);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_check_selection(run, path));
+    CLI_TRY(cli_read_file(run, path, &v->file));
+    if (run->context == NULL) CLI_TRY(cli_make_context(run, v->file.size));
+    if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
     bvx_read_volume_options_init(&o, sizeof o);
 #ifdef BVX_HAVE_ZLIB
     o.inflate = inflate_samples;
@@ -339,8 +337,8 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
                         cli_input_name(path));
 #endif
     if (read != BVX_OK) return cli_fail_status(run, read, cli_input_name(path));
-    status = place_volume(run, path, v);
-    return status == CLI_DONE ? take_window(run, path, window, v) : status;
+    CLI_TRY(place_volume(run, path, v));
+    return take_window(run, path, window, v);
 }
 
 void cli_free_volume(cli_run *run, cli_volume *v)

@@ -220,13 +220,10 @@ int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *p
 {
     cli_mesh_entry *const entry = &run->report.mesh[number];
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, stage, number);
-    status = bvx_mesh_check(run->context, &view, 0, &entry->certificate);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, path);
+    CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 0, &entry->certificate), path));
     entry->path = path;
     run->report.meshes = number + 1;
     return CLI_DONE;

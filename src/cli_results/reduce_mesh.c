@@ -14,7 +14,6 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     bvx_mesh less = {0};
     bvx_simplify_options s;
     bvx_mesh_view view;
-    bvx_status status;
     cli_box box;
 
     /* --error is in percent of the diagonal of the mesh that collapses. */
@@ -31,9 +30,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
 
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, "simplify");
-    status = bvx_mesh_simplify(run->context, &view, &s, 1, &less);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
+    CLI_TRY(cli_stage_check(run, bvx_mesh_simplify(run->context, &view, &s, 1, &less), run->options->output));
 
     bvx_mesh_free(run->context, mesh);
     *mesh = less;

@@ -47,7 +47,7 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     status = bvx_octree_lattice(run->context, tree, 0, &t->base);
     if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
     if (status == BVX_OK) status = bvx_octree_count(run->context, tree, t->level, CLI_TREE_LEVELS + 1);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
+    CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
     run->report.has_lattice = 1;
     return CLI_DONE;
 }
@@ -69,14 +69,13 @@ static int write_expanded(cli_run *run, cli_tree *t)
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     bvx_extract_options e;
-    bvx_status status;
 
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
-    status = bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, run->options->output);
+    CLI_TRY(cli_stage_check(run,
+                            bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface),
+                            run->options->output));
     return t->surface.triangle_count != 0
                ? CLI_DONE
                : cli_fail(run, "%s: no voxel has these states", run->options->output);

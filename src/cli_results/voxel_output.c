@@ -171,27 +171,23 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 static int write_surface(cli_run *run, cli_voxels *v)
 {
     bvx_status status;
-    int result;
 
     cli_stage_begin(run, "surface");
     status = make_surface_mesh(run, v);
-    cli_stage_end(run);
-    if (status != BVX_OK) return cli_fail_status(run, status, cli_input_name(v->name));
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(v->name)));
     if (v->mesh.triangle_count == 0)
         return cli_fail(run, "%s: no voxel is set, so there is no surface to write", cli_input_name(v->name));
 
-    result = cli_reduce(run, &v->mesh, &v->reduction);
-    if (result == CLI_DONE) result = cli_check_mesh(run, &v->mesh, 0, run->options->output, "check");
-    return result == CLI_DONE ? cli_write_mesh(run, &v->mesh) : result;
+    CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
+    CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
+    return cli_write_mesh(run, &v->mesh);
 }
 
 int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
-    int status;
-
     if (cli_makes_mesh(run)) return write_surface(run, v);
-    status = cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size);
-    return status == CLI_DONE ? cli_write_grid(run, v->grid) : status;
+    CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size));
+    return cli_write_grid(run, v->grid);
 }
 
 void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)

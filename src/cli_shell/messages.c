@@ -111,6 +111,17 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
     return tell_error(run, CLI_FAILED, status_name(status), text);
 }
 
+int cli_check_call(cli_run *run, bvx_status status, const char *about)
+{
+    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, about);
+}
+
+int cli_stage_check(cli_run *run, bvx_status status, const char *about)
+{
+    cli_stage_end(run);
+    return cli_check_call(run, status, about);
+}
+
 void cli_warn(cli_run *run, const char *format, ...)
 {
     cli_report *const r = &run->report;

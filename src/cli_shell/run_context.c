@@ -56,5 +56,5 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     /* choices do not depend on the machine */
     run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;
     status = bvx_context_create(&o, &run->context);
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, NULL);
+    return cli_check_call(run, status, NULL);
 }

@@ -108,12 +108,22 @@ void cli_note_peak(cli_run *run, uint64_t bytes);
 
 /* ---- messages.c: what is said to people ---- */
 
+/* Leave the function at the first step that fails; what it holds is the command's to free. */
+#define CLI_TRY(step)                                  \
+    do {                                               \
+        int const cli_failed = (step);                 \
+        if (cli_failed != CLI_DONE) return cli_failed; \
+    } while (0)
+
 /* Print "bitvox: ..." to standard error, keep it for the report, return the exit status. */
 int cli_fail(cli_run *run, const char *format, ...);
 int cli_usage(cli_run *run, const char *format, ...);
 /* The same for a call of the library that failed; about names the file or
  * is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
+/* CLI_DONE where the call succeeded, else the same; the second also ends the stage that it was made in. */
+int cli_check_call(cli_run *run, bvx_status status, const char *about);
+int cli_stage_check(cli_run *run, bvx_status status, const char *about);
 /* The same, with an advice after the message. */
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice);
 int cli_fail_interrupted(cli_run *run);
