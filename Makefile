@@ -10,6 +10,7 @@ UNITY_DIR ?= $(BUILD)/unity
 OPENMP ?= 1
 THREADS ?= $(OPENMP)
 ZLIB ?= 1
+SUFFIX ?= $(if $(findstring mingw,$(CC)),.exe)
 WERROR ?= 0
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
@@ -119,10 +120,10 @@ link = $(call say,LINK,$@) $(CC) $(CFLAGS) $(LDFLAGS)
 # ---- Libraries and program ----
 
 library: $(BUILD)/libbitvox.a $(BUILD)/libbitvox.so ## build/libbitvox.a and build/libbitvox.so
-program: $(if $(cli_sources),$(BUILD)/bitvox) ## build/bitvox
+program: $(if $(cli_sources),$(BUILD)/bitvox$(SUFFIX)) ## build/bitvox
 
 # A product is copied out of the folder only when it differs.
-$(BUILD)/libbitvox.a $(BUILD)/libbitvox.so $(BUILD)/bitvox: $(BUILD)/%: $(folder)/% force
+$(BUILD)/libbitvox.a $(BUILD)/libbitvox.so $(BUILD)/bitvox$(SUFFIX): $(BUILD)/%: $(folder)/% force
 	@cmp -s $< $@ || cp -f $< $@
 	@$(if $(filter %.so,$@),ln -sf $(@F) $(BUILD)/$(soname))
 
@@ -136,7 +137,7 @@ $(archive): $(core_objects) $(folder)/sources
 $(folder)/libbitvox.so: $(core_objects) $(folder)/sources
 	$(link) $(link_shared) $(core_objects) -o $@ $(libs)
 
-$(folder)/bitvox: $(cli_objects) $(archive)
+$(folder)/bitvox$(SUFFIX): $(cli_objects) $(archive)
 	$(link) $(cli_objects) $(archive) -o $@ $(libs) $(zlib) $(threads)
 
 # Make hands a target's variables on to what it is made from; flags is set for all sources, so none come from a test.

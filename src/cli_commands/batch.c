@@ -18,8 +18,6 @@
 #include <string.h>
 #if BATCH_POSIX
 #include <sys/stat.h>
-#elif defined(_WIN32)
-#include <direct.h>
 #endif
 
 typedef struct batch {
@@ -85,7 +83,7 @@ static int name_outputs(cli_run *run, batch *b)
         b->path[i] = path_in_folder(o->output_dir, o->input[i], ending_of_outputs(run));
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         for (int k = 0; k < i; k++)
-            if (strcmp(b->path[i], b->path[k]) == 0)
+            if (cli_same_name(b->path[i], b->path[k]))
                 return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
                                  o->input[i], b->path[i]);
     }
@@ -106,7 +104,8 @@ static int make_folder(cli_run *run, const char *folder)
     return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
 #else
 #if defined(_WIN32)
-    (void)_mkdir(folder); /* if it is none, no output opens in it */
+    if (cli_make_folder(folder) != 0)
+        return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
 #endif
     (void)run;
     (void)folder;

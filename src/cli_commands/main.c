@@ -153,6 +153,7 @@ int main(int count, char **word)
     static cli_options options;
     int status;
 
+    word = cli_words(&count, word);
     run.options = &options;
     run.general = &options.general;
     run.commands = cli_commands;

@@ -16,7 +16,6 @@
 #if STANDARD_POSIX
 #include <unistd.h>
 #elif defined(_WIN32)
-#include <fcntl.h>
 #include <io.h>
 #endif
 
@@ -85,8 +84,5 @@ int cli_take_standard_output(cli_run *run)
     snprintf(run->standard_name, sizeof run->standard_name, "standard output.%s", known);
     run->options->output = run->standard_name;
     run->standard_taken = 1;
-#if defined(_WIN32)
-    _setmode(_fileno(stdout), _O_BINARY);
-#endif
     return CLI_DONE;
 }

@@ -19,9 +19,6 @@
 #include <string.h>
 #if FILES_POSIX
 #include <sys/stat.h>
-#elif defined(_WIN32)
-#include <fcntl.h>
-#include <io.h>
 #endif
 #ifdef BVX_HAVE_ZLIB
 #include <zlib.h>
@@ -254,10 +251,7 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     int status;
 
     memset(b, 0, sizeof *b);
-#if defined(_WIN32)
-    if (standard) _setmode(_fileno(stdin), _O_BINARY);
-#endif
-    file = standard ? stdin : fopen(path, "rb");
+    file = standard ? stdin : cli_open_file(path, "rb");
     /* while a pipe had no writer */
     if (file == NULL && errno == EINTR && cli_interrupted()) return cli_fail_interrupted(run);
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));

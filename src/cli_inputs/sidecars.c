@@ -44,7 +44,7 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
 
     *placed = 0;
     if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
-    file = fopen(name, "rb");
+    file = cli_open_file(name, "rb");
     if (file != NULL) {
         fclose(file);
         status = cli_read_file(run, name, &b);

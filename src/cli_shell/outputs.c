@@ -10,6 +10,11 @@
 #else
 #define OUTPUTS_POSIX 0
 #endif
+#if OUTPUTS_POSIX || defined(_WIN32)
+#define OUTPUTS_REPLACES 1
+#else
+#define OUTPUTS_REPLACES 0
+#endif
 
 #include "cli_shell/shell.h"
 
@@ -156,6 +161,31 @@ int cli_are_one_file(const char *a, const char *b)
 
 #else
 
+#if defined(_WIN32)
+
+/* Links are not followed: the file gets their name. */
+static int look_at_output(cli_output *o, unsigned *mode)
+{
+    int const kind = cli_kind_of_name(o->path);
+
+    (void)mode;
+    errno = EISDIR;
+    if (kind == CLI_NAME_FOLDER) return 0;
+    if (kind == CLI_NAME_DEVICE) {
+        o->kind = CLI_OUT_IN_PLACE;
+        return 1;
+    }
+    o->target = copy_text(o->path);
+    return o->target != NULL;
+}
+
+static int is_there(const char *name)
+{
+    return cli_kind_of_name(name) != CLI_NAME_NONE;
+}
+
+#else
+
 static int look_at_output(cli_output *o, unsigned *mode)
 {
     (void)mode;
@@ -170,26 +200,26 @@ static int is_there(const char *name)
     return file != NULL;
 }
 
+int cli_are_one_file(const char *a, const char *b)
+{
+    return strcmp(a, b) == 0 && is_there(a);
+}
+
+#endif
+
 static FILE *create_file(const char *name, unsigned mode)
 {
+    int const there = is_there(name);
     (void)mode;
     errno = EEXIST;
-    return is_there(name) ? NULL : fopen(name, "wb");
+    return there ? NULL : cli_open_file(name, "wb");
 }
 
 static int move_aside(const char *path, const char *name)
 {
-    errno = ENOENT;
-    if (!is_there(path)) return 0;
-    errno = EEXIST;
-    return !is_there(name) && rename(path, name) == 0;
-}
-
-int cli_are_one_file(const char *a, const char *b)
-{
-    (void)a;
-    (void)b;
-    return 0; /* one name only */
+    int const there = is_there(path), taken = is_there(name);
+    errno = there ? EEXIST : ENOENT;
+    return there && !taken && cli_rename_file(path, name) == 0;
 }
 
 #endif
@@ -219,7 +249,7 @@ static const char *same_file(const cli_run *run, const cli_output *o)
     for (int i = 0; i < run->outputs; i++) {
         const cli_output *const other = &run->output[i];
         if (other != o && o->kind == CLI_OUT_NEW && other->kind == CLI_OUT_NEW &&
-            strcmp(other->target, o->target) == 0)
+            cli_same_name(other->target, o->target))
             return other->path;
     }
     return NULL;
@@ -270,10 +300,12 @@ static FILE *open_for_writing(cli_output *o)
     FILE *file;
 
     if (o->kind == CLI_OUT_NEW) {
-        cli_lock();                        /* a temporary that an interrupt has removed is not made again */
-        file = fopen(o->temporary, "r+b"); /* ext4 writes out truncated files at once when they close */
+        cli_lock(); /* a temporary that an interrupt has removed is not made again */
+        file = cli_open_file(o->temporary,
+                             "r+b"); /* ext4 writes out truncated files at once when they close */
     } else {
-        file = o->kind == CLI_OUT_STANDARD ? stdout : fopen(o->path, "wb"); /* may wait for a reader */
+        file = o->kind == CLI_OUT_STANDARD ? stdout
+                                           : cli_open_file(o->path, "wb"); /* may wait for a reader */
         cli_lock();
         o->begun = 1;
     }
@@ -347,7 +379,7 @@ static int set_aside(cli_output *o)
 
 static int give_name(cli_output *o)
 {
-    if (o->kind == CLI_OUT_NEW && rename(o->temporary, o->target) != 0) return 0;
+    if (o->kind == CLI_OUT_NEW && cli_rename_file(o->temporary, o->target) != 0) return 0;
     free(o->temporary);
     o->temporary = NULL;
     o->kept = 1;
@@ -363,10 +395,10 @@ static cli_output *take_back(cli_run *run, int n)
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         o->kept = 0;
-        if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) remove(o->target);
+        if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) cli_remove_file(o->target);
         if (o->older == NULL) continue;
-        if (cli_are_one_file(o->older, o->target)) remove(o->older); /* it still stands there */
-        else if (rename(o->older, o->target) != 0) lost = o;
+        if (cli_are_one_file(o->older, o->target)) cli_remove_file(o->older); /* it still stands there */
+        else if (cli_rename_file(o->older, o->target) != 0) lost = o;
     }
     return lost;
 }
@@ -376,7 +408,7 @@ static cli_output *take_back(cli_run *run, int n)
 static int set_all_aside(cli_run *run)
 {
     /* one rename alone is all or nothing, where it replaces */
-    int const careful = run->outputs > 1 || !OUTPUTS_POSIX;
+    int const careful = run->outputs > 1 || !OUTPUTS_REPLACES;
     int n = 0;
     while (n < run->outputs && (!careful || run->output[n].kind != CLI_OUT_NEW || set_aside(&run->output[n])))
         n++;
@@ -393,7 +425,8 @@ static void forget_older(cli_output *o)
 static void drop_older(cli_run *run)
 {
     for (int i = 0; i < run->outputs; i++)
-        if (run->output[i].older != NULL && remove(run->output[i].older) == 0) forget_older(&run->output[i]);
+        if (run->output[i].older != NULL && cli_remove_file(run->output[i].older) == 0)
+            forget_older(&run->output[i]);
 }
 
 static int fail_to_keep(cli_run *run, const cli_output *o, int error, const cli_output *lost)
@@ -440,7 +473,7 @@ void cli_remove_temporaries(cli_run *run)
         int const number = open(name, O_RDONLY);
         if (number >= 0 && fstat(number, &s) == 0) run->removed_bytes += (uint64_t)s.st_size;
 #endif
-        remove(name);
+        cli_remove_file(name);
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Exit statuses. */
 enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_INTERRUPTED = 130 };
@@ -138,6 +139,25 @@ void cli_add_warning(cli_text *lines, const char *format, ...);
 void cli_warn_lines(cli_run *run, cli_text *lines);
 void cli_say_lines(cli_run *run, cli_text *lines);
 
+/* ---- names.c: names of files, UTF-8 on Windows too ---- */
+
+/* As fopen, remove and rename; a rename replaces what stands at the new name. */
+FILE *cli_open_file(const char *name, const char *mode);
+int cli_remove_file(const char *name);
+int cli_rename_file(const char *from, const char *to);
+/* The words of the command line; standard streams hand on bytes as they are from here on. */
+char **cli_words(int *count, char **word);
+/* 1 when two files cannot bear both names: capitals do not count on Windows. */
+int cli_same_name(const char *a, const char *b);
+/* 1 when both are there and are the same. */
+int cli_are_one_file(const char *a, const char *b);
+
+#if defined(_WIN32)
+enum { CLI_NAME_NONE = 0, CLI_NAME_FILE = 1, CLI_NAME_FOLDER = 2, CLI_NAME_DEVICE = 3 };
+int cli_kind_of_name(const char *name); /* CLI_NAME_... */
+int cli_make_folder(const char *name);  /* 0 when it is there */
+#endif
+
 /* ---- outputs.c: whole files out, all or none ---- */
 
 enum { CLI_OUT_NEW = 0, CLI_OUT_IN_PLACE = 1, CLI_OUT_STANDARD = 2 };
@@ -158,8 +178,6 @@ int cli_open_output(cli_run *run, const char *path);
 int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
 /* Give all outputs their names, or none of them. */
 int cli_keep_outputs(cli_run *run);
-/* 1 when both are there and are the same. */
-int cli_are_one_file(const char *a, const char *b);
 /* 1 for the name that stands for standard output. */
 int cli_is_standard_output(const cli_run *run, const char *path);
 /* Remove what was not kept. */
