@@ -4,12 +4,22 @@
  * library take a code page that cannot hold all of them, so the command line is taken from the system, and
  * every call here hands it wide names. A file replaces another by its rename, as elsewhere. What the program
  * says has the same bytes too: no line ends in CR LF. */
+#if defined(__unix__) || defined(__APPLE__)
+#define _POSIX_C_SOURCE 200809L
+#define NAMES_POSIX     1
+#else
+#define NAMES_POSIX 0
+#endif
+
 #include "cli_shell/shell.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#if NAMES_POSIX
+#include <sys/stat.h>
+#endif
 
 #if defined(_WIN32)
 
@@ -182,6 +192,16 @@ int cli_rename_file(const char *from, const char *to)
 int cli_same_name(const char *a, const char *b)
 {
     return strcmp(a, b) == 0;
+}
+
+int cli_are_one_file(const char *a, const char *b)
+{
+#if NAMES_POSIX
+    struct stat s, t;
+    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+#else
+    return strcmp(a, b) == 0;
+#endif
 }
 
 char **cli_words(int *count, char **word)

@@ -153,12 +153,6 @@ static int move_aside(const char *path, const char *name)
     return rename(path, name) == 0;
 }
 
-int cli_are_one_file(const char *a, const char *b)
-{
-    struct stat s, t;
-    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
-}
-
 #else
 
 #if defined(_WIN32)
@@ -198,11 +192,6 @@ static int is_there(const char *name)
     FILE *const file = fopen(name, "rb");
     if (file != NULL) fclose(file);
     return file != NULL;
-}
-
-int cli_are_one_file(const char *a, const char *b)
-{
-    return strcmp(a, b) == 0 && is_there(a);
 }
 
 #endif

@@ -449,10 +449,14 @@ reports 'render --json' 'r["pictures"]["width"] == 60 and r["pictures"]["height"
 
 # ---- two outputs that are one file; numbers at the ends of what doubles hold ----
 
-run lod "$knot" -o link_0.ply --levels 10 --samples 0
-ln -s link_0.ply link_1.ply
-refuses 1 'link_0.ply and link_1.ply are one file' lod "$knot" -o 'link_%d.ply' --levels 10,5 --samples 0
-rm -f link_0.ply link_1.ply
+if links; then
+    run lod "$knot" -o link_0.ply --levels 10 --samples 0
+    ln -s link_0.ply link_1.ply
+    refuses 1 'link_0.ply and link_1.ply are one file' lod "$knot" -o 'link_%d.ply' --levels 10,5 --samples 0
+    rm -f link_0.ply link_1.ply
+else
+    skip 'two outputs that are one file' 'links are not followed'
+fi
 printf 'v 0 0 0\nv 1e-310 0 0\nv 0 1e-310 0\nv 0 0 1e-310\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >tiny.obj
 refuses 1 'too small to divide by; scale the coordinates up' lod tiny.obj -o 'tiny_%d.ply' --levels 8
 sed 's/e-310/e308/g' tiny.obj >huge.obj

@@ -112,14 +112,19 @@ works 'digits of labels' voxelize "$root/fixtures/labels.npy" -o 'p_%02d.ply' --
 holds 'of two digits' test -s p_01.ply
 refuses 2 'has two %d' simplify knot.obj -o 'k_%03d_%d.ply' --count 2
 for how in '' --json; do
+    streams || { skip "a reader that leaves $how" 'its signal does not reach the program'; continue; }
     # shellcheck disable=SC2086
     { "$program" info knot.obj $how; echo $? >code; } 2>err | :
     # shellcheck disable=SC2086
     { sleep 1; "$program" info knot.obj $how; echo $? >code; } 2>err | :
     if [ ! -s err ] && [ "$(cat code)" = 141 ]; then ok "a reader that leaves $how"; else not_ok "a reader that leaves $how" "status $(cat code)"; fi
 done
-"$program" info knot.obj >/dev/full 2>err
-if grep -q 'standard output cannot be written' err; then ok 'a full disk is told'; else not_ok 'a full disk is told' ''; fi
+if device /dev/full; then
+    "$program" info knot.obj >/dev/full 2>err
+    holds 'a full disk is told' grep -q 'standard output cannot be written' err
+else
+    skip 'a full disk is told' 'there is no /dev/full'
+fi
 
 printf '\357\273\277ply\nformat ascii 1.0\nCreated by Blender3D\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >mark.ply
 works 'a byte order mark and a bare comment in .ply' info mark.ply

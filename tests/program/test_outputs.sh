@@ -85,13 +85,13 @@ refuses 2 'fields are written as' voxelize "$knot" -o - --format off --mode fiel
 refuses 2 'no picture format' render "$knot" -o - --format ply
 refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply
 refuses 1 'none.ply' repair none.ply -o -
-if has script && script -qc true /dev/null >/dev/null 2>&1; then
+if streams && has script && script -qc true /dev/null >/dev/null 2>&1; then
     script -qc "'$program' convert '$knot' -o -" typed >/dev/null 2>&1
     holds 'a terminal is refused' grep -q 'standard output is a terminal' typed
 else
     skip 'a terminal is refused' 'script is missing'
 fi
-if [ -c /dev/full ]; then
+if device /dev/full; then
     "$program" convert "$knot" -o - >/dev/full 2>err
     holds 'a full standard output is a failure' test $? = 1
 fi
@@ -145,7 +145,7 @@ else
     result 'a packed grid with its side-car' $?
     works 'and both are read' convert h.npy.gz -o h.bvx
     refuses 2 'no picture format' render "$knot" -o x.png.gz
-    if [ -c /dev/full ]; then
+    if device /dev/full; then
         ln -s /dev/full full.ply.gz
         run convert "$knot" -o full.ply.gz
         holds 'a full disk is told' sh -c "test $status = 1 && grep -q 'full.ply.gz: cannot be written' err"

@@ -1,6 +1,6 @@
 # program_checks.sh - read in by the scripts in tests/program, in the repository's root: the program, a folder of its own to work in,
 # and checks that count. PROGRAM is the script's first argument, what BITVOX names, or build/bitvox. A check prints "ok NAME" or
-# "not ok NAME"; a script ends with the line that `counts` prints.
+# "not ok NAME"; a script ends with the line that `counts` prints. SYSTEM=windows: the program is one for Windows, run by wine.
 program=${1:-${BITVOX:-build/bitvox}}
 case $program in
 /*) ;;
@@ -31,6 +31,15 @@ counts() {
 }
 skip() { skipped=$((skipped + 1)); echo "ok $1 # SKIP $2"; }
 has() { command -v "$1" >/dev/null 2>&1; }
+
+# What a program for Windows meets under wine in another way, or not at all. Checks of these are skipped there and say so.
+if [ "${SYSTEM:-}" = windows ]; then windows=yes; else windows=; fi
+pipes() { [ -z "$windows" ] && has mkfifo; }              # pipes with names
+device() { [ -z "$windows" ] && [ -e "$1" ]; }            # /dev/full, /dev/stdout
+links() { [ -z "$windows" ]; }                            # symbolic links are followed, modes are kept
+streams() { [ -z "$windows" ]; }                          # standard streams that are closed, a reader that leaves
+signals() { [ -z "$windows" ] && has python3; }           # sent by kill, and calls that fail by ptrace
+limits() { [ -z "$windows" ] && (ulimit "$@") 2>/dev/null; } # by ulimit, which holds for wine and not for what it runs
 
 run() { # ARGUMENTS...: sets $status; out and err hold what was said
     "$program" "$@" >out 2>err </dev/null
