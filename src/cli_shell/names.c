@@ -2,7 +2,7 @@
  *
  * Systems other than Windows take the bytes as they are. There, names are UTF-16 outside and the calls of C's
  * library take a code page that cannot hold all of them, so the command line is taken from the system, and
- * every call here hands it wide names. A file replaces another by its rename, as elsewhere. What the program
+ * every call here passes wide names. A file replaces another by its rename, as elsewhere. What the program
  * says has the same bytes too: no line ends in CR LF. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L

@@ -145,7 +145,7 @@ void cli_say_lines(cli_run *run, cli_text *lines);
 FILE *cli_open_file(const char *name, const char *mode);
 int cli_remove_file(const char *name);
 int cli_rename_file(const char *from, const char *to);
-/* The words of the command line; standard streams hand on bytes as they are from here on. */
+/* The words of the command line; standard streams pass bytes as they are from here on. */
 char **cli_words(int *count, char **word);
 /* 1 when two files cannot bear both names: capitals do not count on Windows. */
 int cli_same_name(const char *a, const char *b);
