@@ -21,7 +21,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo site wheels format format-check house python js js-page test-python test-js test test-quick test-other test-machines deps deps-proof deps-js san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
+.PHONY: all help demo site wheels format format-check house python js js-page test-python test-js test test-quick test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -292,6 +292,9 @@ deps: ## install what the tests need (apt, as root)
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
 	@sh tests/tools/deps.sh proof
 
+deps-windows: ## and what the tests of the program for Windows need: mingw, wine
+	@sh tests/tools/deps.sh windows
+
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
 	@sh tests/tools/deps.sh js
 
@@ -303,6 +306,9 @@ test-quick: ## without the Python package
 
 test-other: deps ## other compilers, 32-bit x86, big-endian s390x, sanitizers (18 minutes)
 	@$(environment) sh tests/tools/run_tests.sh other
+
+test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)
+	@$(environment) sh tests/tools/run_tests.sh windows
 
 test-machines: deps ## every unit test on 32-bit x86 and big-endian s390x (long)
 	@$(environment) sh tests/tools/run_tests.sh machines

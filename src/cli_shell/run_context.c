@@ -13,6 +13,8 @@
 #if RUN_POSIX
 #include <sys/resource.h>
 #include <unistd.h>
+#elif defined(_WIN32)
+#include <windows.h>
 #endif
 
 uint64_t cli_memory_there(void)
@@ -37,6 +39,10 @@ uint64_t cli_memory_there(void)
         if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
         fclose(file);
     }
+#elif defined(_WIN32)
+    MEMORYSTATUSEX now;
+    now.dwLength = sizeof now;
+    if (GlobalMemoryStatusEx(&now)) memory = now.ullTotalPhys;
 #endif
     return memory != UINT64_MAX ? memory : 0;
 }

@@ -1,6 +1,7 @@
 #!/bin/sh
-# deps.sh [proof|js] - install what the tests use beyond a C compiler and make (Debian and Ubuntu names, as root); proof: and what
-# matrix, bare, fuzz, san-memory, san-threads, coverage, mcdc, analyze and abi use; js: what the npm package is built and tested with.
+# deps.sh [proof|js|windows] - install what the tests use beyond a C compiler and make (Debian and Ubuntu names, as root); proof: and what
+# matrix, bare, fuzz, san-memory, san-threads, coverage, mcdc, analyze and abi use; js: what the npm package is built and tested with;
+# windows: the cross compiler and wine.
 # Does nothing when all is there. Without root or apt it names what is missing; the tests then skip those parts and say so. Never removes a package: the cross compilers and gcc-multilib exclude each other, and gcc-multilib stays.
 set -u
 
@@ -9,8 +10,9 @@ packages='python3-venv python3-dev libcmocka-dev clang clang-format-14 cmake zli
 proof='ninja-build clang-19 llvm llvm-19 libclang-rt-19-dev g++ gcovr abigail-tools cppcheck clang-tidy
     gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross
     gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-powerpc64le-linux-gnu libc6-dev-ppc64el-cross
-    musl-tools gcc-mingw-w64-x86-64 wine64 wine debhelper dpkg-dev lintian ccache emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
+    musl-tools gcc-mingw-w64-x86-64 libz-mingw-w64-dev wine64 wine debhelper dpkg-dev lintian ccache emscripten nodejs gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm'
 if [ "${1:-}" = proof ]; then packages="$packages $proof"; fi
+if [ "${1:-}" = windows ]; then packages='gcc-mingw-w64-x86-64 libz-mingw-w64-dev wine wine64'; fi
 if [ "${1:-}" = js ]; then
     packages='emscripten zopfli chromium'
     command -v node >/dev/null 2>&1 || packages="$packages nodejs"

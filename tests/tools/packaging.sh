@@ -1,8 +1,9 @@
 #!/bin/sh
-# packaging.sh [quick|cmake|mingw|vcpkg|conan|parts] - projects that use the library. Called by `make packaging`.
+# packaging.sh [quick|cmake|mingw|zig|vcpkg|conan|parts] - projects that use the library. Called by `make packaging`.
 #   cmake        find_package, add_subdirectory and FetchContent, each by make and by Ninja, by gcc and clang; find_package from what `make install` and
 #                from what `cmake --install` put there, static and shared; pkg-config there too
 #   mingw        the same ways for Windows, run by wine
+#   zig          the library as one file by `zig cc`: for musl, run here; for Windows, run by wine; for macOS, linked only
 #   vcpkg        the port of tests/packaging/vcpkg, its lines run with stand-ins for vcpkg's functions (vcpkg cannot be had from Debian or pip)
 #   conan        the recipe of tests/packaging/conan, `conan create` without a network
 #   parts        tests/tools/test_parts.sh
@@ -228,6 +229,45 @@ rows_of_mingw() {
     fi
 }
 
+# zig from the path, or pip's ziglang in an environment of its own. The first program for musl takes minutes: zig compiles musl itself, so what
+# it has made is kept in $BUILD/zig. -O1: twice as long as -O0, and what is tried is that it links and counts right.
+zig_here() {
+    if has zig; then printf '#!/bin/sh\nexec zig "$@"\n' >"$work/zig"; else
+        [ -x "$zig_home/venv/bin/python" ] && "$zig_home/venv/bin/python" -m ziglang version >"$work/zig.version" 2>&1 ||
+            { "$PYTHON" -m venv "$zig_home/venv" && "$zig_home/venv/bin/pip" install --quiet --disable-pip-version-check ziglang; } ||
+            { echo "zig is missing and pip cannot fetch ziglang"; exit 77; }
+        printf '#!/bin/sh\nexec "%s" -m ziglang "$@"\n' "$zig_home/venv/bin/python" >"$work/zig"
+    fi
+    chmod +x "$work/zig" && "$work/zig" version
+}
+
+by_zig() { # TARGET, RUNNER; linked: is not run
+    [ -x "$work/zig" ] || { echo "zig is missing and pip cannot fetch ziglang"; exit 77; }
+    if [ "$2" = wine ] && ! has wine; then echo "wine is missing (Debian: wine wine64)"; exit 77; fi
+    case $1 in
+    *musl) system='-static -lm' ending= ;;
+    *windows*) system= ending=.exe ;;
+    *) system= ending= ;;
+    esac
+    # shellcheck disable=SC2086
+    ZIG_LOCAL_CACHE_DIR="$zig_home" ZIG_GLOBAL_CACHE_DIR="$zig_home" "$work/zig" cc -target "$1" -std=c99 -O1 -ffp-contract=off -fno-sanitize=undefined \
+        -DBVX_NO_CPU_DETECTION -I"$work/one" "$work/consumer/use.c" "$work/one/bitvox.c" $system -o "$work/use-$1$ending" || return 1
+    [ "$2" = linked ] && return
+    # shellcheck disable=SC2086
+    prints_count $2 "$work/use-$1$ending"
+}
+
+rows_of_zig() {
+    mkdir -p "$BUILD/zig"
+    zig_home=$(cd "$BUILD/zig" && pwd)
+    export WINEDEBUG=-all WINEPREFIX="$work/wine"
+    check 'zig: by path or pip' zig_here
+    check 'zig: the library as one file' sh src/amalgamate.sh "$work/one"
+    check 'zig cc: x86_64-linux-musl, static' by_zig x86_64-linux-musl ''
+    check 'zig cc: x86_64-windows-gnu, by wine' by_zig x86_64-windows-gnu wine
+    check 'zig cc: aarch64-macos, linked and not run' by_zig aarch64-macos linked
+}
+
 rows_of_vcpkg() {
     check 'vcpkg: what vcpkg.json says' vcpkg_describes
     for linkage in static dynamic; do
@@ -258,8 +298,8 @@ quick)
     takes_sources gcc make '' -DCMAKE_C_COMPILER=gcc
     check 'find_package refuses another minor version' refuses_other_minor "$work/by-make"
     ;;
-full) for rows in cmake mingw vcpkg conan parts; do rows_of_$rows; done ;;
-cmake | mingw | vcpkg | conan | parts) rows_of_"$tier" ;;
+full) for rows in cmake mingw zig vcpkg conan parts; do rows_of_$rows; done ;;
+cmake | mingw | zig | vcpkg | conan | parts) rows_of_"$tier" ;;
 *)
     echo "packaging: no rows named $tier" >&2
     exit 2

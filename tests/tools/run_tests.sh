@@ -1,9 +1,10 @@
 #!/bin/sh
-# run_tests.sh quick|here|other|san|memory|threads|machines - build and run the tests; the last line is "N passed, N failed[, N skipped]".
+# run_tests.sh quick|here|other|san|memory|threads|machines|windows - build and run the tests; the last line is "N passed, N failed[, N skipped]".
 #     quick  this compiler alone: unit, fault, golden, program, examples, checks of sources and libraries
 #     here   quick, and the Python package in a clean environment
 #     other  what this machine and compiler do not show: golden values by other compilers and flags, faults and fuzzed readers under
 #            sanitizers, unit tests and golden values on 32-bit x86 and, without the longest tests, on big-endian s390x
+#     windows  the program by mingw under wine: every script of tests/program but the one of make install, golden values
 #     machines  all unit tests and golden values on 32-bit x86 and on big-endian s390x (half an hour under an emulator)
 #     san    unit, fault and fuzz tests under ASan, UBSan and the leak detector
 #     memory   unit, golden and fuzz tests under clang's MSan, on one thread: memory that is read before it is written
@@ -59,6 +60,7 @@ row_threads() {
     mk CC=clang ZLIB=0 CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=thread' CPPFLAGS='-include tests/tools/more_threads.h' "$@"
 }
 row_i686() { mk CC="$i686" AR="$i686_ar" CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"; }
+row_windows() { mk CC=x86_64-w64-mingw32-gcc AR=x86_64-w64-mingw32-ar CFLAGS=-O2 LDFLAGS=-static "$@"; }
 row_s390x() {
     mk CC=s390x-linux-gnu-gcc AR=s390x-linux-gnu-ar CFLAGS=-O2 LDFLAGS=-static THREADS=0 ZLIB=0 WERROR=1 "$@"
 }
@@ -331,6 +333,47 @@ tests_of_other_machines() { # whole: no long test is left out on s390x
     fi
 }
 
+# The program for Windows under wine. Scripts get a command that starts it; what wine lacks they skip and say so. The folder of
+# wine's settings is made once, as its first start takes long.
+tests_of_windows() { # brief: the scripts that take a minute at most
+    if ! has x86_64-w64-mingw32-gcc || ! has wine; then
+        skip windows "mingw or wine is missing (Debian: gcc-mingw-w64-x86-64 libz-mingw-w64-dev wine wine64; make deps-windows)"
+        return
+    fi
+    mkdir -p "$BUILD/windows"
+    windows=$(cd "$BUILD/windows" && pwd)
+    export WINEDEBUG=-all WINEPREFIX="$windows/wine" SYSTEM=windows
+    folder=$(row_windows print-folder)
+    build windows "$folder/bitvox.exe" "$folder/tests/golden/golden"
+    if [ ! -f "$folder/bitvox.exe" ]; then return; fi
+    printf '#!/bin/sh\nexec wine "%s" "$@"\n' "$(cd "$folder" && pwd)/bitvox.exe" >"$windows/bitvox"
+    chmod +x "$windows/bitvox"
+    check 'windows/the program starts' wine "$folder/bitvox.exe" --version
+    if [ -f "$folder/tests/golden/golden.exe" ]; then
+        count windows/golden wine "$folder/tests/golden/golden.exe"
+    else
+        fail 'windows/golden: was not built'
+    fi
+
+    windows_scripts=
+    for script in tests/program/*.sh; do
+        case $1/$script in
+        */test_install.sh) skip "windows/$(basename "$script")" "make install puts libraries of this system"; continue ;;
+        brief/*/test_program.sh | brief/*/test_levels.sh | brief/*/test_level_meshes.sh | brief/*/test_voxels.sh | brief/*/test_commands.sh)
+            skip "windows/$(basename "$script")" "make test-windows runs it"
+            continue
+            ;;
+        esac
+        windows_scripts="$windows_scripts $script"
+        rm -f "$(log_of "windows/$(basename "$script")").end"
+    done
+    for script in $windows_scripts; do
+        echo "$(log_of "windows/$(basename "$script")") $allowed env BITVOX=$windows/bitvox sh $script"
+    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+    for script in $windows_scripts; do count_script "windows/$(basename "$script")"; done
+    unset SYSTEM
+}
+
 make_locale
 if [ -d "$BUILD/locale" ]; then
     LOCPATH=$(cd "$BUILD/locale" && pwd)
@@ -366,10 +409,14 @@ other)
     run_fault san
     run_fuzz san ''
     check 'projects that use CMake' sh tests/tools/packaging.sh quick
+    tests_of_windows brief
     unset BVX_QUICK
     tests_of_other_compilers
     wait $beside
     add_script "other machines" "$machines" $?
+    ;;
+windows)
+    tests_of_windows whole
     ;;
 machines | beside)
     logs=$logs/machines
