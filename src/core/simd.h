@@ -112,6 +112,9 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
 #define eight_min        BVXI_SIMD(bvxi_eight_min) /* x < y ? x : y */
 #define eight_max        BVXI_SIMD(bvxi_eight_max)
 #define eight_sqrt       BVXI_SIMD(bvxi_eight_sqrt)
+#define eight_size       BVXI_SIMD(bvxi_eight_size)
+#define eight_least      BVXI_SIMD(bvxi_eight_least) /* (x): the least lane, by eight_min of halves */
+#define eight_lanes      BVXI_SIMD(bvxi_eight_lanes) /* (uint32_t): the mask whose bits these are */
 #define eight_less       BVXI_SIMD(bvxi_eight_less)
 #define eight_less_equal BVXI_SIMD(bvxi_eight_less_equal)
 #define eight_equal      BVXI_SIMD(bvxi_eight_equal)

@@ -85,6 +85,17 @@ BVXI_SIMD_EACH(bvxi_four_choose_mask_base, 4, bvxi_four_mask_base, set,
 BVXI_SIMD_EACH(bvxi_eight_min_base, 8, bvxi_eight_base, v, (bvxi_eight_base x, bvxi_eight_base y),
                x.v[i] < y.v[i] ? x.v[i] : y.v[i])
 
+BVXI_SIMD_EACH(bvxi_eight_size_base, 8, bvxi_eight_base, v, (bvxi_eight_base x),
+               (float)bvxi_absolute((double)x.v[i]))
+BVXI_SIMD_EACH(bvxi_eight_lanes_base, 8, bvxi_eight_mask_base, set, (uint32_t bits), (int32_t)(bits >> i & 1))
+
+BVXI_VECTOR_INLINE float bvxi_eight_least_base(bvxi_eight_base x)
+{
+    for (int half = 4; half > 0; half /= 2)
+        for (int i = 0; i < half; i++) x.v[i] = x.v[i] < x.v[i + half] ? x.v[i] : x.v[i + half];
+    return x.v[0];
+}
+
 BVXI_VECTOR_INLINE double bvxi_four_first_base(bvxi_four_base x)
 {
     return x.v[0];

@@ -51,6 +51,21 @@ BVXI_AVX2_IS(bvxi_four_size_avx2, __m256d, (__m256d x), _mm256_andnot_pd(_mm256_
 BVXI_AVX2_IS(bvxi_four_choose_mask_avx2, __m256d, (__m256d m, __m256d yes, __m256d no),
              _mm256_blendv_pd(no, yes, m))
 BVXI_AVX2_IS(bvxi_eight_min_avx2, __m256, (__m256 x, __m256 y), _mm256_min_ps(x, y))
+BVXI_AVX2_IS(bvxi_eight_size_avx2, __m256, (__m256 x), _mm256_andnot_ps(_mm256_set1_ps(-0.0f), x))
+
+BVXI_AVX2 BVXI_VECTOR_INLINE float bvxi_eight_least_avx2(__m256 x)
+{
+    __m128 y = _mm_min_ps(_mm256_castps256_ps128(x), _mm256_extractf128_ps(x, 1));
+    y = _mm_min_ps(y, _mm_movehl_ps(y, y));
+    return _mm_cvtss_f32(_mm_min_ss(y, _mm_shuffle_ps(y, y, 1)));
+}
+
+BVXI_AVX2 BVXI_VECTOR_INLINE __m256 bvxi_eight_lanes_avx2(uint32_t bits)
+{
+    __m256i const lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    __m256i const own = _mm256_and_si256(_mm256_set1_epi32((int)bits), lane);
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(own, lane));
+}
 
 BVXI_AVX2_IS(bvxi_eight_load_bytes_avx2, __m256, (const uint8_t *from),
              _mm256_loadu_ps((const float *)(const void *)from))

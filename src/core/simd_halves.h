@@ -14,26 +14,30 @@
 typedef v128_t bvxi_half_f64, bvxi_half_f32, bvxi_half_m64, bvxi_half_m32;
 
 /* Names of one operation on two doubles and on four floats. */
-#define BVXI_HALF_all_f64                wasm_f64x2_splat
-#define BVXI_HALF_all_f32                wasm_f32x4_splat
-#define BVXI_HALF_load_f64               wasm_v128_load
-#define BVXI_HALF_load_f32               wasm_v128_load
-#define BVXI_HALF_store_f64              wasm_v128_store
-#define BVXI_HALF_store_f32              wasm_v128_store
-#define BVXI_HALF_add_f64                wasm_f64x2_add
-#define BVXI_HALF_add_f32                wasm_f32x4_add
-#define BVXI_HALF_sub_f64                wasm_f64x2_sub
-#define BVXI_HALF_sub_f32                wasm_f32x4_sub
-#define BVXI_HALF_mul_f64                wasm_f64x2_mul
-#define BVXI_HALF_mul_f32                wasm_f32x4_mul
-#define BVXI_HALF_div_f64                wasm_f64x2_div
-#define BVXI_HALF_div_f32                wasm_f32x4_div
-#define BVXI_HALF_max_f64(x, y)          wasm_f64x2_pmax(y, x)
-#define BVXI_HALF_max_f32(x, y)          wasm_f32x4_pmax(y, x)
-#define BVXI_HALF_min_f32(x, y)          wasm_f32x4_pmin(y, x)
-#define BVXI_HALF_sqrt_f64               wasm_f64x2_sqrt
-#define BVXI_HALF_sqrt_f32               wasm_f32x4_sqrt
-#define BVXI_HALF_size_f64               wasm_f64x2_abs
+#define BVXI_HALF_all_f64       wasm_f64x2_splat
+#define BVXI_HALF_all_f32       wasm_f32x4_splat
+#define BVXI_HALF_load_f64      wasm_v128_load
+#define BVXI_HALF_load_f32      wasm_v128_load
+#define BVXI_HALF_store_f64     wasm_v128_store
+#define BVXI_HALF_store_f32     wasm_v128_store
+#define BVXI_HALF_add_f64       wasm_f64x2_add
+#define BVXI_HALF_add_f32       wasm_f32x4_add
+#define BVXI_HALF_sub_f64       wasm_f64x2_sub
+#define BVXI_HALF_sub_f32       wasm_f32x4_sub
+#define BVXI_HALF_mul_f64       wasm_f64x2_mul
+#define BVXI_HALF_mul_f32       wasm_f32x4_mul
+#define BVXI_HALF_div_f64       wasm_f64x2_div
+#define BVXI_HALF_div_f32       wasm_f32x4_div
+#define BVXI_HALF_max_f64(x, y) wasm_f64x2_pmax(y, x)
+#define BVXI_HALF_max_f32(x, y) wasm_f32x4_pmax(y, x)
+#define BVXI_HALF_min_f32(x, y) wasm_f32x4_pmin(y, x)
+#define BVXI_HALF_sqrt_f64      wasm_f64x2_sqrt
+#define BVXI_HALF_sqrt_f32      wasm_f32x4_sqrt
+#define BVXI_HALF_size_f64      wasm_f64x2_abs
+#define BVXI_HALF_size_f32      wasm_f32x4_abs
+#define BVXI_HALF_lanes(bits, a, b, c, d)                                                        \
+    wasm_i32x4_ne(wasm_v128_and(wasm_i32x4_splat((int32_t)(bits)), wasm_i32x4_make(a, b, c, d)), \
+                  wasm_i32x4_splat(0))
 #define BVXI_HALF_less_f64               wasm_f64x2_lt
 #define BVXI_HALF_less_f32               wasm_f32x4_lt
 #define BVXI_HALF_less_equal_f64         wasm_f64x2_le
@@ -66,49 +70,51 @@ typedef float32x4_t bvxi_half_f32;
 typedef uint64x2_t bvxi_half_m64;
 typedef uint32x4_t bvxi_half_m32;
 
-#define BVXI_HALF_all_f64          vdupq_n_f64
-#define BVXI_HALF_all_f32          vdupq_n_f32
-#define BVXI_HALF_load_f64         vld1q_f64
-#define BVXI_HALF_load_f32         vld1q_f32
-#define BVXI_HALF_store_f64        vst1q_f64
-#define BVXI_HALF_store_f32        vst1q_f32
-#define BVXI_HALF_add_f64          vaddq_f64
-#define BVXI_HALF_add_f32          vaddq_f32
-#define BVXI_HALF_sub_f64          vsubq_f64
-#define BVXI_HALF_sub_f32          vsubq_f32
-#define BVXI_HALF_mul_f64          vmulq_f64
-#define BVXI_HALF_mul_f32          vmulq_f32
-#define BVXI_HALF_div_f64          vdivq_f64
-#define BVXI_HALF_div_f32          vdivq_f32
-#define BVXI_HALF_max_f64(x, y)    vbslq_f64(vcgtq_f64(x, y), x, y)
-#define BVXI_HALF_max_f32(x, y)    vbslq_f32(vcgtq_f32(x, y), x, y)
-#define BVXI_HALF_min_f32(x, y)    vbslq_f32(vcltq_f32(x, y), x, y)
-#define BVXI_HALF_sqrt_f64         vsqrtq_f64
-#define BVXI_HALF_sqrt_f32         vsqrtq_f32
-#define BVXI_HALF_size_f64         vabsq_f64
-#define BVXI_HALF_less_f64         vcltq_f64
-#define BVXI_HALF_less_f32         vcltq_f32
-#define BVXI_HALF_less_equal_f64   vcleq_f64
-#define BVXI_HALF_less_equal_f32   vcleq_f32
-#define BVXI_HALF_equal_f64        vceqq_f64
-#define BVXI_HALF_equal_f32        vceqq_f32
-#define BVXI_HALF_and_f64          vandq_u64
-#define BVXI_HALF_and_f32          vandq_u32
-#define BVXI_HALF_or_f64           vorrq_u64
-#define BVXI_HALF_or_f32           vorrq_u32
-#define BVXI_HALF_but_f64          vbicq_u64
-#define BVXI_HALF_but_f32          vbicq_u32
-#define BVXI_HALF_choose_f64       vbslq_f64
-#define BVXI_HALF_choose_m64       vbslq_u64
-#define BVXI_HALF_choose_f32       vbslq_f32
-#define BVXI_HALF_keep_f64(m, x)   vreinterpretq_f64_u64(vandq_u64(m, vreinterpretq_u64_f64(x)))
-#define BVXI_HALF_keep_f32(m, x)   vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(x)))
-#define BVXI_HALF_drop_f64(m, x)   vreinterpretq_f64_u64(vbicq_u64(vreinterpretq_u64_f64(x), m))
-#define BVXI_HALF_drop_f32(m, x)   vreinterpretq_f32_u32(vbicq_u32(vreinterpretq_u32_f32(x), m))
-#define BVXI_HALF_bits_f64(m)      ((uint32_t)((vgetq_lane_u64(m, 0) & 1) | (vgetq_lane_u64(m, 1) & 2)))
-#define BVXI_HALF_bits_f32(m)      bvxi_half_bits(m)
-#define BVXI_HALF_first_f64(x)     vgetq_lane_f64(x, 0)
-#define BVXI_HALF_load_bytes(from) vreinterpretq_f32_u8(vld1q_u8(from))
+#define BVXI_HALF_all_f64                 vdupq_n_f64
+#define BVXI_HALF_all_f32                 vdupq_n_f32
+#define BVXI_HALF_load_f64                vld1q_f64
+#define BVXI_HALF_load_f32                vld1q_f32
+#define BVXI_HALF_store_f64               vst1q_f64
+#define BVXI_HALF_store_f32               vst1q_f32
+#define BVXI_HALF_add_f64                 vaddq_f64
+#define BVXI_HALF_add_f32                 vaddq_f32
+#define BVXI_HALF_sub_f64                 vsubq_f64
+#define BVXI_HALF_sub_f32                 vsubq_f32
+#define BVXI_HALF_mul_f64                 vmulq_f64
+#define BVXI_HALF_mul_f32                 vmulq_f32
+#define BVXI_HALF_div_f64                 vdivq_f64
+#define BVXI_HALF_div_f32                 vdivq_f32
+#define BVXI_HALF_max_f64(x, y)           vbslq_f64(vcgtq_f64(x, y), x, y)
+#define BVXI_HALF_max_f32(x, y)           vbslq_f32(vcgtq_f32(x, y), x, y)
+#define BVXI_HALF_min_f32(x, y)           vbslq_f32(vcltq_f32(x, y), x, y)
+#define BVXI_HALF_sqrt_f64                vsqrtq_f64
+#define BVXI_HALF_sqrt_f32                vsqrtq_f32
+#define BVXI_HALF_size_f64                vabsq_f64
+#define BVXI_HALF_size_f32                vabsq_f32
+#define BVXI_HALF_lanes(bits, a, b, c, d) vtstq_u32(vdupq_n_u32(bits), (uint32x4_t){a, b, c, d})
+#define BVXI_HALF_less_f64                vcltq_f64
+#define BVXI_HALF_less_f32                vcltq_f32
+#define BVXI_HALF_less_equal_f64          vcleq_f64
+#define BVXI_HALF_less_equal_f32          vcleq_f32
+#define BVXI_HALF_equal_f64               vceqq_f64
+#define BVXI_HALF_equal_f32               vceqq_f32
+#define BVXI_HALF_and_f64                 vandq_u64
+#define BVXI_HALF_and_f32                 vandq_u32
+#define BVXI_HALF_or_f64                  vorrq_u64
+#define BVXI_HALF_or_f32                  vorrq_u32
+#define BVXI_HALF_but_f64                 vbicq_u64
+#define BVXI_HALF_but_f32                 vbicq_u32
+#define BVXI_HALF_choose_f64              vbslq_f64
+#define BVXI_HALF_choose_m64              vbslq_u64
+#define BVXI_HALF_choose_f32              vbslq_f32
+#define BVXI_HALF_keep_f64(m, x)          vreinterpretq_f64_u64(vandq_u64(m, vreinterpretq_u64_f64(x)))
+#define BVXI_HALF_keep_f32(m, x)          vreinterpretq_f32_u32(vandq_u32(m, vreinterpretq_u32_f32(x)))
+#define BVXI_HALF_drop_f64(m, x)          vreinterpretq_f64_u64(vbicq_u64(vreinterpretq_u64_f64(x), m))
+#define BVXI_HALF_drop_f32(m, x)          vreinterpretq_f32_u32(vbicq_u32(vreinterpretq_u32_f32(x), m))
+#define BVXI_HALF_bits_f64(m)             ((uint32_t)((vgetq_lane_u64(m, 0) & 1) | (vgetq_lane_u64(m, 1) & 2)))
+#define BVXI_HALF_bits_f32(m)             bvxi_half_bits(m)
+#define BVXI_HALF_first_f64(x)            vgetq_lane_f64(x, 0)
+#define BVXI_HALF_load_bytes(from)        vreinterpretq_f32_u8(vld1q_u8(from))
 
 BVXI_VECTOR_INLINE uint32_t bvxi_half_bits(uint32x4_t m)
 {
@@ -194,6 +200,22 @@ BVXI_HALVES(bvxi_four, bvxi_four_base, bvxi_four_mask_base, double, 2, f64)
 BVXI_HALVES(bvxi_eight, bvxi_eight_base, bvxi_eight_mask_base, float, 4, f32)
 BVXI_HALVES_ONE(bvxi_four_base, bvxi_four_size, bvxi_four_base, BVXI_HALF_size_f64)
 BVXI_HALVES_TWO(bvxi_eight_base, bvxi_eight_min, bvxi_eight_base, bvxi_eight_base, BVXI_HALF_min_f32)
+BVXI_HALVES_ONE(bvxi_eight_base, bvxi_eight_size, bvxi_eight_base, BVXI_HALF_size_f32)
+
+BVXI_VECTOR_INLINE float bvxi_eight_least_base(bvxi_eight_base x)
+{
+    float y[4];
+    BVXI_HALF_store_f32(y, BVXI_HALF_min_f32(x.low, x.high));
+    for (int i = 0; i < 2; i++) y[i] = y[i] < y[i + 2] ? y[i] : y[i + 2];
+    return y[0] < y[1] ? y[0] : y[1];
+}
+
+BVXI_VECTOR_INLINE bvxi_eight_mask_base bvxi_eight_lanes_base(uint32_t bits)
+{
+    bvxi_eight_mask_base const r = {BVXI_HALF_lanes(bits, 1, 2, 4, 8),
+                                    BVXI_HALF_lanes(bits, 16, 32, 64, 128)};
+    return r;
+}
 
 BVXI_VECTOR_INLINE bvxi_four_mask_base bvxi_four_choose_mask_base(bvxi_four_mask_base m,
                                                                   bvxi_four_mask_base yes,

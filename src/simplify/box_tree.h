@@ -5,12 +5,8 @@
 #ifndef BVXI_BOX_TREE_H
 #define BVXI_BOX_TREE_H
 
-#include "core/core.h"
+#include "core/simd_shorts.h"
 #include "simplify/corners.h"
-
-#if defined(__SSE2__) && defined(__GNUC__)
-#include <immintrin.h>
-#endif
 
 /* A triangle's area normal faces what it seems to where its largest part is more than so much of the product
  * of two sides, and of a size that products of it do not vanish at. */
@@ -110,68 +106,37 @@ static inline bvxi_box bvxi_box_child(const bvxi_box_node *node, int32_t k)
 
 /* A box to compare eight others with at once. */
 typedef struct bvxi_box_query {
-#if defined(__SSE2__) && defined(__GNUC__)
-    __m128i low[3], high[3];
-#else
-    bvxi_box box;
-#endif
+    bvxi_shorts low[3], high[3];
 } bvxi_box_query;
 
 static inline bvxi_box_query bvxi_box_ask(const bvxi_box *box)
 {
     bvxi_box_query q;
 
-#if defined(__SSE2__) && defined(__GNUC__)
     for (int a = 0; a < 3; a++) {
-        q.low[a] = _mm_set1_epi16(box->low[a]);
-        q.high[a] = _mm_set1_epi16(box->high[a]);
+        q.low[a] = bvxi_shorts_all(box->low[a]);
+        q.high[a] = bvxi_shorts_all(box->high[a]);
     }
-#else
-    q.box = *box;
-#endif
     return q;
 }
 
 /* The same of child k of a node. */
 static inline bvxi_box_query bvxi_box_ask_child(const bvxi_box_node *node, int32_t k)
 {
-    bvxi_box_query q;
-
-#if defined(__SSE2__) && defined(__GNUC__)
-    for (int a = 0; a < 3; a++) {
-        q.low[a] = _mm_set1_epi16(node->low[a][k]);
-        q.high[a] = _mm_set1_epi16(node->high[a][k]);
-    }
-#else
-    q.box = bvxi_box_child(node, k);
-#endif
-    return q;
+    bvxi_box const box = bvxi_box_child(node, k);
+    return bvxi_box_ask(&box);
 }
 
-/* Bit k: child k of the node overlaps the box. Every x86-64 has SSE2, whose way gives the same bits. */
+/* Bit k: child k of the node overlaps the box. */
 static inline uint32_t bvxi_box_overlaps(const bvxi_box_node *node, const bvxi_box_query *q)
 {
-#if defined(__SSE2__) && defined(__GNUC__)
-    __m128i apart = _mm_setzero_si128();
+    bvxi_shorts apart = bvxi_shorts_all(0);
 
     for (int a = 0; a < 3; a++) {
-        apart = _mm_or_si128(
-            apart, _mm_cmpgt_epi16(_mm_loadu_si128((const __m128i *)(const void *)node->low[a]), q->high[a]));
-        apart = _mm_or_si128(
-            apart, _mm_cmpgt_epi16(q->low[a], _mm_loadu_si128((const __m128i *)(const void *)node->high[a])));
+        apart = bvxi_shorts_or(apart, bvxi_shorts_more(bvxi_shorts_load(node->low[a]), q->high[a]));
+        apart = bvxi_shorts_or(apart, bvxi_shorts_more(q->low[a], bvxi_shorts_load(node->high[a])));
     }
-    return ~(uint32_t)_mm_movemask_epi8(_mm_packs_epi16(apart, apart)) & 0xff;
-#else
-    const bvxi_box *const box = &q->box;
-    uint32_t bits = 0;
-
-    for (int k = 0; k < BVXI_BOX_WIDTH; k++)
-        bits |= (uint32_t)((node->low[0][k] <= box->high[0]) & (node->high[0][k] >= box->low[0]) &
-                           (node->low[1][k] <= box->high[1]) & (node->high[1][k] >= box->low[1]) &
-                           (node->low[2][k] <= box->high[2]) & (node->high[2][k] >= box->low[2]))
-                << k;
-    return bits;
-#endif
+    return ~bvxi_shorts_bits(apart) & 0xff;
 }
 
 static inline void bvxi_box_put(bvxi_box_node *node, int32_t k, const bvxi_box *box)
@@ -220,30 +185,15 @@ typedef struct bvxi_box_direction {
 /* Bit k: all that child k of the node faces has a positive product with the direction for certain. */
 static inline uint32_t bvxi_box_faces(const bvxi_box_node *node, const bvxi_box_direction *d)
 {
-#if defined(__SSE2__) && defined(__GNUC__)
-    __m128i sum = _mm_setzero_si128();
+    bvxi_shorts sum = bvxi_shorts_all(0);
 
     for (int a = 0; a < 3; a++) {
         const int8_t *const least = d->along[a] < 0 ? node->facing_high[a] : node->facing_low[a];
-        __m128i const bytes = _mm_loadl_epi64((const __m128i *)(const void *)least);
-        __m128i const words = _mm_srai_epi16(_mm_unpacklo_epi8(bytes, bytes), 8);
+        bvxi_shorts const along = bvxi_shorts_all(d->along[a]);
 
-        sum = _mm_add_epi16(sum, _mm_mullo_epi16(words, _mm_set1_epi16(d->along[a])));
+        sum = bvxi_shorts_add(sum, bvxi_shorts_mul(bvxi_shorts_load_bytes(least), along));
     }
-    sum = _mm_cmpgt_epi16(sum, _mm_set1_epi16(d->margin));
-    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(sum, sum)) & 0xff;
-#else
-    uint32_t bits = 0;
-
-    for (int k = 0; k < BVXI_BOX_WIDTH; k++) {
-        int32_t sum = 0;
-
-        for (int a = 0; a < 3; a++)
-            sum += d->along[a] * (d->along[a] < 0 ? node->facing_high[a][k] : node->facing_low[a][k]);
-        bits |= (uint32_t)(sum > d->margin) << k;
-    }
-    return bits;
-#endif
+    return bvxi_shorts_bits(bvxi_shorts_more(sum, bvxi_shorts_all(d->margin)));
 }
 
 static inline void bvxi_box_put_facing(bvxi_box_node *node, int32_t k, const bvxi_box_facing *facing)

@@ -62,8 +62,9 @@ BVXI_SIMD_CODE static void BVXI_SIMD(check_doubles)(void)
 
 BVXI_SIMD_CODE static void BVXI_SIMD(check_floats)(void)
 {
-    float x[8], y[8], z[8];
+    float x[8], y[8], z[8], least[8];
     uint8_t bytes[33];
+    uint32_t const set = (uint32_t)(maker_random(&seed) % 256);
 
     for (int i = 0; i < 8; i++) {
         x[i] = any_float();
@@ -71,6 +72,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(check_floats)(void)
         z[i] = any_float();
     }
     memcpy(bytes + 1, x, sizeof x);
+    memcpy(least, z, sizeof least);
     floats8 const a = eight_load(x), b = eight_load(y), c = eight_load(z);
     eight_mask const less = eight_less(a, b), low = eight_less_equal(c, a);
 
@@ -85,7 +87,13 @@ BVXI_SIMD_CODE static void BVXI_SIMD(check_floats)(void)
     EXPECT_EIGHTS(eight_max(a, b), x[i] > y[i] ? x[i] : y[i]);
     EXPECT_EIGHTS(eight_sqrt(eight_mul(a, a)), sqrt((double)(float)(x[i] * x[i])));
 
+    EXPECT_EIGHTS(eight_size(a), fabs((double)x[i]));
+    for (int half = 4; half > 0; half /= 2)
+        for (int i = 0; i < half; i++) least[i] = least[i] < least[i + half] ? least[i] : least[i + half];
+    expect_same((double)least[0], (double)eight_least(c), "eight_least");
+
     EXPECT_EIGHT_BITS(less, x[i] < y[i]);
+    EXPECT_EIGHT_BITS(eight_lanes(set), set >> i & 1);
     EXPECT_EIGHT_BITS(eight_equal(a, b), x[i] == y[i]);
     EXPECT_EIGHT_BITS(low, z[i] <= x[i]);
     EXPECT_EIGHT_BITS(eight_and(less, low), x[i] < y[i] && z[i] <= x[i]);
