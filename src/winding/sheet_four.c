@@ -11,6 +11,7 @@
 
 #define four_point BVXI_SIMD(bvxi_four_point)
 #define four_sum   BVXI_SIMD(bvxi_four_sum)
+#define four_angle BVXI_SIMD(bvxi_four_angle)
 
 #if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base
