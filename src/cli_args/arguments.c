@@ -37,6 +37,7 @@ static size_t name_distance(const char *a, const char *b)
     enum { MOST = 40 };
     size_t row[MOST + 1];
     size_t const n = strlen(a), m = strlen(b);
+    /* No option and no command is nearly so long. */
     if (n > MOST || m > MOST) return MOST;
     for (size_t j = 0; j <= m; j++) row[j] = j;
     for (size_t i = 1; i <= n; i++) {
@@ -65,6 +66,7 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
             least = d;
         }
     }
+    /* One letter wrong, and one more for every four: beyond that a guess is a riddle. */
     return nearest != NULL && least <= 1 + strlen(nearest) / 4 ? nearest : NULL;
 }
 
@@ -146,10 +148,12 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     const char *nearest;
     int32_t const bit = run->command->bit;
 
+    /* Without "=VALUE", and cut where a message would be all option. */
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
     if (new_name(bit, name) != NULL)
         return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name,
                          new_name(bit, name));
+    /* A right option at the wrong command is not a misspelling. */
     if (is_taken_by_any(run, word, length))
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name,
                          run->command->name);
@@ -174,6 +178,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
     char wanted[256];
 
     if (a == NULL) return refuse_option(run, text, length);
+    /* Which of two would count is a guess; --cut stands once for each axis. */
     if (run->given[row] && a->kind != CLI_CUT) return cli_usage(run, "%s is given twice", a->name);
     run->given[row] = 1;
     ++*at;
@@ -182,6 +187,7 @@ static int parse_option(cli_run *run, int count, char **word, int *at)
         cli_take_value(run, a, "");
         return CLI_DONE;
     }
+    /* A value may look like an option (-1), so the next word is taken whatever it is. */
     cli_describe_value(a, wanted, sizeof wanted);
     if (value == NULL) {
         if (*at == count) return cli_usage(run, "%s lacks its value, %s", a->name, wanted);
@@ -197,6 +203,7 @@ static int take_input(cli_run *run, const char *name)
     cli_options *const o = run->options;
     int const most = o->output_dir != NULL ? CLI_MAX_FILES : run->command->most_inputs;
 
+    /* The command may take several after all, said the other way. */
     if (o->inputs == most && o->output_dir == NULL && most == 1 && cli_takes(run, "--output-dir"))
         return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name,
                          run->command->name);
@@ -223,6 +230,7 @@ int cli_parse(cli_run *run, int count, char **word)
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->general.help = 1;
     }
     if (o->general.help) return CLI_DONE;
+    /* "-" alone is standard input, and after "--" every word is a file. */
     while (at < count && status == CLI_DONE) {
         const char *const text = word[at];
         if (!only_inputs && strcmp(text, "--") == 0) {
@@ -249,6 +257,7 @@ void cli_print_options(const cli_command *command)
 
         snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
         printf("  %-24s", left);
+        /* Further lines stand under the first one. */
         for (const char *p = a->help; *p != 0; p++) {
             putchar(*p);
             if (*p == '\n') printf("%26s", "");

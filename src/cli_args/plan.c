@@ -139,6 +139,7 @@ static int is_planned(const cli_run *run, const plan_row *row)
     int32_t const bit = run->command->bit;
 
     if ((row->commands & bit) == 0 || !suits_files(run, s)) return 0;
+    /* What the row itself says comes first; the rest depends on more than one option. */
     if (row->given != NULL && !cli_given(run, row->given)) return 0;
     if (row->lacking != NULL && cli_given(run, row->lacking)) return 0;
     if (bit == CLI_MORPH && row->weight == MORPH_WEIGHT) return strcmp(s, o->input[0]) == 0;
@@ -152,6 +153,7 @@ static int times_of(const cli_run *run, int each)
     const cli_options *const o = run->options;
     int times = 1;
 
+    /* The first word of boolean and morph is what they do, not a file. */
     if (each == PLAN_FILES) times = o->inputs - ((run->command->bit & (CLI_BOOLEAN | CLI_MORPH)) != 0);
     if (each == PLAN_MADE) times = run->progress.made;
     if (each == PLAN_CARRIED || each == PLAN_MEASURED) times = run->progress.measured;
@@ -164,6 +166,7 @@ static size_t split_name(const char *name, int *number)
     size_t const all = strlen(name);
     size_t n = all;
 
+    /* Only digits after a space are a level: "f32" keeps its own. */
     while (n > 0 && name[n - 1] >= '0' && name[n - 1] <= '9') n--;
     *number = -1;
     if (n == all || n == 0 || name[n - 1] != ' ') return all;
@@ -208,11 +211,13 @@ static int find_row(const cli_run *run, const char *name, int *time)
     if (now >= 0) {
         int const begin = group_begin(now), end = group_end(now), times = times_of(run, plan_rows[now].each);
 
+        /* A row at or before the present one means that the next round has begun. */
         for (int row = begin; row <= end; row++) {
             *time = number >= 0 ? number : run->progress.time + (row <= now);
             if (*time < times && is_row(run, row, name, length)) return row;
         }
     }
+    /* Stages that were left out are jumped over; none is gone back to. */
     for (int row = now < 0 ? 0 : group_end(now) + 1; row < PLAN_ROWS; row++) {
         *time = number >= 0 && plan_rows[row].each != PLAN_ONCE ? number : 0;
         if (*time < times_of(run, plan_rows[row].each) && is_row(run, row, name, length)) return row;
@@ -232,6 +237,7 @@ static double weight_of(const cli_run *run, const plan_row *row)
     if (strcmp(row->stage, "distance") == 0 && run->command->bit != CLI_MORPH &&
         run->command->bit != CLI_REPAIR)
         return row->weight * samples / usual;
+    /* The first level does most of the work, the others continue from it. */
     if (strcmp(row->stage, "level") == 0 && run->progress.made > 1) return row->weight / 9.0;
     return row->weight;
 }
@@ -254,6 +260,7 @@ int cli_plan_stage(cli_run *run, const char *name, double *low, double *high)
     run->progress.row = row;
     run->progress.time = time;
 
+    /* Rounds share the weight of their group evenly. */
     begin = group_begin(row);
     end = group_end(row) + 1;
     times = times_of(run, plan_rows[row].each);

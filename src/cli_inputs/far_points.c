@@ -52,6 +52,7 @@ static int find_near_box(far_points *f)
     double span = 0.0;
 
     if (value == NULL) return 0;
+    /* A sample, evenly over the file, is enough to find where most points lie. */
     for (uint64_t i = 0; i < n; i++) {
         double p[3];
         position_of(f, vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
@@ -61,8 +62,10 @@ static int find_near_box(far_points *f)
         qsort(value + a * n, (size_t)n, sizeof *value, compare_values);
         f->low[a] = value[a * n + n / 20];
         f->high[a] = value[a * n + n - 1 - n / 20];
+        /* A twentieth at either end may be far without moving the box. */
         span = fmax(span, f->high[a] - f->low[a]);
     }
+    /* By the longest span, so that a flat mesh is not far from itself. */
     for (int a = 0; a < 3; a++) {
         f->low[a] -= FAR_TIMES * span;
         f->high[a] += FAR_TIMES * span;
@@ -113,6 +116,7 @@ static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *vie
         most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);
         longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
     }
+    /* A lattice that is small anyway loses nothing worth a warning. */
     if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
 
     cli_warn(run,
@@ -132,6 +136,7 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
     f.count = cloud ? view->vertex_count : view->triangle_count * 3;
     for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
     warn_of_far(run, path, view, cloud, lattice);
+    /* What fits is made without a question. */
     if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
 
     count_far(&f);
@@ -140,6 +145,7 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
         double const n = floor((f.near_high[a] - f.near_low[a]) / lattice->spacing[a]) + 1.0;
         near *= a == 0 ? ceil(n / 64.0) : n;
     }
+    /* Taking the point out would not help much. */
     if (near * FAR_SAVED > bytes) return CLI_DONE;
 
     return cli_fail(

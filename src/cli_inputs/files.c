@@ -56,6 +56,7 @@ static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
     unsigned char *more;
 
+    /* The last step may be a small one: up to the limit exactly. */
     if (room > b->limit) room = (size_t)b->limit;
     if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
     more = realloc(b->bytes, room);
@@ -98,8 +99,10 @@ static int64_t size_of_file(FILE *file)
         errno = EISDIR;
         return -1;
     }
+    /* The size that the system tells of a pipe or a device says nothing. */
     if (!S_ISREG(s.st_mode)) return 0;
 #endif
+    /* Where it cannot seek it is read like a pipe. */
     if (fseek(file, 0, SEEK_END) == 0) size = ftell(file);
     rewind(file);
     return size < 0 || size == LONG_MAX ? 0 : size;
@@ -127,6 +130,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
 
     if (size < 0) return cli_fail(run, "%s: %s", path, strerror(errno));
     if (limit == 0) return fail_ceiling(run, path, "is to fit into", limit);
+    /* A size that is known beforehand is refused before any memory is taken. */
     if ((uint64_t)size > limit) {
         char more[64];
         snprintf(more, sizeof more, "its %" PRId64 " bytes are more than", size);
@@ -139,6 +143,7 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
         unsigned char next; /* exactly full: is there more? */
         int error;
         size_t const got = read_part(file, room != 0 ? b->bytes + b->size : &next, want, &error);
+        /* Only a file that goes on needs more room; one that ends here fits as it is. */
         if (room == 0 && got != 0) {
             status = grow_bytes(run, path, b);
             if (status != CLI_DONE) break;
@@ -166,6 +171,7 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         if (b->size == b->room && grow_bytes(run, path, b) != CLI_DONE) return CLI_FAILED;
         size_t const in = packed->size - taken, out = b->room - b->size;
         z->next_in = packed->bytes + taken;
+        /* zlib counts in 32 bits, and progress wants to hear of it. */
         z->avail_in = in < FILES_CHUNK ? (uInt)in : FILES_CHUNK;
         z->next_out = b->bytes + b->size;
         z->avail_out = out < FILES_CHUNK ? (uInt)out : FILES_CHUNK;
@@ -174,6 +180,7 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         b->size = (size_t)(z->next_out - b->bytes);
         if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0)))
             return cli_fail_interrupted(run);
+        /* After a member may follow padding, another member, or something that is neither. */
         if (result == Z_STREAM_END) {
             while (taken < packed->size && packed->bytes[taken] == 0) taken++;
             if (taken == packed->size) return CLI_DONE;
@@ -200,6 +207,7 @@ static uint64_t guess_unpacked(const cli_bytes *packed)
     const unsigned char *p;
     uint64_t told;
     if (packed->size < 18) return 64; /* no whole file */
+    /* The size modulo 2^32, and of the last member only: a guess that is checked. */
     p = packed->bytes + packed->size - 4;
     told = (uint64_t)p[0] | (uint64_t)p[1] << 8 | (uint64_t)p[2] << 16 | (uint64_t)p[3] << 24;
     /* deflate: 1032 at most */
@@ -219,6 +227,7 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
         free(plain.bytes);
         return cli_fail(run, "%s: gzip: no memory to unpack it", cli_input_name(path));
     }
+    /* Both texts are in memory now, which is the peak of reading. */
     status = inflate_all(run, path, b, &plain, &z);
     inflateEnd(&z);
     cli_note_peak(run, (uint64_t)b->size + plain.size);
@@ -257,6 +266,7 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     if (file == NULL) return cli_fail(run, "%s: %s", path, strerror(errno));
     status = read_bytes(run, path, file, held, b);
     if (!standard) fclose(file);
+    /* By its bytes, and by its name too: a .gz that holds none is refused there. */
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
     if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI)
         status = cli_unpack_vti(run, path, b);
@@ -270,6 +280,7 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
     cli_stage_begin(run, "read");
     cli_stage_calls(run, 2); /* it may be packed */
     status = cli_read_bytes(run, path, 0, b);
+    /* A stage that failed is not reported as one that was done. */
     if (status == CLI_DONE) cli_stage_end(run);
     return status;
 }
@@ -287,6 +298,7 @@ static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t forma
     uint64_t dropped = 0;
     bvx_status status;
 
+    /* What keeps every triangle in its place must not lose one silently. */
     if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0)
         return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
     status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
@@ -299,6 +311,7 @@ static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, b
 {
     bvx_status read = BVX_ERR_EMPTY;
     if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
+    /* A .ply without faces is read once more, as points. */
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
         return read;
     *cloud = 1;
@@ -317,6 +330,7 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         bvx_status const read = parse_mesh(run, &b, format, mesh, cloud);
         cli_stage_end(run);
         cli_note_peak(run, b.size);
+        /* The file goes after this, so later peaks start without it. */
         bvx_memory_reset_peak(run->context);
         if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
         else if (run->report.nonfinite != before)

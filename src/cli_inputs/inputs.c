@@ -40,6 +40,7 @@ static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window
     int32_t const format = cli_input_format(run, in->path);
     bvx_status read;
 
+    /* .bvx holds either, and only the bytes tell which. */
     in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
     in->placed = 1;
     cli_stage_begin(run, "parse");
@@ -93,12 +94,14 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
 
     memset(in, 0, sizeof *in);
     in->path = path;
+    /* What was chosen by its samples is a grid from here on. */
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
     status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run))
         status = keep_read_parts(run, in);
+    /* The side-car is read after the grid, whose shape it must fit. */
     free(b.bytes);
     if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path)))
         status = cli_read_sidecar(run, path, &in->grid, &in->placed);
@@ -121,6 +124,7 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
         status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path),
                                  &in.grid);
     else if (status == CLI_DONE) status = cli_check_rules(run, tree_rules, CLI_OF_GRID, cli_input_name(path));
+    /* The tree was a step on the way, also where it failed. */
     bvx_octree_free(run->context, in.tree);
     *grid = in.grid;
     *placed = in.placed;

@@ -63,6 +63,7 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
     status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
     for (int a = 0; a < 3; a++) {
+        /* Rounded outwards, so that the last voxel covers the mesh's high end. */
         double const far_end = lattice->origin[a] + lattice->dims[a] * lattice->spacing[a];
         double const n = -floor((o->origin.value[a] - far_end) / o->spacing);
         dims[a] = n < 1.0 ? 1 : n > 2147483647.0 ? INT32_MAX : (int32_t)n;
@@ -78,6 +79,7 @@ static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_latti
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
     bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = o->padding;
+    /* Rows exclude each other already: the first that is given decides. */
     if (o->spacing != 0.0)
         for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;
     else if (o->resolution.count == 3)

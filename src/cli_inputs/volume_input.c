@@ -64,6 +64,7 @@ static int ends_with(const char *path, const char *ending)
 int cli_is_volume(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
+    /* A grid in these formats is a volume only where something asks for its samples. */
     return may_be_volume(format) &&
            (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
 }
@@ -74,6 +75,7 @@ static int refuse_for_input(cli_run *run, const char *option, const char *path)
     const char *const kind = cli_kind_of_format(format) == CLI_MESH ? "a mesh"
                              : format == BVX_FORMAT_XYZ             ? "a cloud of points"
                                                                     : "a grid";
+    /* --level and --levels differ by a letter: the other one may be meant. */
     const char *const meant = cli_mistaken_for(run, option);
 
     return cli_usage(run, "%s is for volumes (.nrrd .nhdr .npy .vti .raw); %s is %s%s%s%s", option,
@@ -99,6 +101,7 @@ int cli_check_volume_options(cli_run *run)
     }
 
     if (given == NULL) return CLI_DONE;
+    /* Which of several inputs is meant is not said: one volume among them is enough. */
     if (volumes == 0) return refuse_for_input(run, given, o->input[0]);
     return cli_check_rules(run, selection_rules, raw != 0 ? IS_RAW : 0, cli_input_name(o->input[0]));
 }
@@ -123,6 +126,7 @@ static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_s
     const unsigned char *const bytes = packed;
 
     (void)user;
+    /* Some files say gzip and hold plain bytes. */
     if (packed_size == plain_size && (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
         memcpy(plain, packed, (size_t)plain_size);
         return 0;
@@ -138,6 +142,7 @@ static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_s
             uint64_t const in = packed_size - taken, out = plain_size - made;
             uInt const part_in = in < (1 << 20) ? (uInt)in : 1 << 20;
             uInt const part_out = out < (1 << 20) ? (uInt)out : 1 << 20;
+            /* One byte past the end shows whether there is more than there should be. */
             unsigned char beyond;
             z.next_in = (unsigned char *)(uintptr_t)bytes + taken;
             z.avail_in = part_in;
@@ -193,6 +198,7 @@ static int add_data_file(cli_run *run, const char *path, uint64_t head_size, cli
     cli_bytes one = {NULL, 0, 0, 0};
     int status = cli_read_bytes(run, path, head_size + all->size, &one);
 
+    /* The usual case is one file, which is not copied. */
     if (status == CLI_DONE && all->bytes == NULL) {
         *all = one;
         return CLI_DONE;
@@ -227,6 +233,7 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
         char *path;
         found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, i, name, sizeof name, &count);
         if (found != BVX_OK) return cli_fail_status(run, found, cli_input_name(head));
+        /* Before the name is used for anything. */
         if (!stays_below(name))
             return cli_fail(
                 run,
@@ -267,12 +274,14 @@ static int take_window(cli_run *run, const char *path, const bvx_window *window,
     v->view = *whole;
     if (window == NULL || window->size[0] == 0) return CLI_DONE;
     memcpy(stride, whole->strides, sizeof stride);
+    /* All zero stands for packed samples, x fastest; a window of them is not packed. */
     if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
         stride[0] = size[whole->sample_type];
         stride[1] = stride[0] * whole->size[0];
         stride[2] = stride[1] * whole->size[1];
     }
     for (int a = 0; a < 3; a++) {
+        /* Without an overflow: low and size are both within the lattice's limit. */
         if (window->low[a] > whole->size[a] - window->size[a])
             return cli_fail(run,
                             "%s: the window's voxels %" PRId32 " to %" PRId32
@@ -297,6 +306,7 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
 
     v->placed = v->volume.placed;
     if (!cli_needs_sidecar(cli_input_format(run, path))) return CLI_DONE;
+    /* Side-cars are read for grids: one without voxels carries the lattice through. */
     memset(&grid, 0, sizeof grid);
     grid.lattice = w->lattice;
     memcpy(grid.size, w->size, sizeof grid.size);
@@ -323,6 +333,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
 #else
     if (v->data.bytes != NULL) o.inflate = inflate_samples; /* plain bytes, as it turns out, or a refusal */
 #endif
+    /* NULL where the samples follow the head in the same file. */
     o.data = v->data.bytes;
     o.data_size = v->data.size;
     take_raw_options(run, &o);
@@ -376,6 +387,7 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
     double const label = (double)o->value_label;
     if (o->range.given)
         return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
+    /* Nothing chosen: what is not 0, as in a grid of bits. */
     if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
     if (cli_given(run, "--label")) return bvx_threshold(run->context, &v->view, label, label, report, grid);
     return bvx_threshold(run->context, &v->view, o->below ? -HUGE_VAL : o->level,

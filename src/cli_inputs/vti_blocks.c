@@ -59,6 +59,7 @@ static int find_attribute(const char *tag, const char *tag_end, const char *name
     for (const char *p = tag; (p = find_text(p, tag_end, name)) != NULL; p += n) {
         const char *q = p + n;
         const char *close;
+        /* A name inside another name or inside a value is not the attribute. */
         if (p == tag || strchr(" \t\r\n", p[-1]) == NULL || (size_t)(tag_end - q) < 2 || q[0] != '=' ||
             (q[1] != '"' && q[1] != '\''))
             continue;
@@ -112,6 +113,7 @@ static int take_bytes(vti_source *s, unsigned char *to, size_t n)
         uint32_t bits = 0;
         int digits = 0;
         for (int k = 0; k < 4; s->at++, s->have--) {
+            /* Characters in fours; spaces between them do not count. */
             if (s->have == 0) return 0;
             if (strchr(" \t\r\n", *s->at) != NULL && *s->at != 0) continue;
             int const d = base64_digit(*s->at);
@@ -122,6 +124,7 @@ static int take_bytes(vti_source *s, unsigned char *to, size_t n)
         }
         for (int k = 0; k < digits - 1 && done < n; k++)
             to[done++] = (unsigned char)(bits >> (16 - 8 * k) & 255);
+        /* Padding ends the text, wanted bytes or not. */
         if (digits < 4 && done < n) return 0;
     }
     return 1;
@@ -178,16 +181,19 @@ static int unpack_blocks(vti_packed *v, vti_source *s, const unsigned char *head
 
     for (uint64_t i = 0; i < blocks; i++) {
         uint64_t const n = number_at(v, head + (VTI_HEAD_NUMBERS + i) * step);
+        /* Sizes of a stranger's file: checked before anything is added up or allocated. */
         if (n > s->have || packed + n > s->have)
             return fail_vti(v, "packed blocks continue after the end of the file");
         packed += n;
     }
+    /* zlib packs no better than that, so more is a lie that memory would pay for. */
     most = packed * VTI_WORST_RATIO + 64;
     if (blocks != 0 && (block > most || last > block || blocks > most / (block != 0 ? block : 1) + 1))
         return fail_vti(v, "packed blocks are said to hold more than they can");
     all = blocks == 0 ? 0 : block * (blocks - 1) + (last != 0 ? last : block);
     status = make_data_room(v, all + step);
     if (status != CLI_DONE) return status;
+    /* An array without blocks begins with its length. */
     put_number(v, all, v->data.bytes + v->data.size);
     v->data.size += step;
 
@@ -258,6 +264,7 @@ static int take_array(vti_packed *v, const char *tag, const char *tag_end, const
 
     *behind = tag_end;
     if (is_inline) {
+        /* The array's text reaches to the next tag and goes; the tag says where it lies now. */
         close = memchr(tag_end, '<', (size_t)(v->end - tag_end));
         s.have = (size_t)((close != NULL ? close : v->end) - tag_end);
         *behind = close != NULL ? close : v->end;
@@ -295,6 +302,7 @@ static int take_tags(vti_packed *v)
         tag_end = memchr(tag, '>', (size_t)(v->end - tag));
         if (tag_end == NULL) return fail_vti(v, "a tag does not end");
         p = ++tag_end;
+        /* The compressor goes from the root, arrays move behind the tags, all else is copied. */
         if (tag_end - tag > 9 && memcmp(tag, "<VTKFile", 8) == 0) put_tag(v, tag, tag_end, "compressor", "");
         else if (tag_end - tag > 11 && memcmp(tag, "<DataArray", 10) == 0)
             status = take_array(v, tag, tag_end, &p);
@@ -316,6 +324,7 @@ static void find_parts(vti_packed *v, const char *root, const char *root_end)
     v->big = attribute_is(root, root_end, "byte_order", "BigEndian");
     v->text_end = appended != NULL ? appended : find_text(root_end, v->end, "</VTKFile");
     if (v->text_end == NULL) v->text_end = v->end;
+    /* No appended arrays: all stand in their tags. */
     if (tag_end == NULL) return;
     v->appended_base64 = attribute_is(appended, tag_end, "encoding", "base64");
     v->appended = memchr(tag_end, '_', (size_t)(v->end - tag_end));
@@ -331,6 +340,7 @@ static int join_parts(vti_packed *v, cli_bytes *b)
 
     if (bytes == NULL)
         return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, (uint64_t)size);
+    /* The peak: the packed file, the arrays and the new file together. */
     memcpy(bytes, v->text.bytes, v->text.size);
     if (v->data.size != 0) memcpy(bytes + v->text.size, v->data.bytes, v->data.size);
     memcpy(bytes + v->text.size + v->data.size, foot, sizeof foot - 1);

@@ -36,10 +36,12 @@ static void tell_made(cli_run *run, cli_made *made)
     const char *const out = run->options->output;
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
+    /* The command speaks first: what several commands tell alike follows its lines. */
     if (run->command->tell != NULL) run->command->tell(run, run->job, made);
     if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
 
     if (grid != NULL) cli_tell_grid(run, &made->head, grid, made->set, made->placed);
+    /* An interrupt reports without these, so they need no lock. */
     if (made->members.size != 0) cli_text_add(&run->report.more, "%s", made->members.bytes);
     if (!made->untitled)
         cli_say(run, "%s%s%s\n", cli_input_name(run->options->input[run->command->least_inputs - 1]),
@@ -54,12 +56,14 @@ int cli_perform(cli_run *run)
     cli_made made = {.placed = 1};
     int result;
 
+    /* Zeroed: what was not reached is freed as empty. One byte more, since a command may have no job. */
     run->job = calloc(1, run->command->job + 1);
     if (run->job == NULL) return cli_fail(run, "no memory to begin with");
     result = run->command->make(run, run->job, &made);
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
 
+    /* A failure leaves lines that nobody said. */
     cli_text_free(&made.head);
     cli_text_free(&made.text);
     cli_text_free(&made.members);

@@ -17,6 +17,7 @@ void cli_choose_field_padding(cli_run *run)
     cli_options *const o = run->options;
     double const width = half_width_of(run);
 
+    /* The band reaches so far beyond the mesh; a field without an end takes the usual room. */
     if (!cli_given(run, "--padding") && !o->origin.given)
         o->padding = width < FIELD_MOST_PADDING ? (int32_t)ceil(width) : FIELD_HALF_WIDTH;
 }
@@ -64,6 +65,7 @@ bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const b
     o.no_vectors = !run->options->vectors;
     o.window = *window;
     status = bvx_measure_field(run->context, view, lattice, &o, field);
+    /* Without a sign nothing is inside, and there is no grid of it. */
     if (status == BVX_OK && field->inside.words != NULL)
         status = bvx_grid_count(run->context, &field->inside, &inside);
     if (status != BVX_OK) return status;

@@ -28,6 +28,7 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 {
     int32_t const format = bvx_format_of_name(path);
     const int32_t *const d = grid->lattice.dims;
+    /* These keep the lattice and where in it the window lies. */
     if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
     if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
     cli_warn(run,
@@ -36,10 +37,11 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
              path, d[0], d[1], d[2]);
 }
 
-static int write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file)
+int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file, const char *path)
 {
     int const result = status == BVX_OK ? cli_write_output(run, number, file)
-                                        : cli_fail_status(run, status, run->options->output);
+                                        : cli_fail_status(run, status, path);
+
     bvx_buffer_free(run->context, file);
     return result;
 }
@@ -47,14 +49,16 @@ static int write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer 
 int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid)
 {
     const char *const path = run->options->output;
-    int result = write_buffer(run, 0, status, file);
+    int result = cli_write_buffer(run, 0, status, file, path);
 
+    /* The side-car is the second output, opened with the first. */
     if (result == CLI_DONE && cli_needs_sidecar(bvx_format_of_name(path))) {
         status = bvx_write_lattice(run->context, grid, file);
-        result = write_buffer(run, 1, status, file);
+        result = cli_write_buffer(run, 1, status, file, path);
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
+    /* Only of files that are there. */
     if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
     return result;
 }
@@ -102,6 +106,7 @@ int cli_touches_side(const bvx_grid *g)
 {
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++) {
+            /* Whole rows lie in four of the sides; of the others only their ends. */
             int const side = z == 0 || y == 0 || z == g->size[2] - 1 || y == g->size[1] - 1;
             for (int32_t k = 0; k < g->words_per_row && side; k++)
                 if (g->words[((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +

@@ -55,6 +55,7 @@ static void fill_leaf_mesh(const cli_options *o, const bvx_lattice *last, int32_
                            const bvx_octree_leaf *leaf, uint64_t count, bvx_mesh *mesh)
 {
     for (uint64_t i = 0; i < count; i++) {
+        /* Leaves count in voxels of their own level, the lattice in those of the last one. */
         double const voxels = (double)(UINT32_C(1) << (levels - leaf[i].level));
         double low[3], edge[3];
         uint8_t colour[4];
@@ -80,6 +81,7 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
                         " MiB: take .vtu, fewer --levels or --states, or a larger "
                         "--memory-limit",
                         run->options->output, count, bytes >> 20);
+    /* As many as there may be: --cut takes away some of them later. */
     *leaves = malloc((size_t)count * sizeof **leaves);
     mesh->positions = malloc((size_t)count * LEAF_VERTICES * 3 * sizeof(double));
     mesh->triangles = malloc((size_t)count * LEAF_TRIANGLES * 3 * sizeof(uint32_t));
@@ -100,6 +102,7 @@ int cli_make_leaf_mesh(cli_run *run, const bvx_octree *tree, bvx_mesh *mesh)
     bvx_octree_leaf *leaves = NULL;
     uint64_t count = 0;
     bvx_status status = bvx_octree_leaves(run->context, tree, o->states, NULL, 0, &count);
+    /* Counted first, since a tree may have more leaves than memory has boxes. */
     int result = status == BVX_OK ? make_room(run, count, &leaves, mesh)
                                   : cli_fail_status(run, status, o->output);
 

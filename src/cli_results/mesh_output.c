@@ -58,6 +58,7 @@ int cli_check_level_names(cli_run *run, int count)
     const char *const out = run->options->output;
 
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
+    /* .glb holds all levels as meshes of one file. */
     if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
     if (count != 0)
         return cli_usage(
@@ -86,6 +87,7 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     if (!run->options->carry) return CLI_DONE;
     if (mesh->colours == NULL && mesh->uvs == NULL)
         return cli_usage(run, "%s has neither colours nor texture coordinates that --carry could carry", in);
+    /* .stl is refused by a row, whatever the mesh has. */
     if (mesh->colours == NULL && bvx_format_of_name(out) == BVX_FORMAT_OFF)
         return cli_usage(run, "%s: .off holds no texture coordinates, and %s has no colours for --carry", out,
                          in);
@@ -133,6 +135,7 @@ static int near_origin(const bvx_certificate *c, double origin[3])
         longest = fmax(longest, c->high[a] - c->low[a]);
         farthest = fmax(farthest, fmax(fabs(c->low[a]), fabs(c->high[a])));
     }
+    /* A box near 0 loses nothing by floats that another origin would save. */
     if (!(farthest > 16.0 * longest) || farthest > 1e15) return 0;
 
     while (step < longest) step *= 10.0;
@@ -150,6 +153,7 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
     char advice[128] = "";
 
     bvx_mesh_view_of(placed, &view);
+    /* The advice is worth a check: it names an origin that can be copied. */
     if (bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK && near_origin(&box, origin))
         snprintf(advice, sizeof advice, ", or --output-origin %.15g,%.15g,%.15g to bring it near", origin[0],
                  origin[1], origin[2]);
@@ -182,6 +186,7 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
             path, format, r->largest_move, r->mean_edge);
     if (cli_is_sound(&r->file)) return;
 
+    /* Only a mesh that was sound can lose that by its file. */
     bvx_mesh_view_of(placed, &view);
     if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
     cli_warn(
@@ -205,6 +210,7 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 
     for (int i = 0; i < count && result == CLI_DONE; i++) {
+        /* The first level that the format would spoil ends it; nothing is written yet. */
         if (!report[i].fits) {
             result = refuse_rounding(run, &placed[i], path, &report[i]);
             continue;
@@ -245,41 +251,37 @@ static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *
     bvx_mesh const placed = placed_mesh(run, mesh);
     bvx_write_options o;
     bvx_buffer file = {0};
-    bvx_status status;
-    int result;
 
     bvx_write_options_init(&o, sizeof o);
     o.normals = run->options->normals;
+    /* what rounding spoils was refused or warned of before */
     o.rounding = BVX_ROUNDING_ALLOW;
-    status = bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file);
-    result = status == BVX_OK ? cli_write_output(run, number, &file) : cli_fail_status(run, status, path);
-    bvx_buffer_free(run->context, &file);
+    return cli_write_buffer(run, number,
+                            bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file),
+                            &file, path);
+}
+
+static int write_judged(cli_run *run, const bvx_mesh *mesh, int number, const char *path, int keep)
+{
+    int result;
+
+    CLI_TRY(judge_mesh(run, mesh, number, path));
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    result = put_mesh(run, mesh, number, path);
+    if (result == CLI_DONE && keep) result = cli_keep_outputs(run);
+    cli_stage_end(run);
     return result;
 }
 
 int cli_write_mesh_as(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
-    int result = judge_mesh(run, mesh, number, path);
-
-    if (result != CLI_DONE) return result;
-    cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
-    result = put_mesh(run, mesh, number, path);
-    cli_stage_end(run);
-    return result;
+    return write_judged(run, mesh, number, path, 0);
 }
 
 int cli_write_mesh(cli_run *run, const bvx_mesh *mesh)
 {
-    int result = judge_mesh(run, mesh, 0, run->options->output);
-
-    if (result != CLI_DONE) return result;
-    cli_stage_begin(run, "write");
-    cli_stage_calls(run, 2);
-    result = put_mesh(run, mesh, 0, run->options->output);
-    if (result == CLI_DONE) result = cli_keep_outputs(run);
-    cli_stage_end(run);
-    return result;
+    return write_judged(run, mesh, 0, run->options->output, 1);
 }
 
 int cli_open_levels(cli_run *run, int count, char **path)
@@ -288,6 +290,7 @@ int cli_open_levels(cli_run *run, int count, char **path)
     int status = CLI_DONE;
 
     for (int i = 0; i < count && status == CLI_DONE; i++) {
+        /* One file has one name, which all levels share. */
         path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options->output, i);
         if (path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         if (!in_one || i == 0) status = cli_open_output(run, path[i]);
@@ -295,22 +298,11 @@ int cli_open_levels(cli_run *run, int count, char **path)
     return status;
 }
 
-static int put_levels_file(cli_run *run, const bvx_mesh *placed, int count, const char *path)
-{
-    bvx_buffer file = {0};
-    bvx_status const status = bvx_write_levels(run->context, placed, (uint64_t)count,
-                                               bvx_format_of_name(path), &file);
-    int const result = status == BVX_OK ? cli_write_output(run, 0, &file)
-                                        : cli_fail_status(run, status, path);
-
-    bvx_buffer_free(run->context, &file);
-    return result;
-}
-
 /* All levels in one file. */
 static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
 {
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
+    bvx_buffer file = {0};
     int result;
 
     if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
@@ -319,7 +311,10 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
     result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    if (result == CLI_DONE) result = put_levels_file(run, placed, count, path);
+    if (result == CLI_DONE)
+        result = cli_write_buffer(
+            run, 0, bvx_write_levels(run->context, placed, (uint64_t)count, bvx_format_of_name(path), &file),
+            &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);
     free(placed);
@@ -332,6 +327,7 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 
     if (count > 1 && path[1] == path[0]) return write_levels_file(run, levels, count, path[0]);
 
+    /* All are judged before the first is written. */
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2 * count);

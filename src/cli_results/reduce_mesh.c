@@ -32,6 +32,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     cli_stage_begin(run, "simplify");
     CLI_TRY(cli_stage_check(run, bvx_mesh_simplify(run->context, &view, &s, 1, &less), run->options->output));
 
+    /* The report keeps the size of the mesh that it was. */
     bvx_mesh_free(run->context, mesh);
     *mesh = less;
     r->done = 1;

@@ -80,6 +80,8 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid);
 /* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the caller began:
  * written and kept, where a call of the library made it. Frees it. */
 int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
+/* Write what a call of the library made as the output of this number, or say why it failed; frees it. */
+int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file, const char *path);
 void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *grid, uint64_t set, int placed);
 /* The place of a part (0: the low corner, 0.5: the centre) of a grid's first voxel. */
 void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);

@@ -86,23 +86,24 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
 {
     const char *const path = run->options->output;
     bvx_buffer file = {0};
-    bvx_status status;
     int result;
 
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    status = bvx_write_octree(run->context, t->tree, run->options->states, bvx_format_of_name(path), &file);
-    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
+    result = cli_write_buffer(
+        run, 0,
+        bvx_write_octree(run->context, t->tree, run->options->states, bvx_format_of_name(path), &file), &file,
+        path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
     return result;
 }
 
 int cli_write_tree(cli_run *run, cli_tree *t)
 {
     int status = CLI_DONE;
+    /* A grid is a level of the tree, a mesh its boxes or its surface, all else the tree itself. */
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)

@@ -62,9 +62,11 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
     bvx_mesh_view view;
     bvx_status status = BVX_OK;
 
+    /* A command that moved walls has measured already, farther out. */
     if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
     bvx_field_surface_options_init(&s, sizeof s);
     s.position_type = BVX_POSITION_AUTO;
+    /* Without a word the library looks at the mesh's edges. */
     s.sharp = o->sharp ? 1 : o->no_sharp ? 0 : -1;
     s.grid = v->grid;
     s.offset = v->offset;
@@ -88,6 +90,7 @@ static int32_t edge_of_middle(const bvx_grid *g, const double p[3], int32_t low[
         double const q = (p[a] - g->lattice.origin[a]) / g->lattice.spacing[a] - g->low[a] - 0.5;
         double const part = q - floor(q);
 
+        /* Half way between two centres along one axis, on a centre along the others; else no such edge. */
         if (fabs(part - 0.5) < 0.01) {
             if (axis >= 0) return -1;
             axis = a;
@@ -116,6 +119,7 @@ static double cylinder_cut(const cli_drill *d, const bvx_grid *g, int32_t axis, 
 
     for (int32_t a = 0; a < 3; a++)
         start[a] = g->lattice.origin[a] + (g->low[a] + low[a] + 0.5) * g->lattice.spacing[a] - d->at[a];
+    /* Half the chord that the circle cuts out of the edge's line. */
     double const half = sqrt(fmax(0.0, d->radius * d->radius - start[across] * start[across]));
     double const middle = start[axis] + 0.5 * g->lattice.spacing[axis];
     s = ((middle < 0.0 ? -half : half) - start[axis]) / g->lattice.spacing[axis];
@@ -137,9 +141,11 @@ static void round_hole(cli_voxels *v)
             p[a] = wide ? ((double *)v->mesh.positions)[3 * n + (uint64_t)a]
                         : (double)((float *)v->mesh.positions)[3 * n + (uint64_t)a];
         int32_t const axis = edge_of_middle(g, p, low);
+        /* Along the drill the wall is flat and stays half way. */
         if (axis < 0 || axis == v->drill.axis) continue;
         memcpy(high, low, sizeof high);
         high[axis]++;
+        /* Both ends drilled or both left: the hole's wall does not pass here. */
         if (is_set(v->drill.hole, low) == is_set(v->drill.hole, high)) continue;
         p[axis] = g->lattice.origin[axis] +
                   (g->low[axis] + low[axis] + 0.5 + cylinder_cut(&v->drill, g, axis, low)) *
@@ -164,6 +170,7 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     status = bvx_extract_surface(run->context, v->grid, &e, &v->mesh);
+    /* Voxels without a mesh: every vertex lies half way. */
     v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
     return status;
 }

@@ -30,12 +30,14 @@ static int tell_error(cli_run *run, int status, const char *code, const char *me
     char prefix[512];
 
     name_input(run, message, prefix, sizeof prefix);
+    /* An interrupt may report at any time: code and message change together. */
     cli_lock();
     snprintf(r->error_code, sizeof r->error_code, "%s", code);
     snprintf(r->error_message, sizeof r->error_message, "%s", message);
     tame(r->error_message);
     cli_watch_decide(status);
     cli_unlock();
+    /* Without a bar on its line, and after what standard output still holds. */
     cli_clear_bar(run);
     fflush(stdout);
     fprintf(stderr, "bitvox: %s%s\n", prefix, r->error_message);
@@ -72,6 +74,7 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room)
         if (run->output[i].begun) cut = run->output[i].path;
         kept += run->output[i].kept;
     }
+    /* Outputs get their names all or none; only what is written in place can be cut. */
     if (kept != 0) snprintf(text, room, "interrupted; what was requested is written");
     else if (cut != NULL) snprintf(text, room, "interrupted; %s may have got a part of its bytes", cut);
     else snprintf(text, room, "interrupted; nothing was written");
@@ -105,7 +108,9 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
 {
     char text[sizeof run->report.error_message];
     const char *const message = run->context != NULL ? bvx_last_error(run->context)->text : "";
+    /* The library stops because the user asked for it: that is no error of the file. */
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
+    /* A call that failed without a context has no message of its own. */
     snprintf(text, sizeof text, "%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
              message[0] != 0 ? message : bvx_status_text(status), advice);
     return tell_error(run, CLI_FAILED, status_name(status), text);
@@ -136,6 +141,7 @@ void cli_warn(cli_run *run, const char *format, ...)
     fflush(stdout);
     name_input(run, text, prefix, sizeof prefix);
     if (!run->general->quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
+    /* The report keeps a copy; without memory for it the warning was at least said. */
     copy = malloc(strlen(text) + 1);
     if (copy == NULL) return;
     memcpy(copy, text, strlen(text) + 1);
@@ -151,6 +157,8 @@ void cli_warn(cli_run *run, const char *format, ...)
 void cli_say(cli_run *run, const char *format, ...)
 {
     va_list args;
+    /* With -o - the text moves to standard error; where standard output is an output by its path there is
+     * none. */
     if (run->general->quiet || run->general->json || (run->standard_taken && run->standard_name[0] == 0))
         return;
     cli_clear_bar(run);

@@ -60,6 +60,7 @@ static char *name_beside(const char *path, int i, const char *ending)
     long process = 0;
 
 #if OUTPUTS_POSIX
+    /* Runs at the same time in one folder must not meet. */
     process = (long)getpid();
 #elif defined(_WIN32)
     process = (long)_getpid();
@@ -75,6 +76,7 @@ static char *follow_links(const char *path)
 {
     char *now = copy_text(path);
 
+    /* As many links as the system itself follows before it calls them a loop. */
     for (int i = 0; i < 40 && now != NULL; i++) {
         char link[4096];
         ssize_t const n = readlink(now, link, sizeof link);
@@ -108,6 +110,7 @@ static int look_at_output(cli_output *o, unsigned *mode)
             errno = EISDIR;
             return 0;
         }
+        /* /dev/stdout, or the file that standard output was sent to. */
         if (fstat(STDOUT_FILENO, &standard) == 0 && standard.st_dev == s.st_dev &&
             standard.st_ino == s.st_ino)
             o->kind = CLI_OUT_STANDARD;
@@ -116,6 +119,7 @@ static int look_at_output(cli_output *o, unsigned *mode)
         if (o->kind != CLI_OUT_NEW) return 1;
         *mode = (unsigned)s.st_mode & 0777u;
     }
+    /* The link stays; the file behind it is replaced, so the temporary must lie beside that. */
     o->target = follow_links(o->path);
     if (o->target == NULL) return 0;
     if (*mode != 0 &&
@@ -145,7 +149,9 @@ static int move_aside(const char *path, const char *name)
         errno = EISDIR;
         return 0;
     }
+    /* A second name leaves the first in place, so there is no moment without the file. */
     if (link(path, name) == 0) return 1;
+    /* rename would replace what has this name. */
     if (errno == EEXIST || lstat(name, &s) == 0) {
         errno = EEXIST;
         return 0;
@@ -256,6 +262,7 @@ int cli_open_output(cli_run *run, const char *path)
     unsigned mode = 0;
     int good, error;
 
+    /* What can be refused without touching the folder is refused first. */
     if (run->outputs == CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
     if (cli_is_packed(path) && !cli_can_pack())
@@ -265,6 +272,7 @@ int cli_open_output(cli_run *run, const char *path)
     memset(o, 0, sizeof *o);
     o->path = copy_text(path);
     run->outputs++;
+    /* The copy of the path is the first thing that can fail. */
     errno = ENOMEM;
     if (cli_is_standard_output(run, path)) o->kind = CLI_OUT_STANDARD;
     good = o->path != NULL && (o->kind == CLI_OUT_STANDARD || look_at_output(o, &mode));
@@ -274,6 +282,7 @@ int cli_open_output(cli_run *run, const char *path)
     cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
+    /* One stream cannot hold two files. */
     if (run->standard_name[0] != 0 && run->outputs > 1)
         return cli_usage(run, "-o - is for one output; %s would be another",
                          strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
@@ -318,6 +327,7 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
         size_t const rest = (size_t)(buffer->size - written);
         size_t const part = rest < OUTPUT_CHUNK ? rest : OUTPUT_CHUNK;
         size_t taken;
+        /* fwrite need not set it. */
         errno = 0;
         taken = fwrite(buffer->bytes + written, 1, part, file);
         written += taken;
@@ -327,6 +337,7 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
         error = 0; /* a signal that is none of ours: the rest follows */
         clearerr(file);
     }
+    /* A close can fail without saying why; what failed first is told. */
     errno = 0;
     if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
     if (stopped) return cli_fail_interrupted(run);
@@ -340,6 +351,7 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     bvx_buffer packed = {0};
     int status;
 
+    /* Packed in memory first, so that the file is written in one go as any other. */
     if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
 
     status = cli_pack(run, o->path, buffer, &packed);
@@ -386,6 +398,7 @@ static cli_output *take_back(cli_run *run, int n)
         o->kept = 0;
         if (o->older == NULL && i < n && o->kind == CLI_OUT_NEW) cli_remove_file(o->target);
         if (o->older == NULL) continue;
+        /* With a second name the older file never left its place. */
         if (cli_are_one_file(o->older, o->target)) cli_remove_file(o->older); /* it still stands there */
         else if (cli_rename_file(o->older, o->target) != 0) lost = o;
     }
@@ -432,6 +445,7 @@ int cli_keep_outputs(cli_run *run)
 
     if (cli_interrupted()) return cli_fail_interrupted(run);
     cli_lock();
+    /* First everything that can be undone, then the names, then what cannot. */
     ready = set_all_aside(run);
     if (ready == run->outputs)
         while (named < run->outputs && give_name(&run->output[named])) named++;
@@ -442,6 +456,7 @@ int cli_keep_outputs(cli_run *run)
     if (good) cli_watch_kept();
     cli_unlock();
     if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
+    /* An older file that could not be removed is worth a warning, not a failure. */
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         if (good && o->older != NULL)

@@ -37,6 +37,7 @@ static int deflate_all(cli_run *run, const char *path, const bvx_buffer *plain, 
     uint64_t taken = 0;
 
     for (int result = Z_OK; result != Z_STREAM_END;) {
+        /* zlib counts in 32 bits, and progress wants to hear of it: chunk by chunk. */
         uint64_t const in = plain->size - taken, most = in < PACK_CHUNK ? in : PACK_CHUNK;
         uint64_t out;
 
@@ -64,6 +65,7 @@ int cli_pack(cli_run *run, const char *path, const bvx_buffer *plain, bvx_buffer
     int status;
 
     memset(packed, 0, sizeof *packed);
+    /* A guess at the packed size, which doubles as long as it is too small. */
     packed->capacity = plain->size / 4 + PACK_LEAST;
     packed->bytes = packed->capacity <= SIZE_MAX ? malloc((size_t)packed->capacity) : NULL;
     if (packed->bytes == NULL)

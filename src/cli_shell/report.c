@@ -70,6 +70,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
     cli_json_truth(t, "colours", m->colours);
     cli_json_truth(t, "texture_coordinates", m->uvs);
     if (m->has_crossings) cli_json_count(t, "crossings", m->crossings);
+    /* What only some commands know of a mesh follows. */
     if (m->lod != NULL) {
         cli_json_ints(t, "resolution", m->lod->resolution);
         cli_json_triple(t, "ratio", m->lod->ratio);
@@ -126,6 +127,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
                  : status == CLI_INTERRUPTED ? "interrupted"
                                              : "failed");
     if (run->name != NULL) cli_text_add(t, ", \"command\": \"%s\"", run->name);
+    /* brief leaves out what the main thread may be changing. */
     if (!brief && r->has_lattice) report_lattice(t, &r->lattice);
     if (!brief && r->has_set) cli_json_count(t, "set", r->set);
     if (!brief) report_parts(r, t);
@@ -160,8 +162,10 @@ int cli_report_print(cli_run *run, int status)
     cli_text text = {NULL, 0, 0, 0};
     int good;
 
+    /* The reports of several inputs are one text already. */
     if (run->report.batch.size != 0) text = run->report.batch;
     else cli_report_text(run, status, 0, &text);
+    /* From here on an interrupt leaves the report to this thread. */
     cli_watch_report();
     good = !text.failed && fwrite(text.bytes, 1, text.size, to) == text.size;
     good &= fflush(to) == 0 && !ferror(to);

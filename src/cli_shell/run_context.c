@@ -30,6 +30,7 @@ uint64_t cli_memory_there(void)
     long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     if (pages > 0 && page > 0) memory = (uint64_t)pages * (uint64_t)page;
 #endif
+    /* The least of what the machine, the shell and the container allow. */
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
         memory = (uint64_t)space.rlim_cur;
     for (int i = 0; i < 2; i++) {
@@ -58,6 +59,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     cli_blocks_offer(&o);
     o.progress = cli_progress;
     o.progress_user = run;
+    /* The file in memory counts against the same limit. */
     if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
     /* choices do not depend on the machine */
     run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;

@@ -22,6 +22,7 @@ static void end_without_reader(void)
 #if END_POSIX
     struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
 
+    /* POLLERR on a pipe: nobody reads it any more. */
     if (poll(&out, 1, 0) != 1 || (out.revents & POLLERR) == 0) return;
     signal(SIGPIPE, SIG_DFL);
     raise(SIGPIPE);
@@ -38,6 +39,7 @@ int cli_end_of_output(cli_run *run)
 /* The last words: the report of --json, or what is left of the text. */
 int cli_end_of_run(cli_run *run, int status)
 {
+    /* A report that cannot be written turns a success into a failure, and leaves a failure what it is. */
     if (!run->general->json || cli_report_print(run, status))
         return status == CLI_DONE ? cli_end_of_output(run) : status;
 

@@ -44,6 +44,7 @@ static int terminal_takes_a_bar(void)
 {
 #if TERMINAL_POSIX
     const char *const term = getenv("TERM");
+    /* A dumb terminal does not know how to clear a line. */
     return isatty(STDERR_FILENO) && (term == NULL || strcmp(term, "dumb") != 0);
 #else
     return 0;
@@ -75,6 +76,7 @@ static void time_left(const cli_run *run, double now, char *text, size_t room)
     double left;
 
     text[0] = 0;
+    /* An estimate from little is worse than none. */
     if (elapsed < LEFT_AFTER || p->reached < LEFT_FRACTION) return;
     left = elapsed / p->reached * (1.0 - p->reached);
     if (left < 1.0) return;
@@ -92,6 +94,7 @@ static void draw_bar(cli_run *run, double now)
     for (int i = 0; i < BAR_WIDTH; i++) bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = 0;
     time_left(run, now, left, sizeof left);
+    /* Noted before it is drawn, so that an interrupt clears the line. */
     note_bar(run, 1);
     fprintf(stderr, "\r[%s] %3.0f %% %s%s\033[K", bar, p->reached * 100.0, p->stage, left);
     fflush(stderr);
@@ -116,6 +119,7 @@ static void tell_progress(cli_run *run, int last)
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
 
+    /* Ten times a second is enough to see, and costs nothing. */
     if (!last && now - p->told < TOLD_EVERY) return;
     if (way == CLI_BAR_JSON) print_line(run, now);
     else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
@@ -128,6 +132,7 @@ static void close_stage(cli_run *run, int done)
 {
     cli_progress_state *const p = &run->progress;
     if (p->stage[0] == 0) return;
+    /* A stage may end before its share does. */
     if (done && p->high > p->reached) p->reached = p->high;
     if (progress_way(run) == CLI_BAR_JSON) tell_progress(run, 1);
     p->stage[0] = 0;
@@ -143,6 +148,7 @@ static void open_stage(cli_run *run, const char *name)
     p->ended = 0.0;
     p->calls = 1;
     p->call = p->moved = 0;
+    /* A stage outside the plan stands where the run is. */
     if (run->plan_stage == NULL || !run->plan_stage(run, name, &p->low, &p->high))
         p->low = p->high = p->reached;
     if (p->low > p->reached) p->reached = p->low;
@@ -193,6 +199,7 @@ int32_t cli_progress(void *user, const char *work, double fraction)
     (void)work;
     if (cli_interrupted()) return 1;
     if (!p->named) return 0;
+    /* The end of a call, not of the stage: the next one takes the share after it. */
     if (fraction >= 1.0) {
         p->call += p->moved && p->call + 1 < p->calls;
         p->moved = 0;
@@ -200,6 +207,7 @@ int32_t cli_progress(void *user, const char *work, double fraction)
     }
     p->moved = 1;
     at = p->low + (p->high - p->low) * ((p->call + fraction) / p->calls);
+    /* The fraction never falls, whatever order the calls report in. */
     if (at > p->reached) p->reached = at < p->high ? at : p->high;
     tell_progress(run, 0);
     return 0;

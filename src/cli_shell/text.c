@@ -13,6 +13,7 @@ static int make_room(cli_text *t, size_t more)
     size_t room = t->room != 0 ? t->room : 256;
     char *bytes;
 
+    /* One byte more than the text, for its end; doubling keeps the copies few. */
     while (room - t->size <= more) {
         if (room > SIZE_MAX / 2) return 0;
         room *= 2;
@@ -60,6 +61,7 @@ static int utf8_length(const unsigned char *p)
                                                 : 0;
     for (int i = 1; i < n; i++)
         if ((p[i] & 0xc0) != 0x80) return 0;
+    /* Sequences that spell what a shorter one does, or no character, are not UTF-8. */
     if ((p[0] == 0xe0 && p[1] < 0xa0) || (p[0] == 0xed && p[1] > 0x9f)) return 0; /* overlong, surrogates */
     /* overlong, beyond Unicode */
     if ((p[0] == 0xf0 && p[1] < 0x90) || (p[0] == 0xf4 && p[1] > 0x8f)) return 0;
@@ -87,10 +89,12 @@ void cli_json_number(cli_text *t, double v)
 {
     char text[40];
 
+    /* JSON has neither infinity nor NaN. */
     if (v - v != 0.0) {
         cli_text_add(t, "null");
         return;
     }
+    /* 17 digits always read back; most numbers need fewer. */
     for (int digits = 15; digits <= 17; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, v);
         if (strtod(text, NULL) == v) break;

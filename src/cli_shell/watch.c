@@ -79,6 +79,7 @@ int cli_interrupted(void)
 {
     int now;
     cli_lock();
+    /* Once the files have their names the work is done and nothing is left to cancel. */
     now = !watch.kept && (watch.interrupted || watch_signalled);
     cli_unlock();
     return now;
@@ -136,6 +137,7 @@ static void write_soon(int file, const char *bytes, size_t size)
         p.fd = file;
         p.events = POLLOUT;
         p.revents = 0;
+        /* A reader that does not read must not hold up the end. */
         if (poll(&p, 1, WRITE_WAIT) != 1 || (p.revents & POLLOUT) == 0) return;
         n = write(file, bytes + done, part);
         if (n <= 0) return;
@@ -167,6 +169,7 @@ static void leave_heavy_things(void)
     uint64_t bytes = watch.run != NULL ? watch.run->removed_bytes : 0;
 
     if (getrusage(RUSAGE_SELF, &use) == 0) bytes += (uint64_t)use.ru_maxrss * 1024;
+    /* The parent exits at once; the child keeps memory and files alive until nobody waits. */
     if (bytes < WATCH_HEAVY || fork() != 0) return;
     for (int i = 0; i < 3; i++) close(i); /* who reads them must not wait */
     for (int i = 0; i < LATE_TRIES && getppid() == parent; i++) wait_milliseconds(1);
@@ -187,6 +190,7 @@ static void end_program(void)
     cli_run *const run = watch.run;
     int const status = watch.status >= 0 ? watch.status : CLI_INTERRUPTED;
 
+    /* The command line is still being read. */
     if (run == NULL) {
         if (watch.status < 0) say_error(run, "interrupted; nothing was written");
         _exit(status);
@@ -195,6 +199,7 @@ static void end_program(void)
     if (watch.status < 0) say_interrupt(run);
     else if (watch.saying == MESSAGE)
         say_error(run, run->report.error_message); /* it waits for standard output */
+    /* A report that the main thread has begun is its own to end. */
     if (run->general->json && !watch.reported) {
         cli_text text = {NULL, 0, 0, 0};
         watch.leaving->report(run, status, 1, &text);
@@ -213,8 +218,10 @@ static void *wait_for_signal(void *unused)
     cli_lock();
     watch.interrupted = 1;
     cli_unlock();
+    /* The run may heed the flag by itself, which is the tidier way. */
     wait_milliseconds(PATIENCE);
     cli_lock();
+    /* A message that is being printed is not cut in the middle. */
     for (int i = 0; i < GRACE && watch.saying != NOTHING; i++) {
         cli_unlock();
         wait_milliseconds(1);
@@ -256,6 +263,7 @@ void cli_watch_start(void)
     sigemptyset(&watch_signals);
     for (int i = 0; i < 3; i++) {
         struct sigaction old;
+        /* Ignored by whoever started the program. */
         if (sigaction(caught[i], NULL, &old) != 0 || old.sa_handler == SIG_IGN) continue;
         sigaddset(&watch_signals, caught[i]);
         count++;
