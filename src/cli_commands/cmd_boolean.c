@@ -120,6 +120,7 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     b->kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
     status = cli_check_rules(run, boolean_rules, (grids != 0 ? HAS_GRID : 0u) | (grids == 2 ? HAS_GRIDS : 0u),
                              NULL);
+    /* Only surfaces of two meshes can be kept; with a grid everything is voxels. */
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     return status;
 }
@@ -144,6 +145,7 @@ static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_b
         if (box[1].low[a] > fit->low[a]) fit->low[a] = box[1].low[a];
         if (box[1].high[a] < fit->high[a]) fit->high[a] = box[1].high[a];
     }
+    /* Boxes that do not meet: any lattice will do for an empty result. */
     for (int a = 0; a < 3; a++)
         if (!(fit->low[a] < fit->high[a])) *fit = box[0]; /* nothing will be left */
 }
@@ -157,6 +159,7 @@ static void give_fraction_bits(const cli_box box[2], bvx_lattice *l)
             farthest = fmax(farthest, (l->origin[a] - box[i].low[a]) / l->spacing[a]);
             farthest = fmax(farthest, (box[i].high[a] - l->origin[a]) / l->spacing[a]);
         }
+    /* A snapped coordinate stays below 2^29. */
     while (l->fraction_bits > 4 && ldexp(farthest, l->fraction_bits) > 536870912.0) l->fraction_bits--;
 }
 
@@ -168,6 +171,7 @@ static bvx_status fit_boolean_lattice(cli_run *run, const boolean_run *b, bvx_la
 
     for (int i = 0; i < 2; i++) cli_mesh_box(&b->in[i].mesh, &box[i]);
     choose_boolean_box(b, box, &fit);
+    /* The surface of the result must close within the lattice. */
     run->options->padding = 1;
     status = cli_make_box_lattice(run, &fit, lattice);
     if (status == BVX_OK) give_fraction_bits(box, lattice);
@@ -196,6 +200,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (status == BVX_OK) status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
+    /* What is told of a result has one form, whichever way it was made. */
     b->few = b->report.few;
     b->advised = b->report.advised_resolution;
     b->solid[0] = b->report.solid_a;
@@ -230,6 +235,7 @@ static bvx_status fill_operands(cli_run *run, boolean_run *b)
     bvx_lattice lattice;
     bvx_status status = BVX_OK;
 
+    /* A grid cannot be moved without loss, so the mesh comes to it. */
     if (with->kind == CLI_GRID) {
         lattice = with->grid.lattice;
         memcpy(window.low, with->grid.low, sizeof window.low);
@@ -249,6 +255,7 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
     bvx_window window;
     bvx_status status;
 
+    /* The window of A, since what lies outside it is in no result. */
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     status = bvx_grid_resample(run->context, &b->in[1].grid, &a->lattice, &window, &there);
@@ -268,6 +275,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
+    /* Progress is shared by the calls that this combination really makes. */
     cli_stage_calls(run,
                     1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
@@ -292,20 +300,19 @@ static int combine_grids(cli_run *run, boolean_run *b)
 static int write_boolean(cli_run *run, void *work)
 {
     boolean_run *const b = work;
-    int status;
 
     if (b->kind == CLI_GRID) {
-        status = cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size);
-        return status == CLI_DONE ? cli_write_grid(run, &b->grid) : status;
+        CLI_TRY(cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size));
+        return cli_write_grid(run, &b->grid);
     }
     if (b->mesh.triangle_count == 0)
         return cli_fail(run, "%s and %s: nothing remains after %s, so there is no mesh to write",
                         cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
                         operation_names[b->operation]);
 
-    status = cli_reduce(run, &b->mesh, &b->reduction);
-    if (status == CLI_DONE) status = cli_check_mesh(run, &b->mesh, 0, run->options->output, "check");
-    return status == CLI_DONE ? cli_write_mesh(run, &b->mesh) : status;
+    CLI_TRY(cli_reduce(run, &b->mesh, &b->reduction));
+    CLI_TRY(cli_check_mesh(run, &b->mesh, 0, run->options->output, "check"));
+    return cli_write_mesh(run, &b->mesh);
 }
 
 /* Walls of an input too thin for the voxels that are in the result all the same. */
@@ -359,6 +366,7 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
     char of[600];
 
     for (int i = 0; i < 2; i++) {
+        /* A grid is what it is; only filling a mesh can lose something. */
         if (!b->is_mesh[i]) continue;
         if (b->solid[i].unbalanced_rows != 0)
             cli_advise(made,

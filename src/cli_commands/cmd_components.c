@@ -100,6 +100,7 @@ static int keep_components(cli_run *run, components_job *job)
     job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
     if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
     for (int i = 0; i < list->count; i++) job->seeds[i] = (int32_t)list->value[i];
+    /* No seeds mean that every part may stay. */
     if (list->count != 0) k.seeds = job->seeds;
     k.seed_count = (uint64_t)list->count / 3;
     cli_stage_begin(run, "keep");
@@ -125,16 +126,19 @@ static int list_components(cli_run *run, components_job *job)
     bvx_status status;
 
     cli_stage_begin(run, "components");
+    /* Counted first: how many parts there are cannot be bounded by anything useful. */
     status = bvx_grid_components(run->context, g, job->connectivity, NULL, 0, &job->count);
     if (status == BVX_OK && (job->count >= SIZE_MAX / sizeof *job->parts ||
                              (job->parts = malloc(((size_t)job->count + 1) * sizeof *job->parts)) == NULL))
         return cli_fail(run, "no memory for a list of %" PRIu64 " parts", job->count);
     if (status == BVX_OK)
         status = bvx_grid_components(run->context, g, job->connectivity, job->parts, job->count, &job->count);
+    /* The Euler number is counted for 6 and 26 only. */
     if (status == BVX_OK && job->connectivity != 18)
         status = bvx_grid_topology(run->context, g, job->connectivity, &job->topology);
     if (status == BVX_OK) status = bvx_grid_count(run->context, g, &job->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
+    /* The numbers are those of the labels, before sorting. */
     for (uint64_t i = 0; i < job->count; i++) job->parts[i].reserved = i + 1;
     qsort(job->parts, (size_t)job->count, sizeof *job->parts, by_size);
     return CLI_DONE;
@@ -220,6 +224,7 @@ static size_t labels_head(const bvx_grid *g, unsigned char *head)
     memcpy(head, "\x93NUMPY\x01\x00", 8);
     head[8] = LABELS_HEAD - 10;
     head[9] = 0;
+    /* NumPy wants the head filled up with spaces, so that the data are aligned. */
     memset(head + 10 + n, ' ', (size_t)(LABELS_HEAD - 11 - n));
     head[LABELS_HEAD - 1] = '\n';
     return LABELS_HEAD;
@@ -241,6 +246,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
 
     memset(&file, 0, sizeof file);
     memset(&side_car, 0, sizeof side_car);
+    /* The labels as the library counts them, and as the file has them. */
     if (voxels < (SIZE_MAX - LABELS_HEAD) / 4) {
         job->labels = malloc((size_t)voxels * 4);
         file.bytes = malloc((size_t)voxels * 4 + LABELS_HEAD);
@@ -263,10 +269,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
     free(file.bytes);
     if (result != CLI_DONE) return result;
     status = bvx_write_lattice(run->context, g, &side_car);
-    result = status == BVX_OK ? cli_write_output(run, number + 1, &side_car)
-                              : cli_fail_status(run, status, labels_of(run));
-    bvx_buffer_free(run->context, &side_car);
-    return result;
+    return cli_write_buffer(run, number + 1, status, &side_car, labels_of(run));
 }
 
 /* The numbers first, since the grid keeps all outputs. */
@@ -285,23 +288,24 @@ static int make_components(cli_run *run, void *work, cli_made *made)
 {
     components_job *const job = work;
     const char *const output = run->options->output;
-    int status = check_components_options(run);
 
     job->connectivity = cli_neighbours[run->options->connectivity];
-    if (status == CLI_DONE) status = open_components_outputs(run);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
-    if (status == CLI_DONE && output != NULL && !cli_makes_mesh(run))
-        status = cli_check_grid_format(run, output, &job->in.grid.lattice, job->in.grid.size);
-    if (status == CLI_DONE) status = keep_components(run, job);
-    if (status == CLI_DONE) status = list_components(run, job);
+    CLI_TRY(check_components_options(run));
+    CLI_TRY(open_components_outputs(run));
+    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    if (output != NULL && !cli_makes_mesh(run))
+        CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice, job->in.grid.size));
+    CLI_TRY(keep_components(run, job));
+    CLI_TRY(list_components(run, job));
 
+    /* Without -o nothing is written; the parts are told all the same. */
     job->voxels.name = run->options->input[0];
     job->voxels.grid = made->shown = &job->in.grid;
     if (output != NULL) made->voxels = &job->voxels;
     made->write = write_components;
     made->set = job->set;
     made->placed = job->in.placed;
-    return status;
+    return CLI_DONE;
 }
 
 static void tell_components(const cli_run *run, const void *work, cli_made *made)

@@ -78,6 +78,7 @@ static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
     cli_tree *const t = &job->tree;
     int status = cli_take_tree(run, job->in.tree, t);
 
+    /* cli_take_tree owns it, also where it failed. */
     job->in.tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
     if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
@@ -88,6 +89,7 @@ static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
 
 static int convert_grid(cli_run *run, convert_job *job, cli_made *made)
 {
+    /* .bvx may be either, so that it is no tree shows only here. */
     if (bvx_format_of_name(run->options->output) == BVX_FORMAT_VTU || cli_given(run, "--expand") ||
         cli_given(run, "--states"))
         return cli_usage(run, "--expand, --states and .vtu are for octrees; %s is a grid",

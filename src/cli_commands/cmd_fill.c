@@ -63,6 +63,7 @@ static int check_fill_options(cli_run *run, int *kind)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (own->mesh != NULL && own->seeds.count != 0)
         return cli_usage(run, "--mesh says which pockets lie inside; it has no use with --seed");
+    /* The mesh is a second input: its kind is refused before anything is read. */
     if (own->mesh != NULL) {
         status = cli_input_kind(run, own->mesh, &mesh);
         if (status == CLI_DONE && mesh != CLI_MESH)
@@ -116,6 +117,7 @@ static int find_seeds(cli_run *run, fill_job *job)
     status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
     if (status == BVX_OK)
         status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
+    /* The call counted them all, so the second one has room for exactly as many. */
     if (status == BVX_ERR_CAPACITY) {
         room = job->count;
         if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
@@ -142,6 +144,7 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
                            cli_neighbours[run->options->connectivity], &job->out);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &job->filled);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
+    /* Before the shell joins, which may lie at a side by itself. */
     job->reaches_side = cli_touches_side(&job->out);
     size_t const words = (size_t)walls->words_per_row * (size_t)walls->size[1] * (size_t)walls->size[2];
     for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];

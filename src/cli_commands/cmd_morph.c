@@ -181,6 +181,7 @@ static int make_room(cli_run *run, morph_job *job)
     bvx_lattice l;
     double voxels;
 
+    /* Only dilation leaves the mesh's box, and a lattice that was asked for stays. */
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
     bvx_mesh_view_of(&job->in.mesh, &view);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
@@ -188,6 +189,7 @@ static int make_room(cli_run *run, morph_job *job)
     voxels = cli_given(run, "--radius")
                  ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
                  : (double)own->change.steps;
+    /* A surface needs an empty voxel around it. */
     voxels += cli_makes_mesh(run);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
@@ -234,6 +236,7 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
     d.drain_side = 1 << own->drain_side;
     d.beyond = own->distance.beyond == BVX_BEYOND_SET;
     for (int deep = 1; deep >= 0 && status == BVX_OK; deep--) {
+        /* Deeper first, and as deep as requested where nothing lies so deep. */
         d.thickness = own->hollow.thickness + deep * 1.75 * most;
         d.drain_radius = 0.0;
         d.report = NULL;
@@ -270,6 +273,7 @@ static void change_by_distance(cli_run *run, morph_job *job)
         for (int32_t y = 0; y < n[1]; y++)
             for (int32_t x = 0; x < n[0]; x++) {
                 int const solid = bvx_grid_get(&job->in.grid, x, y, z);
+                /* Values stand in the order of the band's voxels, so one counter follows them. */
                 double const d = bvx_grid_get(&f->band, x, y, z) ? fabs((double)distances[value++])
                                                                  : (double)INFINITY;
                 int const kept = stays(run, job, solid, d);
@@ -307,6 +311,7 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
     double const far = job->action == HOLLOW ? own->hollow.thickness : own->change.radius;
     bvx_status status;
 
+    /* The surface is later put at this distance from the mesh, not between voxels. */
     job->voxels.offset = job->action == DILATE ? far : -far;
     status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
     if (status == BVX_OK && job->action == HOLLOW && own->hollow.drain_radius > 0.0)
@@ -428,6 +433,7 @@ static void tell_distances(const cli_run *run, const morph_job *job, cli_made *m
     cli_json_value(t, "least", least);
     cli_json_value(t, "greatest", greatest);
     cli_text_add(t, "}");
+    /* Infinity less itself is NaN, which differs from 0. */
     if (least - least != 0.0 || greatest - greatest != 0.0)
         cli_advise(made, "%s: some distances are infinite, since there is no %s voxel",
                    cli_input_name(job->in.path), made->set == 0 ? "set" : "empty");
@@ -439,6 +445,7 @@ static int make_distances(cli_run *run, morph_job *job, cli_made *made)
     bvx_status status;
 
     field->value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
+    /* Every voxel has a distance: a field without a band. */
     field->half_width = (double)INFINITY;
     field->sign = BVX_SIGN_NONE;
     cli_stage_begin(run, "distance");
@@ -456,15 +463,14 @@ static int make_distances(cli_run *run, morph_job *job, cli_made *made)
 static int make_morph(cli_run *run, void *work, cli_made *made)
 {
     morph_job *const job = work;
-    int status = check_morph_options(run, job);
 
-    if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[1], &job->in);
-    if (status == CLI_DONE && job->in.kind == CLI_MESH) {
-        status = make_room(run, job);
-        if (status == CLI_DONE) status = cli_fill_input(run, &job->in);
+    CLI_TRY(check_morph_options(run, job));
+    CLI_TRY(cli_open_voxels(run));
+    CLI_TRY(cli_read_input(run, run->options->input[1], &job->in));
+    if (job->in.kind == CLI_MESH) {
+        CLI_TRY(make_room(run, job));
+        CLI_TRY(cli_fill_input(run, &job->in));
     }
-    if (status != CLI_DONE) return status;
 
     made->placed = job->in.kind == CLI_MESH || job->in.placed;
     bvx_grid_count(run->context, &job->in.grid, &job->before);

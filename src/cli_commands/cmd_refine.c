@@ -113,6 +113,7 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
     if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
     r->levels = levels;
+    /* The base is rounded up, so that the last level has at least as many voxels. */
     if (finest != 0)
         return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels),
                                base);
@@ -135,6 +136,7 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     status = make_base(run, &view, &r, &t->base);
     if (status == BVX_OK) status = bvx_refine(run->context, &view, &t->base, &r, &tree);
     t->seconds = cli_stage_end(run);
+    /* Not 0, which is how the report knows that a mesh was refined. */
     t->triangles = mesh->triangle_count;
     return status == BVX_OK ? cli_take_tree(run, tree, t) : cli_fail_status(run, status, path);
 }
@@ -182,14 +184,14 @@ static void plan_writing(cli_run *run)
 static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
-    int kind, status = check_refine_options(run, t, &kind);
+    int kind;
 
-    if (status == CLI_DONE) plan_writing(run);
-    if (status == CLI_DONE) status = cli_open_tree_output(run, t);
-    if (status == CLI_DONE) status = make_tree(run, kind, t);
     made->write = write_refined;
     made->untitled = 1;
-    return status;
+    CLI_TRY(check_refine_options(run, t, &kind));
+    plan_writing(run);
+    CLI_TRY(cli_open_tree_output(run, t));
+    return make_tree(run, kind, t);
 }
 
 static void tell_refine(const cli_run *run, const void *work, cli_made *made)

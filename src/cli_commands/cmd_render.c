@@ -64,6 +64,7 @@ static void choose_size(const cli_run *run, int pictures, sheet *s)
     const cli_render_options *const own = run->own;
     s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
     s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
+    /* Four a row, then spread evenly over the rows that need. */
     s->rows = (pictures + 3) / 4;
     s->columns = (pictures + s->rows - 1) / s->rows;
 }
@@ -80,6 +81,7 @@ static int open_sheet(cli_run *run, sheet *s)
         return cli_fail(run, "a picture of %" PRIu64 " bytes is more than --memory-limit allows", bytes);
     s->image.pixels = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
     if (s->image.pixels == NULL) return cli_fail(run, "no memory for a picture of %" PRIu64 " bytes", bytes);
+    /* White where the last row has no picture. */
     memset(s->image.pixels, 255, (size_t)bytes);
     return CLI_DONE;
 }
@@ -97,10 +99,8 @@ static int write_image(cli_run *run, int number, const bvx_image *image)
 {
     bvx_buffer file = {0};
     bvx_status const status = bvx_write_png(run->context, image, &file);
-    int const result = status == BVX_OK ? cli_write_output(run, number, &file)
-                                        : cli_fail_status(run, status, run->output[number].path);
-    bvx_buffer_free(run->context, &file);
-    return result;
+
+    return cli_write_buffer(run, number, status, &file, run->output[number].path);
 }
 
 /* ---- what is said ---- */
@@ -176,6 +176,7 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
     size_t const room = strlen(pattern) + 16;
     char *const path = malloc(room);
 
+    /* As many digits as the last frame has, so that names sort as they were drawn. */
     if (digits == 0) digits = count > 100 ? 3 : count > 10 ? 2 : 1;
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     snprintf(path, room, "%.*s%0*" PRId32 "%s", (int)(place - pattern), pattern, digits, i, place + length);
@@ -194,6 +195,7 @@ static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 
     cli_scene_view(run, direction, up);
     choose_size(run, 1, s);
+    /* All outputs before the first picture: a folder that cannot be written costs no time. */
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) status = open_frame(run, i, count);
     if (status == CLI_DONE) status = cli_open_scene(run, 0, scene);
     if (status == CLI_DONE) cli_turntable_room(run, scene, show);
@@ -213,6 +215,7 @@ static int write_pictures(cli_run *run, void *work)
     const sheet *const s = &((render_job *)work)->sheet;
     int status;
 
+    /* Frames were written as they were drawn, to hold one at a time. */
     if (own->turntable != 0) return cli_keep_outputs(run);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);

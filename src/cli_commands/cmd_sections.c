@@ -116,6 +116,7 @@ static uint32_t facts_of_sections(const cli_run *run)
     if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
     if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
         facts |= MODEL_IS_CSV;
+    /* One side that is not above 0 spoils all three. */
     for (int k = 0; k < 3; k++)
         if (!(own->block.value[k] > 0.0 && own->block.value[k] < 1e300)) facts &= ~(uint32_t)HAS_BLOCKS;
     return facts;
@@ -157,6 +158,7 @@ static int build_body(cli_run *run, sections_job *job)
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
+    /* Two failures have a remedy that an option names. */
     reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label",
@@ -443,16 +445,15 @@ static int make_sections(cli_run *run, void *work, cli_made *made)
     const sections_options *const own = run->own;
     sections_job *const job = work;
     const char *const model = own->block_model;
-    int status = cli_check_rules(run, sections_rules, facts_of_sections(run), model);
 
-    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE && model != NULL) status = cli_open_output(run, model);
-    if (status == CLI_DONE) status = cli_read_sections(run, run->options->input[0], &job->sections);
-    if (status == CLI_DONE) status = build_body(run, job);
-    if (status == CLI_DONE && model != NULL) status = make_blocks(run, job);
-    if (status == CLI_DONE) status = reduce_body(run, job);
     made->write = write_body;
-    return status;
+    CLI_TRY(cli_check_rules(run, sections_rules, facts_of_sections(run), model));
+    CLI_TRY(cli_open_output(run, run->options->output));
+    if (model != NULL) CLI_TRY(cli_open_output(run, model));
+    CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
+    CLI_TRY(build_body(run, job));
+    if (model != NULL) CLI_TRY(make_blocks(run, job));
+    return reduce_body(run, job);
 }
 
 static void tell_sections(const cli_run *run, const void *work, cli_made *made)

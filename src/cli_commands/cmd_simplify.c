@@ -121,20 +121,21 @@ static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_mad
 static int make_simplify(cli_run *run, void *work, cli_made *made)
 {
     cli_collapse_run *const c = work;
-    int kind, status = cli_input_kind(run, run->options->input[0], &kind);
+    int kind;
 
-    if (status == CLI_DONE && kind != CLI_MESH)
-        status = cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
-                           cli_input_name(run->options->input[0]));
-    c->usual_count = 1;
-    if (status == CLI_DONE) status = cli_check_collapse(run, c);
-    if (status == CLI_DONE) status = cli_open_collapse(run, c);
-    if (status == CLI_DONE) status = check_input(run, c);
-    if (status == CLI_DONE) status = simplify_input(run, c);
-    if (status == CLI_DONE) status = cli_finish_collapse(run, c);
     made->write = cli_write_collapse;
     made->untitled = 1;
-    return status;
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
+    if (kind != CLI_MESH)
+        return cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
+                         cli_input_name(run->options->input[0]));
+    /* A single simplified mesh is what is usually wanted; lod makes four. */
+    c->usual_count = 1;
+    CLI_TRY(cli_check_collapse(run, c));
+    CLI_TRY(cli_open_collapse(run, c));
+    CLI_TRY(check_input(run, c));
+    CLI_TRY(simplify_input(run, c));
+    return cli_finish_collapse(run, c);
 }
 
 static void tell_simplify(const cli_run *run, const void *work, cli_made *made)

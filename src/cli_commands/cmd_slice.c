@@ -36,6 +36,7 @@ static int check_slice_options(cli_run *run)
                          "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")",
                          o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
+    /* Its columns are x and y of a section at a height z. */
     if (format == BVX_FORMAT_CSV && own->up_axis != 0 && own->up_axis != 3)
         return cli_usage(run, "%s: .csv holds planes across z only; take .csl", o->output);
     return CLI_DONE;
@@ -49,6 +50,7 @@ static int slice_surface(cli_run *run, cli_input *in)
 
     if (in->kind == CLI_MESH) return CLI_DONE;
     bvx_extract_options_init(&e, sizeof e);
+    /* Contours are doubles: a surface in floats would round them twice. */
     e.position_type = BVX_F64;
     cli_stage_begin(run, "surface");
     status = bvx_extract_surface(run->context, &in->grid, &e, &in->mesh);
@@ -88,24 +90,22 @@ static int write_contours(cli_run *run, void *work)
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
-    result = status == BVX_OK ? cli_write_output(run, 0, &file) : cli_fail_status(run, status, path);
+    result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    bvx_buffer_free(run->context, &file);
     return result;
 }
 
 static int make_slice(cli_run *run, void *work, cli_made *made)
 {
     slice_job *const job = work;
-    int status = check_slice_options(run);
 
-    if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
-    if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
-    if (status == CLI_DONE) status = slice_surface(run, &job->in);
-    if (status == CLI_DONE) status = slice_mesh(run, &job->in.mesh, &job->sections);
     made->write = write_contours;
-    return status;
+    CLI_TRY(check_slice_options(run));
+    CLI_TRY(cli_open_output(run, run->options->output));
+    CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    CLI_TRY(slice_surface(run, &job->in));
+    return slice_mesh(run, &job->in.mesh, &job->sections);
 }
 
 static void tell_slice(const cli_run *run, const void *work, cli_made *made)

@@ -210,6 +210,7 @@ static int choose_box(cli_run *run, voxel_job *job)
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
+    /* Where nothing widens it, the lattice is fitted to the mesh itself. */
     if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
@@ -242,6 +243,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     if (result != CLI_DONE) return result;
     CLI_TRY(cli_check_call(run, fit_lattice(run, job, l), cli_input_name(o->input[0])));
     run->report.has_lattice = 1;
+    /* With a window only its own voxels take memory. */
     if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
         return CLI_FAILED;
     if (cli_makes_mesh(run)) return CLI_DONE;
@@ -365,6 +367,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     if (result != CLI_DONE) return result;
     status = make_voxels(run, job, &reports, made);
     cli_stage_end(run);
+    /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
     if (status == BVX_OK && own->compare_fills)
         result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
@@ -374,6 +377,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     tell_voxels(run, job, &reports, made);
     job->voxels.name = o->input[0];
     job->voxels.grid = job->voxels.solid = &job->grid;
+    /* Only the plain solid of one mesh has the mesh as its surface. */
     if (!job->cloud && own->mode == CLI_MODE_SOLID && !o->add_shell && own->second == NULL)
         job->voxels.source = &job->mesh;
     made->voxels = &job->voxels;

@@ -51,6 +51,7 @@ static int usual_count(uint64_t triangles)
 {
     int count = 1;
 
+    /* Halving stops where a level would be too coarse to be of use. */
     while (count < USUAL_LEVELS && triangles >> (count + 1) >= LEAST_USUAL) count++;
     return count;
 }
@@ -81,6 +82,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     int const known = c->count != 0;
     cli_box box;
 
+    /* Names are opened before the mesh is read where their number is known. */
     CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
     CLI_TRY(cli_check_carry(run, &c->input));
@@ -89,6 +91,7 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     bvx_mesh_view_of(&c->input, &c->view);
     cli_mesh_box(&c->input, &box);
     c->diagonal = cli_diagonal(box.low, box.high);
+    /* A point, or a mesh beyond all doubles. */
     if (c->by_error && !(c->diagonal > 0.0 && c->diagonal - c->diagonal == 0.0))
         return cli_fail(run, "%s: a diagonal of %g leaves nothing to measure --error by",
                         cli_input_name(run->options->input[0]), c->diagonal);
@@ -132,6 +135,7 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     bvx_distance_report d;
     bvx_mesh_view view;
 
+    /* By --error the library has measured already, with the same points. */
     if (c->level[i].measured) {
         turn_distance(&c->level[i].distance, &c->distance[i]);
     } else {
@@ -268,6 +272,7 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 
     for (int i = 0; i < c->count && status == CLI_DONE; i++) {
         status = carry_level(run, c, i);
+        /* Only a level that is whole is reported. */
         if (status == CLI_DONE) report_level(run, c, i);
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);

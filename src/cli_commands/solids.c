@@ -49,6 +49,7 @@ static void tell_volume(cli_text *warnings, const char *of, double most_off, con
     char advice[80] = "take a higher --resolution";
     double wanted, off = part_off(r, &wanted);
 
+    /* Half a voxel of surface is always off a little. */
     if (fabs(off) <= most_off) return;
     if (r->volume_resolution > 0)
         snprintf(advice, sizeof advice, "--resolution %d is within 1 %%", (int)r->volume_resolution);
@@ -162,6 +163,7 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
     status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    /* Only morph measures from the mesh afterwards; for the others its memory is free from here on. */
     if (run->command->bit != CLI_MORPH || !cli_makes_mesh(run)) bvx_mesh_free(run->context, &in->mesh);
     CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     cli_warn_of_solid(run, &in->grid, &report);

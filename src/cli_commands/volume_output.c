@@ -332,6 +332,7 @@ static int make_label_meshes(cli_run *run, cli_volume_job *j, cli_made *made)
     for (uint64_t i = 0; i < j->label_count && status == CLI_DONE; i++) {
         status = make_label_mesh(run, j, (int)i);
         if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
+        /* Together the labels are what is set. */
         j->report.inside += j->labels[i].voxels;
     }
     if (status != CLI_DONE) return status;
@@ -372,5 +373,6 @@ void cli_free_volume_job(cli_run *run, cli_volume_job *j)
 {
     bvx_grid_free(run->context, &j->grid);
     free(j->labels);
+    /* Nothing was read where there is no context. */
     if (run->context != NULL) cli_free_volume(run, &j->volume);
 }
