@@ -81,8 +81,8 @@ typedef struct cli_errors {
     int32_t percent[CLI_MAX_LEVELS];
 } cli_errors;
 
-/* What several commands take, or the rooms below them read; what one command takes for itself stands in its file.
- * Zero stands for "not given" unless said otherwise. */
+/* What several commands take, or the rooms below them read; what one command takes for itself stands in its
+ * file. Zero stands for "not given" unless said otherwise. */
 struct cli_options {
     cli_general general;
     const char *input[CLI_MAX_FILES];

@@ -80,8 +80,8 @@ static void put_commands(const cli_command *const *commands)
     put_section("COMMANDS");
     for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
-    put_roff(
-        "Tells the commands, the options of one, this page, or a script for bash to be read by its \"source\".\n");
+    put_roff("Tells the commands, the options of one, this page, or a script for bash to be read by its "
+             "\"source\".\n");
     putchar('\n');
     printf(".SS \"bitvox \\-\\-version\"\nTells the version.\n");
 }
@@ -116,40 +116,50 @@ void cli_print_manual(const cli_command *const *commands)
     put_section("SYNOPSIS");
     printf("\\fBbitvox\\fR \\fICOMMAND\\fR \\fIIN\\fR... [\\fB\\-o\\fR \\fIOUT\\fR] [\\fIoptions\\fR]\n");
     put_section("DESCRIPTION");
-    put_roff(
-        "bitvox turns triangle meshes into bit-packed solids, and solids into closed manifold meshes of several sizes; it converts, "
-        "compares and draws both. "
-        "The endings of file names give their formats. Results do not depend on the machine or on the number of threads.");
+    put_roff("bitvox turns triangle meshes into bit-packed solids, and solids into closed manifold meshes of "
+             "several sizes; it converts, "
+             "compares and draws both. "
+             "The endings of file names give their formats. Results do not depend on the machine or on the "
+             "number of threads.");
     putchar('\n');
     put_paragraph(
-        "Options stand anywhere, once each, with their value after a space or an equals sign; after -- every word "
+        "Options stand anywhere, once each, with their value after a space or an equals sign; after -- "
+        "every word "
         "is an input. As an input, - is standard input, whose format --format gives.");
     put_commands(commands);
     put_section("COMMON OPTIONS");
     put_options(commands[0], 1);
     put_section("PROGRESS AND REPORT");
     put_roff(
-        "On a terminal a bar shows the percentage of the whole run, the stage and about how much time is left, once half a second "
-        "has passed. With --progress=json lines of JSON go to standard error instead, at most ten a second and the last of "
-        "each stage: stage, fraction (of the whole run, never falling; the last line of a run that succeeds has 1), elapsed "
+        "On a terminal a bar shows the percentage of the whole run, the stage and about how much time is "
+        "left, once half a second "
+        "has passed. With --progress=json lines of JSON go to standard error instead, at most ten a second "
+        "and the last of "
+        "each stage: stage, fraction (of the whole run, never falling; the last line of a run that succeeds "
+        "has 1), elapsed "
         "(seconds of the run).");
     putchar('\n');
     put_paragraph(
         "With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
-        "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and message; info adds "
-        "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, fill adds fill, compare adds difference or "
+        "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and "
+        "message; info adds "
+        "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, "
+        "fill adds fill, compare adds difference or "
         "distance, render adds pictures, and difference with --compare.");
     put_section("FILES");
     put_item(
         "FILE.npy.json, FILE.vox.json",
         "The side-car of a grid whose format keeps no lattice: origin (low corner), spacing, dims, "
-        "window and the centre of the first voxel. It is written with the grid and looked for beside it; without one the "
+        "window and the centre of the first voxel. It is written with the grid and looked for beside it; "
+        "without one the "
         "grid starts at 0 and its voxels have sides of 1.");
     put_item(
         "bitvox-PID-N.part",
         "Outputs are written under such a name in their own folder and get their own names when "
-        "all is done, all of them or none. A failure or an interrupt removes them, and what stood there before stays as it "
-        "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them, to be deleted. Where an "
+        "all is done, all of them or none. A failure or an interrupt removes them, and what stood there "
+        "before stays as it "
+        "was; only a program that is killed (SIGKILL, a crash, no more power) leaves them, to be deleted. "
+        "Where an "
         "output is a pipe or a device it is written in place.");
     put_item(
         "bitvox-PID-N.old",
@@ -157,10 +167,10 @@ void cli_print_manual(const cli_command *const *commands)
         "the folder refuses names in just that moment, a message says which of them holds an older file.");
     put_section("EXIT STATUS");
     put_item("0", "Done.");
-    put_item(
-        "1",
-        "Bad input or another failure; standard error says why in one line. Where it is standard output that cannot be "
-        "written, files that were requested are complete.");
+    put_item("1",
+             "Bad input or another failure; standard error says why in one line. Where it is standard output "
+             "that cannot be "
+             "written, files that were requested are complete.");
     put_item("2", "Wrong usage.");
     put_item("130", "Interrupted by SIGINT, SIGTERM or SIGHUP.");
     put_examples(commands);
@@ -204,25 +214,26 @@ void cli_print_completion(const cli_command *const *commands)
 {
     const cli_command *c;
 
-    printf(
-        "# Completion of bitvox for bash, printed by 'bitvox help --bash-completion'; read it with \"source\", or store it in\n"
-        "# ~/.local/share/bash-completion/completions/bitvox.\n\n"
-        "_bitvox_words() { # WORDS: those that begin like the word at the cursor\n"
-        "    local one\n"
-        "    while IFS= read -r one; do COMPREPLY+=(\"$one\"); done < <(compgen -W \"$1\" -- \"$word\")\n"
-        "}\n\n"
-        "_bitvox_files() { # what bash does by itself, with names quoted as they need\n"
-        "    compopt -o default 2>/dev/null || :\n"
-        "}\n\n"
-        "_bitvox() {\n"
-        "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]} i\n"
-        "    COMPREPLY=()\n"
-        "    compopt +o default 2>/dev/null\n"
-        "    if [[ $COMP_CWORD -ge 3 && $before == '=' ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
-        "    elif [[ $COMP_CWORD -ge 2 && $word == '=' ]]; then word=\n"
-        "    fi\n"
-        "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
-        "        _bitvox_words '");
+    printf("# Completion of bitvox for bash, printed by 'bitvox help --bash-completion'; read it with "
+           "\"source\", or store it in\n"
+           "# ~/.local/share/bash-completion/completions/bitvox.\n\n"
+           "_bitvox_words() { # WORDS: those that begin like the word at the cursor\n"
+           "    local one\n"
+           "    while IFS= read -r one; do COMPREPLY+=(\"$one\"); done < <(compgen -W \"$1\" -- \"$word\")\n"
+           "}\n\n"
+           "_bitvox_files() { # what bash does by itself, with names quoted as they need\n"
+           "    compopt -o default 2>/dev/null || :\n"
+           "}\n\n"
+           "_bitvox() {\n"
+           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} "
+           "command=${COMP_WORDS[1]} i\n"
+           "    COMPREPLY=()\n"
+           "    compopt +o default 2>/dev/null\n"
+           "    if [[ $COMP_CWORD -ge 3 && $before == '=' ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+           "    elif [[ $COMP_CWORD -ge 2 && $word == '=' ]]; then word=\n"
+           "    fi\n"
+           "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
+           "        _bitvox_words '");
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("help --help --version'\n"
            "        return\n"

@@ -1,13 +1,15 @@
-/* rows.h - of the bitvox program: how a row of a command's options is written, and the rows that several commands share.
+/* rows.h - of the bitvox program: how a row of a command's options is written, and the rows that several
+ * commands share.
  *
- * A row names the option, its value as the help shows it (a flag has none), the field that it fills, what its kind needs,
- * and its lines of help. The field is SHARED(name), of cli_options, or OWN(name), of the command's options:
+ * A row names the option, its value as the help shows it (a flag has none), the field that it fills, what
+ * its kind needs, and its lines of help. The field is SHARED(name), of cli_options, or OWN(name), of the
+ * command's options:
  *
- *     #define OWN(name) CLI_OWN(faces_options, name)
+ *     #define OWN(name) CLI_OWN(bvx_faces_options, name)
  *
  *     static const cli_argument faces_rows[] = {
  *         {.also = cli_takes_output},
- *         FLAG("--merge", OWN(merge), "faces of one plane become few rectangles"),
+ *         FLAG("--merge", OWN(merged), "faces of one plane become few rectangles"),
  *         {0}};
  *
  * Rows stand in the order of the help. */
@@ -22,27 +24,31 @@
 #define LARGEST_SIDE 33554432.0 /* 2^25, a lattice's limit */
 
 /* clang-format off */
-#define FLAG(n, at, h)                          {.name = n, .kind = CLI_FLAG, at, .help = h}
-#define WHOLE(n, v, at, lo, hi, h)              {.name = n, .value = v, .kind = CLI_INT, at, .low = lo, .high = hi, .help = h}
-#define WHOLE_OR(n, v, at, lo, hi, list, first, h) /* or one of the names, which stand for first, first + 1 .. */ \
-    {.name = n, .value = v, .kind = CLI_INT, at, .low = lo, .high = hi, .choice = list, .base = first, .help = h}
-#define LONG(n, v, at, lo, hi, h)               {.name = n, .value = v, .kind = CLI_LONG, at, .low = lo, .high = hi, .help = h}
-#define BETWEEN(n, v, at, lo, hi, h) /* both excluded */ \
-    {.name = n, .value = v, .kind = CLI_REAL, at, .low = lo, .high = hi, .help = h}
-#define FROM_TO(n, v, at, lo, hi, h) /* both allowed */ \
-    {.name = n, .value = v, .kind = CLI_REAL, at, .low = lo, .high = hi, .least = 1, .help = h}
-#define NUMBER(n, v, at, h)                     {.name = n, .value = v, .kind = CLI_NUMBER, at, .help = h}
-#define TRIPLE(n, v, at, h)                     {.name = n, .value = v, .kind = CLI_TRIPLE, at, .help = h}
-#define PAIR(n, v, at, h)                       {.name = n, .value = v, .kind = CLI_PAIR, at, .help = h}
-#define LIST(n, v, at, lo, hi, few, many, h)    {.name = n, .value = v, .kind = CLI_LIST, at, .low = lo, .high = hi, .least = few, .most = many, .help = h}
-#define ERRORS(n, v, at, many, h)               {.name = n, .value = v, .kind = CLI_ERRORS, at, .least = 1, .most = many, .help = h}
-#define SIZE(n, v, at, hi, h)                   {.name = n, .value = v, .kind = CLI_SIZE, at, .low = 1, .high = hi, .least = 2, .most = 2, .help = h}
-#define BYTES(n, v, at, h)                      {.name = n, .value = v, .kind = CLI_BYTES, at, .low = 1, .high = 1e18, .help = h}
-#define CHOICE(n, v, at, list, first, h)        {.name = n, .value = v, .kind = CLI_CHOICE, at, .choice = list, .base = first, .help = h}
-#define SET(n, v, at, list, first, h)           {.name = n, .value = v, .kind = CLI_SET, at, .choice = list, .base = first, .help = h}
-#define PLANES(n, v, at, h)                     {.name = n, .value = v, .kind = CLI_CUT, at, .help = h}
-#define SLICES(n, v, at, lo, hi, h)             {.name = n, .value = v, .kind = CLI_SLICES, at, .low = lo, .high = hi, .help = h}
-#define FILE_NAME(n, v, at, h)                  {.name = n, .value = v, .kind = CLI_FILE, at, .help = h}
+#define ROW(n, v, k, h)                      .name = n, .value = v, .kind = CLI_##k, .help = h
+#define LOW_HIGH(lo, hi)                     .low = lo, .high = hi
+#define NAMES(list, first)                   .choice = list, .base = first
+#define FLAG(n, at, h)                       {ROW(n, NULL, FLAG, h), at}
+#define WHOLE(n, v, at, lo, hi, h)           {ROW(n, v, INT, h), LOW_HIGH(lo, hi), at}
+/* or one of the names, which stand for first, first + 1 .. */
+#define WHOLE_OR(n, v, at, lo, hi, list, first, h) \
+    {ROW(n, v, INT, h), LOW_HIGH(lo, hi), NAMES(list, first), at}
+#define LONG(n, v, at, lo, hi, h)            {ROW(n, v, LONG, h), LOW_HIGH(lo, hi), at}
+/* both ends excluded; both allowed */
+#define BETWEEN(n, v, at, lo, hi, h)         {ROW(n, v, REAL, h), LOW_HIGH(lo, hi), at}
+#define FROM_TO(n, v, at, lo, hi, h)         {ROW(n, v, REAL, h), LOW_HIGH(lo, hi), .least = 1, at}
+#define NUMBER(n, v, at, h)                  {ROW(n, v, NUMBER, h), at}
+#define TRIPLE(n, v, at, h)                  {ROW(n, v, TRIPLE, h), at}
+#define PAIR(n, v, at, h)                    {ROW(n, v, PAIR, h), at}
+#define LIST(n, v, at, lo, hi, few, many, h) \
+    {ROW(n, v, LIST, h), LOW_HIGH(lo, hi), .least = few, .most = many, at}
+#define ERRORS(n, v, at, many, h)            {ROW(n, v, ERRORS, h), .least = 1, .most = many, at}
+#define SIZE(n, v, at, hi, h)                {ROW(n, v, SIZE, h), LOW_HIGH(1, hi), .least = 2, .most = 2, at}
+#define BYTES(n, v, at, h)                   {ROW(n, v, BYTES, h), LOW_HIGH(1, 1e18), at}
+#define CHOICE(n, v, at, list, first, h)     {ROW(n, v, CHOICE, h), NAMES(list, first), at}
+#define SET(n, v, at, list, first, h)        {ROW(n, v, SET, h), NAMES(list, first), at}
+#define PLANES(n, v, at, h)                  {ROW(n, v, CUT, h), at}
+#define SLICES(n, v, at, lo, hi, h)          {ROW(n, v, SLICES, h), LOW_HIGH(lo, hi), at}
+#define FILE_NAME(n, v, at, h)               {ROW(n, v, FILE, h), at}
 /* clang-format on */
 
 extern const cli_argument cli_takes_output[], /* -o */

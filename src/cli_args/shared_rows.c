@@ -1,5 +1,6 @@
-/* shared_rows.c - the options that several commands take with the same meaning, each in one row; what one command takes for
- * itself stands in the command's file. The parser, the help, the man page and the completion read these rows. */
+/* shared_rows.c - the options that several commands take with the same meaning, each in one row; what one
+ * command takes for itself stands in the command's file. The parser, the help, the man page and the
+ * completion read these rows. */
 #include "cli_args/rows.h"
 
 /* Names come from the header's lists, in the order of their numbers; "" cannot be requested, NULL ends. */
@@ -21,8 +22,8 @@ static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL
 const char *const cli_sample_names[] = {BVX_SAMPLE_LIST(CLI_NAME_OF) NULL};
 const int32_t cli_neighbours[] = {6, 18, 26};
 
-/* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not requested. A gap ends the names before those of
- * contours. */
+/* By BVX_FORMAT_...; glb and vtu are only written, png and svg are not requested. A gap ends the names
+ * before those of contours. */
 const char *const cli_format_names[] = {BVX_FORMAT_LIST(FORMAT_ASKED_FOR)};
 #define FORMAT_NAMES (cli_format_names + BVX_FORMAT_STL)
 

@@ -1,8 +1,9 @@
-/* batch.c - one command over several inputs: with --output-dir each to a file of its name in a folder; info tells of each.
+/* batch.c - one command over several inputs: with --output-dir each to a file of its name in a folder; info
+ * tells of each.
  *
  * Each input is a run of its own, with its own context, report and output; what one of them meets does not
- * stop the others. All names are known before the first one, so that two inputs never go to one file, and no
- * input is replaced. */
+ * stop the others. All names are known before the first one, so that two inputs never go to one file, and
+ * no input is replaced. */
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
 #define BATCH_POSIX     1

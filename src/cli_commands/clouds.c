@@ -37,7 +37,7 @@ void cli_tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made *ma
     cli_json_count(t, "pockets", r->pockets);
     cli_text_add(t, "}");
 
-    if (made->set == 0) cli_advise(made, "no voxel is set: none holds so many points");
+    if (made->set == 0) cli_advise(made, "the result is empty: no voxel holds so many points");
     else if (own->cloud.body && r->pockets == 0)
         cli_advise(
             made,

@@ -82,7 +82,8 @@ enum {
 
 static const cli_rule boolean_rules[] = {
     {.unless = CLI_TO_MESH | CLI_TO_GRID,
-     .message = "%f: the name ends in no format that is written (" CLI_MESHES_WRITTEN ", " CLI_GRIDS ")"},
+     .message = "%f: the name does not end in a format that can be written (" CLI_MESHES_WRITTEN
+                ", " CLI_GRIDS ")"},
     {.when = HAS_GRID,
      .given = "--resolution --spacing",
      .message = "%o is for two meshes; a grid brings its own lattice"},
@@ -338,7 +339,8 @@ static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_
     cli_text_add(t, "}");
 }
 
-/* A union has no more parts than its meshes have together. They are counted only where that is in question. */
+/* A union has no more parts than its meshes have together. They are counted only where that is in question.
+ */
 static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_made *made)
 {
     uint64_t const parts = run->report.mesh[0].certificate.components;
@@ -375,7 +377,8 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
         if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
             cli_advise(
                 made,
-                "%s: closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero "
+                "%s: closed shells lie inside others, face the same way and do not cross: what lies in both "
+                "is hollow; --fill nonzero "
                 "has it solid",
                 cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));

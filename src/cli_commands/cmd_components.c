@@ -336,7 +336,8 @@ const cli_command cli_components = {
         "Reads a grid (" CLI_GRIDS "), drops the parts that --keep-largest, --at-least and\n"
         "--seed do not keep, fills cavities on request, and reports what remains: the largest parts with\n"
         "their sizes and boxes, cavities, tunnels and the Euler number. Parts are numbered by their first\n"
-        "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, or\n"
+        "voxel in the order z, y, x; --labels writes these numbers, 0 for empty voxels. -o writes the grid, "
+        "or\n"
         "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
     .example = "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
                "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",

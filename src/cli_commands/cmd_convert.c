@@ -39,7 +39,7 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     if (format == BVX_FORMAT_PNG)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
     if (to == 0)
-        return cli_usage(run, "%s: the name ends in no format that is written (%s)", o->output,
+        return cli_usage(run, "%s: the name does not end in a format that can be written (%s)", o->output,
                          *kind == CLI_MESH ? CLI_MESHES_WRITTEN : CLI_GRIDS ", .vtu of octrees");
     if (to == CLI_TREE && cli_input_format(run, o->input[0]) != BVX_FORMAT_BVX)
         return cli_usage(run,
@@ -82,7 +82,8 @@ static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
     job->in.tree = NULL;
     if (status == CLI_DONE) status = cli_check_tree_output(run, t);
     if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
-        status = cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
+        status = cli_usage(run, "--window of an octree is only for grids; %s is not a grid",
+                           run->options->output);
     made->write = write_tree;
     return status;
 }
@@ -153,7 +154,8 @@ const cli_command cli_convert = {
         "their surface half way between set and empty voxels as a mesh.\n"
         "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
         "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is said\n"
-        "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for there.",
+        "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for "
+        "there.",
     .example = "bitvox convert fixtures/knot.ply -o knot.glb\n"
                "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
     .rows = convert_rows,

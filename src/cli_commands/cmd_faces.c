@@ -58,7 +58,7 @@ static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
 
     bvx_grid_count(run->context, &in->grid, &set);
     cli_note_voxels(run, &in->grid.lattice, set);
-    if (set == 0) return cli_fail(run, "%s: no voxel is set; there are no faces", cli_input_name(in->path));
+    if (set == 0) return cli_fail(run, "%s: the grid is empty and has no faces", cli_input_name(in->path));
     cli_stage_begin(run, "faces");
     status = extract(run, &in->grid, mesh);
     entry->milliseconds = cli_stage_end(run) * 1e3;
@@ -113,8 +113,10 @@ const cli_command cli_faces = {
     .does = "the sides of voxels as a mesh",
     .details =
         "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
-        "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles (.ply\n"
-        ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother ones.\n"
+        "it voxelizes first, and writes each side between a set voxel and an empty one as two triangles "
+        "(.ply\n"
+        ".obj .stl .off .glb). The mesh is closed and has the voxels' volume; 'bitvox lod' makes smoother "
+        "ones.\n"
         "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
     .example = "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
     .rows = faces_rows,

@@ -127,7 +127,8 @@ static int find_seeds(cli_run *run, fill_job *job)
     if (job->count != 0) return CLI_DONE;
     return cli_fail(
         run,
-        "%s: there is no pocket inside these voxels: they hold nothing, or have gaps (thin and conservative surfaces of closed "
+        "%s: these voxels enclose no pocket: they are empty, or have gaps (thin and conservative surfaces "
+        "of closed "
         "meshes have none); --seed fills from where it says",
         path);
 }
@@ -259,7 +260,8 @@ const cli_command cli_fill = {
         "Reads a grid (" CLI_GRIDS ") whose set voxels are walls, finds the pockets that they\n"
         "close, or takes the voxels of --seed, and writes all that is connected with these through empty\n"
         "voxels. With --mesh only pockets that lie inside the mesh are filled, so that hollows stay empty.\n"
-        "It also reports what a search for one seed took: lines scanned along x, y and z. Where OUT is a mesh\n"
+        "It also reports what a search for one seed took: lines scanned along x, y and z. Where OUT is a "
+        "mesh\n"
         "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
     .example = "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
                "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",

@@ -366,11 +366,15 @@ const cli_command cli_info = {
     .details =
         "Reads a mesh (" CLI_MESHES_READ ", also with .gz) and says whether it is closed, manifold and\n"
         "oriented, how many components it has, its volume and its area; or a grid (.npy .binvox .vox .nrrd\n"
-        ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr .npy\n"
-        ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each of\n"
-        "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or contours\n"
+        ".vti .bvx) and reports its voxels, its lattice and the hash of both, and of a volume (.nrrd .nhdr "
+        ".npy\n"
+        ".vti) the type, the range and a histogram of its samples; or an octree (.bvx) and says what each "
+        "of\n"
+        "its levels holds; or a cloud of points (.xyz, .ply) and says how many, and where they lie; or "
+        "contours\n"
         "(" CLI_CONTOURS_READ ") and reports their sections, loops, labels and planes; or bare samples\n"
-        "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json lists them.",
+        "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json "
+        "lists them.",
     .example = "bitvox info fixtures/knot.ply\n"
                "bitvox info fixtures/knot.ply --crossings --json",
     .rows = info_rows,

@@ -94,9 +94,9 @@ typedef struct lod_job {
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
-#define OF_COLLAPSE                                                                                                 \
-    "--error --error-kind --count --strict --even --colour-weight --source --open --sharp --no-sharp --outer-hull " \
-    "--least-part --least-cavity --shell --sign"
+#define OF_COLLAPSE                                                                                    \
+    "--error --error-kind --count --strict --even --colour-weight --source --open --sharp --no-sharp " \
+    "--outer-hull --least-part --least-cavity --shell --sign"
 
 /* Facts of the line: the method. */
 enum {
@@ -275,9 +275,9 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
 
 static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *made)
 {
-    cli_tell(
-        made,
-        "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, oriented\n");
+    cli_tell(made,
+             "level  resolution      ratio  triangles  simplification rate        ms  closed, manifold, "
+             "oriented\n");
     for (int i = 0; i < c->count; i++) {
         const bvx_lod_report *const l = &c->lod[i];
         const cli_mesh_entry *const m = &run->report.mesh[i];
@@ -366,13 +366,17 @@ const cli_command cli_lod = {
         ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
         "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
         "; %d becomes\n"
-        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it is open,\n"
-        "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target below\n"
+        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it "
+        "is open,\n"
+        "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target "
+        "below\n"
         "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
         "Grids (" CLI_GRIDS "), volumes with --level, --range or --label, and meshes with --levels\n"
         "are sampled instead: --method edge-ratio or coverage.\n"
-        "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and the\n"
-        "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the finest.",
+        "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and "
+        "the\n"
+        "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the "
+        "finest.",
     .example = "bitvox lod fixtures/knot.ply -o knot_%d.ply --triangles 9600,2400,600\n"
                "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
                "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"

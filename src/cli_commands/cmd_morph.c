@@ -181,7 +181,7 @@ static int make_room(cli_run *run, morph_job *job)
     bvx_lattice l;
     double voxels;
 
-    /* Only dilation leaves the mesh's box, and a lattice that was asked for stays. */
+    /* Only dilation leaves the mesh's box, and a lattice that was requested stays. */
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
     bvx_mesh_view_of(&job->in.mesh, &view);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
@@ -222,8 +222,8 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
 
 /* ---- walls at their distance from a mesh ---- */
 
-/* The voxels that a drill takes on its way into a hollow. The hollow by distances from the mesh lies a little deeper than that
- * by distances from empty voxels, so the drill goes deeper too. */
+/* The voxels that a drill takes on its way into a hollow. The hollow by distances from the mesh lies a
+ * little deeper than that by distances from empty voxels, so the drill goes deeper too. */
 static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
 {
     const morph_options *const own = run->own;
@@ -343,7 +343,8 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
         if (h->hollowed == 0)
-            cli_advise(made, "nothing lies deeper than %.9g: there is no hollow", own->hollow.thickness);
+            cli_advise(made, "nothing is deeper than %.9g, so nothing was hollowed out",
+                       own->hollow.thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && cli_touches_side(&job->out) &&
@@ -351,7 +352,7 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
         cli_advise(
             made,
             "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
-    if (made->set == 0) cli_advise(made, "no voxel is set");
+    if (made->set == 0) cli_advise(made, "the result is empty");
 }
 
 static int make_changed(cli_run *run, morph_job *job, cli_made *made)
@@ -508,8 +509,10 @@ const cli_command cli_morph = {
     .does = "voxels grown, shrunk, hollowed; distances",
     .details =
         "Reads a grid (" CLI_GRIDS "), or a mesh (" CLI_MESHES_READ ", also with .gz) that\n"
-        "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, then\n"
-        "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and can\n"
+        "it voxelizes first. dilate grows it by neighbours or by a ball, erode shrinks it, open (erode, "
+        "then\n"
+        "dilate) takes away what is thin, close (dilate, then erode) fills gaps; hollow leaves a shell and "
+        "can\n"
         "bore a drain hole through it; distance writes each centre's distance to the nearest set voxel, or\n"
         "empty one (.npy .nrrd .vti). Radii and thicknesses are in the lattice's unit. Where OUT is a mesh\n"
         "(" CLI_MESHES_WRITTEN

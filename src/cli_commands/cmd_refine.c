@@ -97,7 +97,8 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
-        return cli_usage(run, "--window of an octree is for grids; %s would be none", run->options->output);
+        return cli_usage(run, "--window of an octree is only for grids; %s is not a grid",
+                         run->options->output);
     CLI_TRY(*kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL));
     return cli_window_option(run, &t->window);
 }
@@ -222,9 +223,12 @@ const cli_command cli_refine = {
     .details =
         "Reads a mesh (" CLI_MESHES_READ
         ", also with .gz), lays --base voxels over it and halves those that\n"
-        "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the octree\n"
-        "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the voxels\n"
-        "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's surface\n"
+        "triangles touch --halvings times; what a flood from outside cannot reach is inside. Writes the "
+        "octree\n"
+        "(.bvx, which is an input too), its leaves with their level and state (.vtu, for ParaView), the "
+        "voxels\n"
+        "of one level as a grid (.npy .binvox .vox .nrrd .vti, with --expand .bvx), or the last level's "
+        "surface\n"
         "as a closed mesh (" CLI_MESHES_WRITTEN "; with --leaves the leaves as boxes), and a table of what\n"
         "each level holds. With --window only a part is fine, with --adaptive only what is not flat.",
     .example = "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"

@@ -298,8 +298,8 @@ static int check_turntable(cli_run *run)
     cli_scene_view(run, direction, up);
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(
-            run,
-            "--turntable turns around the axis of --up; seen along it, all frames would be one picture: take another --from");
+            run, "--turntable turns around the axis of --up; seen along it, all frames would be one picture: "
+                 "take another --from");
     return CLI_DONE;
 }
 
@@ -328,7 +328,8 @@ static int check_render_options(cli_run *run)
     const cli_options *const o = run->options;
 
     if (bvx_format_of_name(o->output) != BVX_FORMAT_PNG || cli_is_packed(o->output))
-        return cli_usage(run, "%s: the name ends in no picture format that is written (.png)", o->output);
+        return cli_usage(run, "%s: the name does not end in a picture format that can be written (.png)",
+                         o->output);
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
     CLI_TRY(cli_check_rules(run, slices_rules, 0, NULL));

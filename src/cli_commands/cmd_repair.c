@@ -377,9 +377,11 @@ const cli_command cli_repair = {
     .details =
         "Reads a mesh (" CLI_MESHES_READ
         ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
-        "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes one\n"
+        "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes "
+        "one\n"
         "that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN "). Details\n"
-        "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner than\n"
+        "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner "
+        "than\n"
         "voxels are kept. With --triangles or --error the result's edges then collapse.",
     .example = "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
     .rows = repair_rows,

@@ -125,7 +125,8 @@ static uint32_t facts_of_sections(const cli_run *run)
 /* The word is the block model's name. */
 static const cli_rule sections_rules[] = {
     {.unless = READS_CONTOURS,
-     .message = "%i: the name ends in no contour format that is read (" CLI_CONTOURS_READ ", also with .gz)"},
+     .message = "%i: the name does not end in a contour format that can be read (" CLI_CONTOURS_READ
+                ", also with .gz)"},
     {.also = cli_to_mesh_rules},
     {.unless = READS_CSV,
      .given = "--close-gap",
@@ -416,7 +417,8 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
             cli_advise(
                 made,
                 "at %" PRIu64 " points, %" PRIu64 " edges and %" PRIu64
-                " gaps where planes cross the surface does not follow the contours, which contradict each other",
+                " gaps where planes cross the surface does not follow the contours, which contradict each "
+                "other",
                 r->unkept_points, r->unkept_edges, r->gaps);
         return;
     }
@@ -435,7 +437,8 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
     if (own->body.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_advise(
             made,
-            "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no area with one of "
+            "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share "
+            "no area with one of "
             "the next section do not join it; sections that lie closer together do",
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
@@ -484,12 +487,15 @@ const cli_command cli_sections = {
     .usage = "IN -o OUT [options]",
     .does = "a closed body from the contours of its sections",
     .details =
-        "Reads closed contours on planes (.csl, of any direction; .csv with the columns section,position,loop,x,y and\n"
+        "Reads closed contours on planes (.csl, of any direction; .csv with the columns "
+        "section,position,loop,x,y and\n"
         "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
-        "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for the\n"
+        "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for "
+        "the\n"
         "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
         "second section at one position and a single section are refused; sections, loops and points are\n"
-        "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
+        "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the "
+        "body's\n"
         "edges collapse in the end, and points of contours are no longer vertices.",
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"

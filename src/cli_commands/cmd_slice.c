@@ -32,9 +32,10 @@ static int check_slice_options(cli_run *run)
 
     CLI_TRY(cli_input_kind(run, o->input[0], &kind));
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV && format != BVX_FORMAT_SVG)
-        return cli_usage(run,
-                         "%s: the name ends in no contour format that is written (" CLI_CONTOURS_WRITTEN ")",
-                         o->output);
+        return cli_usage(
+            run,
+            "%s: the name does not end in a contour format that can be written (" CLI_CONTOURS_WRITTEN ")",
+            o->output);
     if (!cli_given(run, "--spacing")) return cli_usage(run, "--spacing is needed");
     /* Its columns are x and y of a section at a height z. */
     if (format == BVX_FORMAT_CSV && own->up_axis != 0 && own->up_axis != 3)
@@ -139,7 +140,8 @@ const cli_command cli_slice = {
     .details =
         "Reads a closed mesh (" CLI_MESHES_READ ") or a grid (" CLI_GRIDS "), also with\n"
         ".gz, and writes where planes meet its surface, exactly: .csl, .csv (planes across z), or a drawing\n"
-        "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, which\n"
+        "(.svg). 'bitvox sections' makes a body of the contours again, unless the mesh crosses itself, "
+        "which\n"
         "'bitvox repair' mends first, as it closes holes and turns flipped triangles.",
     .example = "bitvox slice fixtures/knot.ply -o knot.csl --spacing 0.1\n"
                "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",

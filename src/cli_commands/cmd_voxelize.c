@@ -348,8 +348,10 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
     if (solid && own->compare_fills) cli_tell_fills(&job->fills, made);
 
     if (made->set == 0 && !job->cloud)
-        cli_advise(made, "no voxel is set: %s",
-                   solid ? "no centre lies inside the mesh" : "the surface meets none of the window's");
+        cli_advise(made, "the result is empty: %s",
+                   solid ? "the mesh contains no voxel's centre"
+                         : "the surface meets no voxel of the "
+                           "window");
 }
 
 /* Voxels, or the mesh of their surface; that of a solid alone is the mesh's. */
@@ -436,18 +438,21 @@ const cli_command cli_voxelize = {
     .details =
         "Reads a mesh (" CLI_MESHES_READ
         ", also with .gz) and writes the voxels whose centres lie inside it,\n"
-        "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 a\n"
+        "or with --mode those of its surface: .npy (NumPy, bool, axes x, y, z), .binvox, .vox (at most 256 "
+        "a\n"
         "side), .nrrd, .vti or .bvx. .npy and .vox hold no lattice: it goes to OUT.json beside them.\n"
         "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
         "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
         "other modes half way between set and empty voxels.\n"
         "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
-        "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT is a\n"
+        "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT "
+        "is a\n"
         "mesh (" CLI_MESHES_WRITTEN
         ") it becomes their closed surface: of --level by the values between the\n"
         "samples, else at the middle between set and empty ones; --all-labels writes one a label, and edges\n"
         "collapse with --triangles or --error. Samples that are NaN or infinite are outside, and counted.\n\n"
-        "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with --body\n"
+        "Of a cloud of points (.xyz, or .ply without faces) the voxels that hold points are set, with "
+        "--body\n"
         "also what lies behind them.",
     .example = "bitvox voxelize fixtures/knot.ply -o knot.npy --resolution 128\n"
                "bitvox voxelize fixtures/knot.ply -o shell.vti --mode thin\n"

@@ -19,7 +19,8 @@ void cli_report_repair(cli_text *members, const bvx_repair_report *repair, int m
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 
-/* The mesh of an input becomes its solid, on this lattice, or on that of the options in a stage of its own. */
+/* The mesh of an input becomes its solid, on this lattice, or on that of the options in a stage of its own.
+ */
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in);
 int cli_fill_input(cli_run *run, cli_input *in);
 
@@ -27,12 +28,12 @@ int cli_fill_input(cli_run *run, cli_input *in);
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why, as a line. */
 void cli_tell_fill(cli_text *text, const bvx_solid_report *report);
-/* How far off a volume may be without a warning: of voxels that are the result; of those that a surface is made
- * of, whose vertices lie on the mesh. */
+/* How far off a volume may be without a warning: of voxels that are the result; of those that a surface is
+ * made of, whose vertices lie on the mesh. */
 #define CLI_MOST_OFF         0.01
 #define CLI_MOST_OFF_SURFACE 0.05
-/* Thin walls and volume that a solid has lost, as warnings; of: an input among several with ": ", or ""; remedy:
- * what else helps, with "; " before it, or "". */
+/* Thin walls and volume that a solid has lost, as warnings; of: an input among several with ": ", or "";
+ * remedy: what else helps, with "; " before it, or "". */
 void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, double most_off,
                      const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);

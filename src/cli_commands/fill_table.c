@@ -13,7 +13,7 @@ static void tell_table(cli_text *t, const bvx_fill_comparison *c)
                      i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
     cli_text_add(t, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
                  c->disagreeing, c->surface_voxels);
-    if (c->lost_voxels == 0) cli_text_add(t, "  no wall is lost\n");
+    if (c->lost_voxels == 0) cli_text_add(t, "  no walls are lost\n");
     else
         cli_text_add(t,
                      "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64

@@ -63,7 +63,7 @@ static int count_solid(cli_run *run, const cli_chain *c)
     if (run->report.set != 0) return CLI_DONE;
     return cli_fail(run,
                     c->kind == CLI_GRID
-                        ? "%s: no voxel is set; nothing is there to make levels of"
+                        ? "%s: the grid is empty; there is nothing to make levels from"
                         : "%s: no voxel's centre lies inside the mesh; nothing remains to make levels of",
                     cli_input_name(run->options->input[0]));
 }

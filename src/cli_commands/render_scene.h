@@ -22,7 +22,8 @@ typedef struct cli_scene {
     bvx_grid_difference difference; /* of two */
 } cli_scene;
 
-/* Read input number first, or with --compare it and the next; meshes are voxelized where that is requested. */
+/* Read input number first, or with --compare it and the next; meshes are voxelized where that is requested.
+ */
 int cli_open_scene(cli_run *run, int first, cli_scene *scene);
 /* A picture of it, of this size, from this direction; the cut is the one of the options and of --from. The
  * frame shows at least so much on either side of its middle. */

@@ -118,7 +118,8 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, co
     if (r->fill_reason == BVX_FILL_REASON_NESTED)
         cli_add_warning(
             warnings,
-            "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; --fill nonzero has "
+            "closed shells lie inside others, face the same way and do not cross: what lies in both is "
+            "hollow; --fill nonzero has "
             "it solid");
     if (r->leaks != 0)
         cli_add_warning(warnings,
@@ -130,8 +131,8 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, co
         cli_add_warning(
             warnings,
             "%" PRIu64 " of %" PRIu64
-            " regions are not on one side, since a hole joins them or the axes disagree: each of their %" PRIu64
-            " voxels kept its own vote",
+            " regions are not on one side, since a hole joins them or the axes disagree: each of their "
+            "%" PRIu64 " voxels kept its own vote",
             r->mixed_regions, r->regions, r->mixed_voxels);
     cli_tell_losses(warnings, "", remedy, most_off, &grid->lattice, r);
 }

@@ -14,8 +14,8 @@ enum {
 
 static const cli_rule output_rules[] = {
     {.unless = CLI_TO_MESH | CLI_TO_GRID,
-     .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS "), and in no mesh "
-                "format (" CLI_MESHES_WRITTEN ")"},
+     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS
+                ") nor in a mesh format (" CLI_MESHES_WRITTEN ")"},
     {.also = cli_reduction_rules},
     {.unless = CLI_TO_MESH,
      .given = "--all-labels",
@@ -116,7 +116,7 @@ static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
     made->placed = j->volume.placed;
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
-    if (j->report.inside == 0) cli_advise(made, "no voxel is set: no sample is in the range");
+    if (j->report.inside == 0) cli_advise(made, "the result is empty: the range holds no sample");
     return CLI_DONE;
 }
 
@@ -220,7 +220,9 @@ static int make_volume_mesh(cli_run *run, cli_volume_job *j, cli_made *made)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);
     if (mesh.triangle_count == 0)
-        return cli_fail(run, "%s: no sample is in the range (they go from %.9g to %.9g); there is no surface",
+        return cli_fail(run,
+                        "%s: the range holds no sample (they go from %.9g to %.9g), so there is no "
+                        "surface",
                         in, j->report.least, j->report.greatest);
     result = put_mesh(run, &mesh, 0, run->options->output, &reduction);
     bvx_mesh_free(run->context, &mesh);
@@ -251,7 +253,7 @@ static int list_labels(cli_run *run, cli_volume_job *j)
         status = bvx_list_labels(run->context, &j->volume.view, j->labels, count, &j->label_count);
     }
     CLI_TRY(cli_stage_check(run, status, in));
-    if (count == 0) return cli_fail(run, "%s: no sample is other than 0; there are no labels", in);
+    if (count == 0) return cli_fail(run, "%s: all samples are 0, so there are no labels", in);
     if (count > CLI_MAX_OUTPUTS)
         return cli_fail(run,
                         "%s: %" PRIu64 " labels, more than the %d files of one run; take --label or --range",

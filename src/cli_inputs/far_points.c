@@ -152,7 +152,8 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
         run,
         "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32
         " x %" PRId32 " x %" PRId32
-        " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much by --memory-limit",
+        " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much "
+        "by --memory-limit",
         cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
         f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1],
         lattice->dims[2], bytes, near);

@@ -346,11 +346,12 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
 {
     int32_t const format = cli_input_format(run, path);
     if (strcmp(path, "-") == 0 && !is_mesh_format(format))
-        return cli_usage(run, "--format names no mesh format that is read (" CLI_MESHES_READ ")");
+        return cli_usage(run, "--format does not name a mesh format that can be read (" CLI_MESHES_READ ")");
     if (!is_mesh_format(format))
-        return cli_fail(
-            run, "%s: the name ends in no mesh format that is read (" CLI_MESHES_READ ", also with .gz)",
-            path);
+        return cli_fail(run,
+                        "%s: the name does not end in a mesh format that can be read (" CLI_MESHES_READ
+                        ", also with .gz)",
+                        path);
     return read_mesh_file(run, path, format, mesh, NULL);
 }
 

@@ -17,13 +17,12 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
     if (*kind != 0) return CLI_DONE;
     if (strcmp(path, "-") == 0)
         return cli_usage(run,
-                         "--format names no mesh format that is read, and no grid format (" CLI_MESHES_READ
+                         "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
                          " " CLI_GRIDS ")");
     if (format == BVX_FORMAT_GLB)
         return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
     return cli_fail(
-        run, "%s: the name ends in no mesh format that is read, and in no grid format (" INPUT_ENDINGS ")",
-        path);
+        run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
 }
 
 /* ---- grids ---- */
@@ -138,7 +137,7 @@ int cli_window_option(cli_run *run, bvx_window *window)
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
         if (l->value[a] >= l->value[a + 3])
-            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not behind %" PRId64,
+            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not after %" PRId64,
                              l->value[a + 3], l->value[a]);
         window->low[a] = (int32_t)l->value[a];
         window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);

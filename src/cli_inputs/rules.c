@@ -1,7 +1,7 @@
 /* rules.c - options that are of no use beside other options, inputs or outputs: what rows say is refused.
  *
- * A table is read from its first row on and the first row that holds is told, so rows go from what the line is about
- * to its details. tests/tools/check_options.py finds names that no command has. */
+ * A table is read from its first row on and the first row that holds is told, so rows go from what the line
+ * is about to its details. tests/tools/check_options.py finds names that no command has. */
 #include "cli_inputs/inputs.h"
 
 #include <stdio.h>
@@ -38,17 +38,18 @@ const cli_rule cli_reduction_rules[] = {
 
 const cli_rule cli_to_mesh_rules[] = {
     {.unless = CLI_TO_MESH,
-     .message = "%f: the name ends in no mesh format that is written (" CLI_MESHES_WRITTEN ")"},
+     .message = "%f: the name does not end in a mesh format that can be written (" CLI_MESHES_WRITTEN ")"},
     {0}};
 
 const cli_rule cli_to_grid_rules[] = {
-    {.unless = CLI_TO_GRID, .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS ")"},
+    {.unless = CLI_TO_GRID,
+     .message = "%f: the name does not end in a grid format that can be written (" CLI_GRIDS ")"},
     {0}};
 
 const cli_rule cli_to_voxels_rules[] = {
     {.unless = CLI_TO_GRID | CLI_TO_MESH,
-     .message = "%f: the name ends in no grid format that is written (" CLI_GRIDS
-                "), and in no mesh format (" CLI_MESHES_WRITTEN ")"},
+     .message = "%f: the name ends neither in a grid format that can be written (" CLI_GRIDS
+                ") nor in a mesh format (" CLI_MESHES_WRITTEN ")"},
     {.when = CLI_TO_GRID, .given = "--sharp --no-sharp", .message = "%o is for a mesh; the result is a grid"},
     {.also = cli_reduction_rules},
     {.also = cli_sharp_rules},

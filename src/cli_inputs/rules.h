@@ -24,8 +24,8 @@ enum {
     CLI_FIRST_FACT = 14         /* the command's own begin at this bit */
 };
 
-/* A row refuses the line when all of its conditions hold. In the message %o is the option that was given, %b the
- * one beside it, %i the input, %f the output, %w the caller's word. */
+/* A row refuses the line when all of its conditions hold. In the message %o is the option that was given,
+ * %b the one beside it, %i the input, %f the output, %w the caller's word. */
 typedef struct cli_rule {
     uint32_t when, unless; /* facts: all of these, none of those */
     const char *given;     /* one of these options, names with spaces between; NULL: whatever is given */
@@ -40,8 +40,8 @@ int cli_check_rules(cli_run *run, const cli_rule *rules, uint32_t facts, const c
 /* The first of the names, with spaces between, that stands on the command line, or NULL. */
 const char *cli_given_of(const cli_run *run, const char *names);
 
-/* --resolution, --spacing, --origin, --padding; --fill and its options; --triangles and --error; --sharp; what of a
- * mesh its file shall hold. */
+/* --resolution, --spacing, --origin, --padding; --fill and its options; --triangles and --error; --sharp;
+ * what of a mesh its file shall hold. */
 extern const cli_rule cli_lattice_rules[], cli_fill_rules[], cli_reduction_rules[], cli_sharp_rules[],
     cli_mesh_file_rules[];
 /* The output is a mesh, or a grid, by its name. */

@@ -237,7 +237,8 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
         if (!stays_below(name))
             return cli_fail(
                 run,
-                "%s: its samples are said to be in %s; only files in its own folder or below are read: put them there",
+                "%s: its samples are said to be in %s; only files in its own folder or below are read: put "
+                "them there",
                 cli_input_name(head), name);
         path = data_path(head, name);
         status = path != NULL ? add_data_file(run, path, v->file.size, &v->data)

@@ -48,7 +48,7 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
     cli_json_count(t, "inside", inside);
     cli_json_truth(t, "vectors", o->vectors);
     cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
-    if (f->value_count == 0) cli_advise(made, "no centre lies within %.9g of the mesh", f->half_width);
+    if (f->value_count == 0) cli_advise(made, "no voxel's centre is within %.9g of the mesh", f->half_width);
 }
 
 bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const bvx_lattice *lattice,
@@ -65,7 +65,7 @@ bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const b
     o.no_vectors = !run->options->vectors;
     o.window = *window;
     status = bvx_measure_field(run->context, view, lattice, &o, field);
-    /* Without a sign nothing is inside, and there is no grid of it. */
+    /* Without a sign nothing is known to be inside. */
     if (status == BVX_OK && field->inside.words != NULL)
         status = bvx_grid_count(run->context, &field->inside, &inside);
     if (status != BVX_OK) return status;

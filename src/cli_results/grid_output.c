@@ -8,7 +8,8 @@
 int cli_check_grid_name(cli_run *run, const char *path)
 {
     if (cli_kind_of_format(bvx_format_of_name(path)) != CLI_GRID)
-        return cli_usage(run, "%s: the name ends in no grid format that is written (" CLI_GRIDS ")", path);
+        return cli_usage(
+            run, "%s: the name does not end in a grid format that can be written (" CLI_GRIDS ")", path);
     return CLI_DONE;
 }
 

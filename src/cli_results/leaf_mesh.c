@@ -74,7 +74,7 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
     uint64_t const bytes = count * (LEAF_BYTES + sizeof **leaves);
     uint64_t const limit = run->general->memory_limit != 0 ? run->general->memory_limit : LEAF_MESH_BYTES;
 
-    if (count == 0) return cli_fail(run, "%s: there is no leaf in these states", run->options->output);
+    if (count == 0) return cli_fail(run, "%s: no leaf has these states", run->options->output);
     if (bytes > limit || bytes > SIZE_MAX)
         return cli_fail(run,
                         "%s: %" PRIu64 " leaves as boxes would take %" PRIu64

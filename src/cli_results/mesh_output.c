@@ -159,7 +159,8 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
                  origin[1], origin[2]);
     return cli_fail(
         run,
-        "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean length of "
+        "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean "
+        "length of "
         "%.2g, and %" PRIu64 " of %" PRIu64 " triangles would lose their area or be turned over; take %s%s",
         path, cli_format_name(format), r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
         format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb" : ".ply, .obj or .off", advice);
@@ -181,7 +182,8 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
     else if (r->largest_move * WARNED_SHARE > r->mean_edge)
         cli_warn(
             run,
-            "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of %.2g; "
+            "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of "
+            "%.2g; "
             "--output-origin brings the mesh near 0",
             path, format, r->largest_move, r->mean_edge);
     if (cli_is_sound(&r->file)) return;
@@ -191,7 +193,8 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
     if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
     cli_warn(
         run,
-        "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal positions, "
+        "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal "
+        "positions, "
         "and %" PRIu64 " edges and %" PRIu64 " vertices are not manifold then",
         path, format, r->file.nonmanifold_edges, r->file.nonmanifold_vertices);
 }

@@ -28,8 +28,8 @@ struct cli_made {
 /* Another line, or a part of one, for people; another warning. */
 #define cli_tell(made, ...)   cli_text_add(&(made)->text, __VA_ARGS__)
 #define cli_advise(made, ...) cli_add_warning(&(made)->warnings, __VA_ARGS__)
-/* Do what the command says, with run->job zeroed for it: make, write, keep, tell, report and warn, in this order; or
- * fail, and nothing is left. */
+/* Do what the command says, with run->job zeroed for it: make, write, keep, tell, report and warn, in this
+ * order; or fail, and nothing is left. */
 int cli_perform(cli_run *run);
 /* What it was made with goes; the report has pointers to that. */
 void cli_release(cli_run *run);
@@ -77,8 +77,8 @@ int cli_check_grid_name(cli_run *run, const char *path);
 /* Open the outputs of a grid, write it as run->options.output and keep it. */
 int cli_open_grid_output(cli_run *run, const char *path);
 int cli_write_grid(cli_run *run, const bvx_grid *grid);
-/* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the caller began:
- * written and kept, where a call of the library made it. Frees it. */
+/* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the
+ * caller began: written and kept, where a call of the library made it. Frees it. */
 int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
 /* Write what a call of the library made as the output of this number, or say why it failed; frees it. */
 int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file, const char *path);

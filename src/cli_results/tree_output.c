@@ -16,16 +16,17 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return cli_usage(
             run,
-            "%s: the name ends in no format that octrees are written to (.bvx .vtu, .npy .binvox .vox .nrrd .vti, " CLI_MESHES_WRITTEN
-            ")",
+            "%s: the name does not end in a format that octrees can be written to (.bvx .vtu, .npy .binvox "
+            ".vox .nrrd .vti, " CLI_MESHES_WRITTEN ")",
             path);
-    if (expand && t->kind != CLI_GRID) return cli_usage(run, "--expand is for grids; %s would be none", path);
+    if (expand && t->kind != CLI_GRID)
+        return cli_usage(run, "--expand is only for grids; %s is not a grid", path);
     if (cli_given(run, "--states") && t->kind == 0 && format == BVX_FORMAT_BVX)
         return cli_usage(
             run, "--states chooses voxels; %s holds the whole octree: take --expand, or another format",
             path);
     if (run->options->leaves && t->kind != CLI_MESH)
-        return cli_usage(run, "--leaves makes a mesh; %s would be none", path);
+        return cli_usage(run, "--leaves makes a mesh; %s is not a mesh", path);
     if (cli_given(run, "--cut") && !run->options->leaves) return cli_usage(run, "--cut needs --leaves");
     return CLI_DONE;
 }

@@ -183,7 +183,8 @@ static int write_surface(cli_run *run, cli_voxels *v)
     status = make_surface_mesh(run, v);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(v->name)));
     if (v->mesh.triangle_count == 0)
-        return cli_fail(run, "%s: no voxel is set, so there is no surface to write", cli_input_name(v->name));
+        return cli_fail(run, "%s: the result is empty, so there is no surface to write",
+                        cli_input_name(v->name));
 
     CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
     CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));

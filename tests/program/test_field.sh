@@ -119,7 +119,7 @@ holds 'stretched voxels' says '^  dims +9 x 11 x 13$'
 warns 'only these voxels' voxelize box.obj -o part.nrrd --mode field --spacing 1 --window 1,2,3,6,5,6
 holds 'a window of the field' says '^  dims +5 x 3 x 3$'
 works 'a far away lattice' voxelize box.obj -o x.npy --mode field --spacing 1 --origin 0,0,0
-warns 'no centre lies within' voxelize box.obj -o x.npy --mode field --spacing 1 --half-width 1 --padding 9 --window 0,0,0,3,3,3
+warns "no voxel's centre is within" voxelize box.obj -o x.npy --mode field --spacing 1 --half-width 1 --padding 9 --window 0,0,0,3,3,3
 
 # ---- refusals ----
 

@@ -82,8 +82,8 @@ near 'volume of a mended keyhole' "$(field volume)" 12 1e-6
 is 'loops mended' "$(field mended_loops) $(field holes)" '2 2'
 gives 'paper' 0 'closed, manifold, oriented' sections prism.csv -o prism.stl --crossings paper --spacing 0.7
 gives 'classic' 0 'closed, manifold, oriented' sections prism.csv -o prism.obj --crossings classic --spacing 0.7
-gives 'no contour file' 2 'ends in no contour format' sections "$knot" -o x.ply
-gives 'no mesh file' 2 'ends in no mesh format' sections prism.csv -o x.csv
+gives 'no contour file' 2 'does not end in a contour format' sections "$knot" -o x.ply
+gives 'no mesh file' 2 'does not end in a mesh format' sections prism.csv -o x.csv
 gives 'grid and spacing' 2 'contradict' sections prism.csv -o x.ply --grid 5x5 --spacing 1
 gives 'block without model' 2 'go together' sections prism.csv -o x.ply --block 1,1,1
 gives 'blocks of an open body' 2 'closed body' sections prism.csv -o x.ply --caps open --block 1,1,1 --block-model b.csv

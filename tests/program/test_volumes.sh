@@ -32,7 +32,7 @@ same 'grids of below and a range' under.bvx below.bvx
 gives 'a window' 0 'dims        10 x 20 x 16' voxelize "$waves" -o window.bvx --level 120 --window 20,10,8,30,30,24
 gives 'a window of the grid is that of the volume' 0 'dims' convert level.bvx -o window2.bvx --window 20,10,8,30,30,24
 same 'they are equal' window.bvx window2.bvx
-gives 'nothing in the range' 1 'no sample is in the range' voxelize "$waves" -o none.ply --level 250
+gives 'nothing in the range' 1 'the range holds no sample' voxelize "$waves" -o none.ply --level 250
 gives 'levels of detail of a volume' 0 'written: lod_0.ply, lod_1.ply' lod "$waves" -o lod_%d.ply --level 120 --levels 24,12
 gives 'faces of a volume' 0 'faces' faces "$waves" -o faces.ply --range 120,
 gives 'a picture of a volume' 0 'picture.png' render "$waves" -o picture.png --level 120
@@ -85,7 +85,7 @@ if ls a.* >/dev/null 2>&1; then not_ok 'nothing is left behind' "$(ls a.*)"; els
 gives 'the largest part' 0 '"parts": {"kept": 1, "dropped": 2, "voxels_kept": 12688, "voxels_dropped": 45}' voxelize "$waves" -o kept.bvx --level 80 --keep-largest 1 --json
 gives 'one part, by components too' 0 '12688  100.000%' components kept.bvx
 gives 'parts of some size' 0 'kept        2 of 3 parts; 1 voxels went' voxelize "$waves" -o kept.bvx --level 80 --least-part 44
-gives 'parts of no size' 0 'no voxel is set' voxelize "$waves" -o kept.bvx --level 80 --least-part 20000
+gives 'parts of no size' 0 'the result is empty' voxelize "$waves" -o kept.bvx --level 80 --least-part 20000
 run voxelize "$waves" -o all.obj --level 80
 gives 'the surface of the largest part' 0 'kept.obj: 14488 triangles, closed, manifold, volume 15497.2, 1 part' voxelize "$waves" -o kept.obj --level 80 --keep-largest 1
 grep '^v ' all.obj | sort >all.txt
