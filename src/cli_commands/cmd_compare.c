@@ -64,6 +64,7 @@ static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bv
         cli_tell(made, "  the same\n");
         return;
     }
+    /* The same box in the lattice's unit, to be found in other programs. */
     for (int a = 0; a < 3; a++) {
         low[a] = g->lattice.origin[a] + ((double)g->low[a] + d->low[a]) * g->lattice.spacing[a];
         high[a] = low[a] + d->size[a] * g->lattice.spacing[a];
@@ -107,6 +108,7 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 
     if (status == BVX_OK) return CLI_DONE;
     snprintf(about, sizeof about, "%s and %s", cli_input_name(a->path), cli_input_name(b->path));
+    /* Lattices that differ because a side-car is missing are the usual mistake. */
     if (status != BVX_ERR_LATTICE || a->placed == b->placed) return cli_fail_status(run, status, about);
     snprintf(more, sizeof more, "%s (%s has no side-car, so it starts at 0 and its voxels have sides of 1)",
              about, cli_input_name(a->placed ? b->path : a->path));

@@ -85,6 +85,7 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     *differs = 0;
     if (status != CLI_DONE || stl || c->closed) return status;
     status = check(run, mesh, 1, welded);
+    /* Open all the same: only what joining changes is worth a second report. */
     *differs = status == CLI_DONE && welded->vertices != c->vertices;
     return status;
 }
@@ -133,6 +134,7 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
         cli_tell(made, "the same with vertices at equal positions joined\n");
         tell_certificate(made, &job->welded);
     }
+    /* Counted on request only, since it takes longer than all the rest. */
     if (entry->has_crossings)
         cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
     return CLI_DONE;
@@ -263,6 +265,7 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
         cli_tell(made, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
         cli_tell_levels(run, &t, made);
     }
+    /* Its levels are told; nothing of the tree is needed after that. */
     cli_free_tree(run, &t);
     return status;
 }
@@ -318,6 +321,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
     if (status != CLI_DONE) return status;
     if (own->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+    /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
         status = cli_tell_samples(run, path, made);
         if (status != CLI_DONE) return status;

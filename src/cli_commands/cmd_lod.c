@@ -144,6 +144,7 @@ static int choose_method(cli_run *run, int kind, int *collapse)
     const cli_lod_options *const own = run->own;
     int32_t const method = own->method;
 
+    /* A mesh collapses unless something asks for samples of a solid. */
     *collapse = method == CLI_METHOD_COLLAPSE ||
                 (method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
     return cli_check_rules(run, method_rules, facts_of_method(run, kind, *collapse), NULL);
@@ -162,6 +163,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
     if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;
+    /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
         if (own->resolutions.value[i] > o->resolution.value[0])
             return cli_usage(run,
@@ -212,6 +214,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
     l.reports = &c->lod[i];
+    /* One level a call, each a stage of its own; messages name it by its own number. */
     l.first_level = i;
     cli_stage_begin(run, "level %d", i);
     status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
@@ -301,6 +304,7 @@ static int lod_by_solid(cli_run *run, cli_chain *c, cli_made *made)
 {
     int status = check_lod_options(run, c);
 
+    /* Known before the first stage, so that the bar knows how many rounds follow. */
     run->progress.made = run->progress.measured = c->count;
     if (status == CLI_DONE) status = cli_open_levels(run, c->count, c->path);
     if (status == CLI_DONE) status = cli_open_chain(run, c);

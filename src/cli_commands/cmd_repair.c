@@ -74,6 +74,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "nonmanifold_edges", r->before.nonmanifold_edges);
     cli_json_count(t, "duplicates", r->before.duplicates);
+    /* Triangles that have lost their area, by whatever they lost it. */
     cli_json_count(t, "degenerate", r->before.degenerate + r->before.collapsed);
     cli_json_count(t, "components_before", r->before.components);
     cli_json_count(t, "parts_kept", r->parts_kept);
@@ -85,13 +86,13 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_count(t, "thin_components", r->thin_components);
     cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
-    cli_text_add(t, ", \"thin_kept\": %s", r->thin_kept ? "true" : "false");
+    cli_json_truth(t, "thin_kept", r->thin_kept);
     if (r->thin_voxels != 0) json_thin_box(t, r);
     cli_json_count(t, "shelled_triangles", r->shelled_triangles);
     cli_json_count(t, "sheet_edges", r->sheet_edges);
-    cli_text_add(t, ", \"needs\": \"%s\", \"copied\": %s", need_names[r->needs],
-                 r->copied ? "true" : "false");
-    cli_text_add(t, ", \"sharp\": %s", r->sharp ? "true" : "false");
+    cli_text_add(t, ", \"needs\": \"%s\"", need_names[r->needs]);
+    cli_json_truth(t, "copied", r->copied);
+    cli_json_truth(t, "sharp", r->sharp);
     cli_json_value(t, "sharp_share", r->sharp_share);
     cli_json_value(t, "volume_before", r->before.volume);
     cli_json_value(t, "volume_after", r->after.volume);
@@ -189,6 +190,7 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    ": what is thinner than a voxel broke, or cavities closed; take a "
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
+    /* What follows compares sizes, and these have one only as a body without overlaps. */
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
     warn_of_handles(r, remedy, made);
     if (fabs(r->after.volume - volume) > 0.05 * volume)
@@ -284,6 +286,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
+    /* The report is of the mesh that is written. */
     report->after = reduction->level.certificate;
     if (!own->measure) return CLI_DONE;
 

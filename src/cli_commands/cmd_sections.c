@@ -232,6 +232,7 @@ static int make_blocks(cli_run *run, sections_job *job)
     bvx_status status = BVX_OK;
 
     for (int k = 0; k < 3; k++) {
+        /* Whole multiples of the sides, the last one beyond the body's end. */
         double const first = floor(c->low[k] / side[k]), end = floor(c->high[k] / side[k]) + 1.0;
         if (!((end - first) * BLOCK_PARTS <= 33554432.0))
             return cli_fail(run, "--block: %g blocks along an axis are too many", end - first);
@@ -239,6 +240,7 @@ static int make_blocks(cli_run *run, sections_job *job)
         spacing[k] = side[k] / BLOCK_PARTS;
         dims[k] = (int32_t)(end - first) * BLOCK_PARTS;
     }
+    /* A layer at a time: the fine voxels of the whole model may not fit into memory. */
     layers = dims[2] / BLOCK_PARTS;
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "blocks");
@@ -278,8 +280,7 @@ static int write_body(cli_run *run, void *work)
 
 static const char *verdict(const bvx_certificate *c)
 {
-    if (c->closed && c->edge_manifold && c->vertex_manifold && c->oriented)
-        return "closed, manifold, oriented";
+    if (cli_is_sound(c)) return "closed, manifold, oriented";
     return c->edge_manifold && c->vertex_manifold && c->oriented ? "manifold, oriented, open"
                                                                  : "not manifold";
 }

@@ -52,6 +52,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
                            bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding,
                                          &c->resolution, &limited),
                            cli_input_name(options->input[0])));
+    /* What is told of the resolution is why it is this one. */
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
@@ -78,6 +79,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     cli_stage_begin(run, "check input");
     /* the solid asks for places, not for numbers */
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
+    /* From here on all distances are told in percent of it too. */
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
     if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
     cli_stage_begin(run, "voxelize");
@@ -113,6 +115,7 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
 
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
+    /* Nothing is measured from the surface then, so it need not exist. */
     if (run->options->samples == 0)
         return bvx_extract_count(run->context, &c->solid, &e, &vertices, &c->input_triangles);
     status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);

@@ -61,6 +61,7 @@ static int measure_positions(cli_run *run, const bvx_sections *s, section_facts 
         qsort(sorted, (size_t)n, sizeof *sorted, compare_doubles);
         f->first = n != 0 ? sorted[0] : 0.0;
         f->last = n != 0 ? sorted[n - 1] : 0.0;
+        /* The mean distance, and how far the sections are from keeping it. */
         f->step = n > 1 ? (f->last - f->first) / (double)(n - 1) : 0.0;
         for (uint64_t i = 1; i < n; i++) f->even = fmax(f->even, fabs(sorted[i] - sorted[i - 1] - f->step));
         for (uint64_t i = 0; i < s->loop_count; i++) seen[s->loops[i].section] = 1;
@@ -83,6 +84,7 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
         f->label[i].loops = 1;
         f->label[i].points = s->loops[i].point_count;
     }
+    /* Loops of one label become neighbours, and then one row. */
     qsort(f->label, (size_t)s->loop_count, sizeof *f->label, compare_labels);
     for (uint64_t i = 1; i < s->loop_count; i++) {
         if (f->label[i].label != f->label[kept].label) {

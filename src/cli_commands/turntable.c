@@ -28,6 +28,7 @@ static double series_of_sine(double x)
 static void turn_by(int32_t i, int32_t n, double *cosine, double *sine)
 {
     int64_t const quarters = 4 * (int64_t)i / n, rest = 4 * (int64_t)i % n;
+    /* Series are short near 0, so the angle is taken from the nearer quarter. */
     int const late = 2 * rest > n; /* nearer to the next quarter */
     double const x = QUARTER * (double)(late ? n - rest : rest) / (double)n;
     double const c = late ? series_of_sine(x) : series_of_cosine(x);
@@ -63,6 +64,7 @@ int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t
     unit_of(axis, u);
     along = inner(d, u);
     for (int a = 0; a < 3; a++) flat[a] = d[a] - along * u[a];
+    /* The eye lies on the axis: turning would change nothing. */
     if (inner(flat, flat) < 1e-12) return 0;
     side[0] = u[1] * flat[2] - u[2] * flat[1];
     side[1] = u[2] * flat[0] - u[0] * flat[2];
@@ -83,6 +85,7 @@ void cli_turn_room(const double low[3], const double high[3], const double middl
     unit_of(across, side[0]);
     for (int a = 0; a < 3; a++)
         side[1][a] = d[(a + 1) % 3] * side[0][(a + 2) % 3] - d[(a + 2) % 3] * side[0][(a + 1) % 3];
+    /* A box is seen as wide as its farthest corner. */
     for (int corner = 0; corner < 8; corner++) {
         double q[3];
         for (int a = 0; a < 3; a++) q[a] = ((corner >> a & 1) != 0 ? high[a] : low[a]) - middle[a];

@@ -46,6 +46,7 @@ static double sample_value(const char *at, int32_t type)
 
 static void note_range(volume_facts *f, double v)
 {
+    /* NaN and infinity differ from themselves when subtracted; only NaN differs as it is. */
     if (v - v != 0.0) {
         f->nan += v != v;
         f->infinite += v == v;
@@ -62,6 +63,7 @@ static void note_bin(volume_facts *f, double v)
     double const place = (v - f->least) / f->width;
     int bin;
     if (v - v != 0.0 || !(place >= 0.0)) return;
+    /* The greatest value lies at the end of the last bin. */
     bin = place < f->bins ? (int)place : f->bins - 1;
     f->bin[bin]++;
 }
@@ -69,14 +71,9 @@ static void note_bin(volume_facts *f, double v)
 static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f, double value),
                          volume_facts *f)
 {
-    static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-    int64_t stride[3] = {v->strides[0], v->strides[1], v->strides[2]};
+    int64_t stride[3];
 
-    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
-        stride[0] = size[v->sample_type];
-        stride[1] = stride[0] * v->size[0];
-        stride[2] = stride[1] * v->size[1];
-    }
+    cli_volume_strides(v, stride);
     for (int64_t z = 0; z < v->size[2]; z++)
         for (int64_t y = 0; y < v->size[1]; y++) {
             const char *const row = (const char *)v->samples + z * stride[2] + y * stride[1];
@@ -91,6 +88,7 @@ static void choose_bins(const bvx_volume_view *v, volume_facts *f)
     int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 &&
                       range < INFO_BINS;
 
+    /* A bin a value where there are few, so that labels can be read off. */
     f->bins = whole ? (int)range + 1 : INFO_BINS;
     f->width = whole ? 1.0 : range / INFO_BINS;
 }
@@ -136,6 +134,7 @@ int cli_tell_samples(cli_run *run, const char *path, cli_made *made)
         cli_stage_begin(run, "samples");
         walk_samples(&v.view, note_range, &f);
         choose_bins(&v.view, &f);
+        /* All samples alike have no range to divide. */
         if (f.width > 0.0) walk_samples(&v.view, note_bin, &f);
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;
         cli_stage_end(run);

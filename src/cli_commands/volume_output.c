@@ -62,20 +62,15 @@ static bvx_status keep_chosen(cli_run *run, cli_volume_job *j, const bvx_grid *g
 static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_grid *all, const bvx_grid *kept,
                         bvx_volume_view *copy, void **samples)
 {
-    static const int64_t bytes_of[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-    size_t const size = (size_t)bytes_of[view->sample_type];
+    size_t const size = (size_t)cli_sample_bytes(view->sample_type);
     uint64_t const count = (uint64_t)view->size[0] * (uint64_t)view->size[1] * (uint64_t)view->size[2];
-    int64_t stride[3] = {view->strides[0], view->strides[1], view->strides[2]};
+    int64_t stride[3];
     const char *outside = NULL;
     char *to = count <= SIZE_MAX / size ? malloc((size_t)count * size) : NULL;
 
     *samples = to;
     if (to == NULL) return cli_fail(run, "no memory for a copy of %" PRIu64 " samples", count);
-    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
-        stride[0] = (int64_t)size;
-        stride[1] = stride[0] * view->size[0];
-        stride[2] = stride[1] * view->size[1];
-    }
+    cli_volume_strides(view, stride);
 
     /* Two parts at least, so some sample lies between them. */
     for (int pass = 0; pass < 2; pass++)
@@ -113,6 +108,7 @@ static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
 
     made->grid = &j->grid;
     made->set = j->report.inside;
+    /* An .npy file without a side-car says nothing of where it lies. */
     made->placed = j->volume.placed;
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -156,10 +152,8 @@ static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
     const cli_mesh_entry *const e = &run->report.mesh[n];
     const bvx_certificate *const c = &e->certificate;
     cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path,
-             c->triangles,
-             c->closed && c->edge_manifold && c->vertex_manifold && c->oriented ? "closed, manifold"
-                                                                                : "NOT closed",
-             c->volume, c->components, c->components == 1 ? "" : "s");
+             c->triangles, cli_is_sound(c) ? "closed, manifold" : "NOT closed", c->volume, c->components,
+             c->components == 1 ? "" : "s");
 }
 
 /* The level's surface around the parts that are kept. */
@@ -172,6 +166,7 @@ static int make_kept_level_mesh(cli_run *run, cli_volume_job *j, bvx_status *sta
 
     *status = cli_select_voxels(run, &j->volume, &j->report, &all);
     if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
+    /* The copy is made only where something is to be left out of it. */
     if (*status == BVX_OK && run->report.parts.dropped != 0)
         result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
     if (*status == BVX_OK && result == CLI_DONE &&
@@ -216,6 +211,7 @@ static int make_volume_mesh(cli_run *run, cli_volume_job *j, cli_made *made)
     int result = make_surface_of_volume(run, j, &mesh);
 
     if (result != CLI_DONE) return result;
+    /* Two reasons for an empty mesh, with different remedies. */
     if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);
@@ -247,6 +243,7 @@ static int list_labels(cli_run *run, cli_volume_job *j)
 
     cli_stage_begin(run, "labels");
     status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
+    /* More than can be written is refused below without listing them. */
     if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
         j->labels = calloc((size_t)count, sizeof *j->labels);
         if (j->labels == NULL) return cli_fail(run, "no memory for %" PRIu64 " labels", count);
@@ -259,28 +256,6 @@ static int list_labels(cli_run *run, cli_volume_job *j)
                         "%s: %" PRIu64 " labels, more than the %d files of one run; take --label or --range",
                         in, count, CLI_MAX_OUTPUTS);
     return CLI_DONE;
-}
-
-/* The label's box: beyond it there is none of it, so the surface is that of the whole. */
-static void label_view(const cli_volume_job *j, const bvx_label *l, bvx_volume_view *view)
-{
-    static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-    const bvx_volume_view *const whole = &j->volume.view;
-    int64_t stride[3] = {whole->strides[0], whole->strides[1], whole->strides[2]}, at = 0;
-
-    *view = *whole;
-    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
-        stride[0] = size[whole->sample_type];
-        stride[1] = stride[0] * whole->size[0];
-        stride[2] = stride[1] * whole->size[1];
-    }
-    for (int a = 0; a < 3; a++) {
-        view->low[a] = whole->low[a] + l->low[a];
-        view->size[a] = l->size[a];
-        view->strides[a] = stride[a];
-        at += l->low[a] * stride[a];
-    }
-    view->samples = (const char *)whole->samples + at;
 }
 
 static int make_label_mesh(cli_run *run, cli_volume_job *j, int n)
@@ -301,7 +276,8 @@ static int make_label_mesh(cli_run *run, cli_volume_job *j, int n)
                         cli_input_name(run->options->input[0]));
     result = cli_open_output(run, path);
     if (result != CLI_DONE) return result;
-    label_view(j, &j->labels[n], &view);
+    /* The label's box: beyond it there is none of it, so the surface is that of the whole. */
+    cli_part_of_volume(&j->volume.view, j->labels[n].low, j->labels[n].size, &view);
     cli_stage_begin(run, "surface");
     status = bvx_threshold(run->context, &view, value, value, &report, &grid);
     if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &grid, &grid);

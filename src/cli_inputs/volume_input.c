@@ -264,37 +264,55 @@ static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
     }
 }
 
+int64_t cli_sample_bytes(int32_t type)
+{
+    static const int64_t bytes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+
+    return bytes[type];
+}
+
+void cli_volume_strides(const bvx_volume_view *view, int64_t stride[3])
+{
+    memcpy(stride, view->strides, 3 * sizeof *stride);
+    if (stride[0] != 0 || stride[1] != 0 || stride[2] != 0) return;
+    stride[0] = cli_sample_bytes(view->sample_type);
+    stride[1] = stride[0] * view->size[0];
+    stride[2] = stride[1] * view->size[1];
+}
+
+void cli_part_of_volume(const bvx_volume_view *whole, const int32_t low[3], const int32_t size[3],
+                        bvx_volume_view *part)
+{
+    int64_t stride[3], at = 0;
+
+    /* packed samples are packed no more where rows are left out */
+    cli_volume_strides(whole, stride);
+    *part = *whole;
+    for (int a = 0; a < 3; a++) {
+        part->low[a] = whole->low[a] + low[a];
+        part->size[a] = size[a];
+        part->strides[a] = stride[a];
+        at += low[a] * stride[a];
+    }
+    part->samples = (const char *)whole->samples + at;
+}
+
 /* A view of a window, counted from the file's first voxel. */
 static int take_window(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     const bvx_volume_view *const whole = &v->volume.view;
     static const char axis[] = "xyz";
-    int64_t stride[3], at = 0;
-    static const int64_t size[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 
     v->view = *whole;
     if (window == NULL || window->size[0] == 0) return CLI_DONE;
-    memcpy(stride, whole->strides, sizeof stride);
-    /* All zero stands for packed samples, x fastest; a window of them is not packed. */
-    if (stride[0] == 0 && stride[1] == 0 && stride[2] == 0) {
-        stride[0] = size[whole->sample_type];
-        stride[1] = stride[0] * whole->size[0];
-        stride[2] = stride[1] * whole->size[1];
-    }
-    for (int a = 0; a < 3; a++) {
-        /* Without an overflow: low and size are both within the lattice's limit. */
+    for (int a = 0; a < 3; a++) /* Without an overflow: low and size are both within the lattice's limit. */
         if (window->low[a] > whole->size[a] - window->size[a])
             return cli_fail(run,
                             "%s: the window's voxels %" PRId32 " to %" PRId32
                             " along %c are not inside the file's %" PRId32,
                             cli_input_name(path), window->low[a], window->low[a] + window->size[a] - 1,
                             axis[a], whole->size[a]);
-        v->view.low[a] += window->low[a];
-        v->view.size[a] = window->size[a];
-        v->view.strides[a] = stride[a];
-        at += window->low[a] * stride[a];
-    }
-    v->view.samples = (const char *)whole->samples + at;
+    cli_part_of_volume(whole, window->low, window->size, &v->view);
     return CLI_DONE;
 }
 
