@@ -436,7 +436,7 @@ same 'two seeds fill two pockets' both.bvx pockets.bvx
 warns "reaches the window's sides" fill walls.bvx -o outside.bvx --seed 0,0,0
 works 'a file of one wall' voxelize ground.obj -o wall.bvx --mode conservative --spacing 0.5 --padding 1
 rm -f x.*
-refuses 1 'there is no pocket' fill wall.bvx -o x.bvx
+refuses 1 'enclose no pocket' fill wall.bvx -o x.bvx
 refuses 1 'seed 0' fill walls.bvx -o x.bvx --seed 999,0,0
 refuses 2 'three numbers a seed' fill walls.bvx -o x.bvx --seed 1,2,3,4
 refuses 2 'is a mesh' fill box.obj -o x.bvx
