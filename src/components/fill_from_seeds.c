@@ -1,7 +1,7 @@
 /* fill_from_seeds.c - interior fill from seeds: bvx_grid_fill.
  *
  * Source: the fill of Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model.
- * 2010, section 3, by runs: empty voxels are joined to spaces once (connected_sets.c), and a space that holds
+ * 2010, section 3, by runs: empty voxels are joined to spaces once (components.c), and a space that holds
  * a seed is filled. No queue, and any number of seeds costs no more than one.
  * Guarantee: exact; no order of seeds plays a part. */
 #include "components/room.h"

@@ -1,7 +1,7 @@
 /* keep_components.c - some of a grid's parts kept, its cavities filled: bvx_grid_keep,
  * bvx_grid_fill_cavities.
  *
- * Set (or empty) voxels are joined to spaces (connected_sets.c), each is measured and judged, and those that
+ * Set (or empty) voxels are joined to spaces (components.c), each is measured and judged, and those that
  * go are changed in the result. The n largest are found without sorting: the greatest size that n of them
  * reach, by halving; of those that have just this size the first are taken.
  * Guarantee: exact. */

@@ -1,7 +1,7 @@
 /* list_components.c - the connected parts of a grid, listed and as numbers of voxels: bvx_grid_components,
  * bvx_grid_label.
  *
- * Runs are joined to spaces (connected_sets.c); their numbers are handed out to boxes and counts, or to the
+ * Runs are joined to spaces (components.c); their numbers are handed out to boxes and counts, or to the
  * voxels of each row.
  * Guarantee: exact; numbers follow from the least voxels only. */
 #include "components/room.h"

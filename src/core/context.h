@@ -62,7 +62,7 @@ uint64_t bvxi_arena_size(const bvxi_arena *arena, const void *block);
 void *bvxi_arena_since(const bvxi_arena *arena, uint64_t mark, uint64_t *size);
 void bvxi_arena_adopt(bvxi_arena *arena, uint64_t mark);
 
-/* scratch.c, outside of arenas: a block comes and goes. BVX_ERR_MEMORY: no room for one more. */
+/* memory.c, outside of arenas: a block comes and goes. BVX_ERR_MEMORY: no room for one more. */
 bvx_status bvxi_scratch_remember(bvx_context *ctx, void *block, uint64_t size);
 void bvxi_scratch_forget(bvx_context *ctx, const void *block);
 void *bvxi_scratch_since(const bvx_context *ctx, uint64_t mark, uint64_t *size);

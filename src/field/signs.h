@@ -16,14 +16,14 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
                               const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
                               bvx_grid *inside);
 
-/* sign_side.c: the centres of a band that lie behind what is closest to them.
+/* sign_pseudonormal.c: the centres of a band that lie behind what is closest to them.
  * outwards gives the direction, of any length, that is outwards at a feature;
  * called from workers. inside's words are written: outside the band all are 0. */
 typedef void bvxi_outwards_fn(const void *rule, uint32_t triangle, int32_t feature, double outwards[3]);
 bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                           bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside);
 
-/* sign_normal.c, sign_pseudonormal.c: the band by these rules. */
+/* sign_pseudonormal.c, sign_pseudonormal.c: the band by these rules. */
 bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                             bvx_grid *inside);
 bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,

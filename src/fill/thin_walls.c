@@ -14,7 +14,7 @@
 #include "fill/thin_walls.h"
 
 #include "mesh/facet.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"

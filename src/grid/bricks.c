@@ -1,5 +1,5 @@
 /* bricks.c - the rows of 8 x 8 rows joined into one, and each of its bytes into a bit. */
-#include "grid/bricks.h"
+#include "grid/grid.h"
 
 enum { BRICK_GRAIN = 64 /* least rows of bricks a piece */ };
 

@@ -16,7 +16,6 @@
  * neither does a window. (Beyond 2^50 voxels of distance planes get equal t, and ties may be left out.) A
  * start so far away or a direction so long that u or step overflows meets nothing; a t above the largest
  * double is none. */
-#include "grid/bricks.h"
 #include "grid/grid.h"
 
 #include <math.h>

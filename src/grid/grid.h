@@ -1,9 +1,12 @@
-/* grid.h - grids checked and walked. Not installed. */
+/* grid.h - grids checked and walked; which bricks of 8 x 8 x 8 voxels hold a set one: a grid 512 times
+ * smaller. Not installed. */
 #ifndef BVXI_GRID_H
 #define BVXI_GRID_H
 
 #include "bits/bits.h"
 #include "lattice/lattice.h"
+
+/* ---- Grids checked and walked ---- */
 
 /* Refuse an invalid grid, naming the field. */
 bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_grid *grid);
@@ -46,5 +49,21 @@ static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
 {
     return ~bvxi_tail_mask(grid->size[0]);
 }
+
+/* ---- Which bricks of 8 x 8 x 8 voxels hold a set one: a grid 512 times smaller ---- */
+
+enum { BVXI_BRICK_SHIFT = 3 };
+
+/* Bit i of a row is the brick of voxels 8 i .. 8 i + 7 of the window; rows of bricks as in a grid. */
+typedef struct bvxi_bricks {
+    const bvx_grid *grid;
+    uint64_t *words; /* NULL when there are none */
+    int32_t size[3], words_per_row;
+} bvxi_bricks;
+
+/* Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
+bvx_status bvxi_bricks_make(bvx_context *ctx, const char *stage, double from, double to, const bvx_grid *grid,
+                            bvxi_bricks *bricks);
+void bvxi_bricks_free(bvx_context *ctx, bvxi_bricks *bricks);
 
 #endif

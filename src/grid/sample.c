@@ -1,14 +1,18 @@
-/* sample.c - trilinear samples of a grid and their gradients.
- *
- * A point has x = (point - origin) / spacing - 1/2 along each axis, in which voxel i of the lattice has its
+/* sample.c - trilinear samples of a grid and their gradients; a grid seen at the centres of another
+ * lattice. */
+#include "grid/grid.h"
+#include "bits/runs.h"
+
+#include <math.h>
+
+/* ---- Trilinear samples of a grid and their gradients ---- */
+
+/* A point has x = (point - origin) / spacing - 1/2 along each axis, in which voxel i of the lattice has its
  * centre at i. With i = floor(x) and f = x - i the eight voxels around it are blended a + f (b - a), first
  * along x, then y, then z, in doubles. So the value lies in [0, 1] and is the voxel's own where f is 0 along
  * all axes. The gradient is that of the same blend within its eight voxels; on the planes through centres,
  * where it jumps, it is the one of the upper side. Positions count from the lattice's origin, so a window
  * changes nothing but what lies beyond it, which is 0. */
-#include "grid/grid.h"
-
-#include <math.h>
 
 enum { SAMPLE_GRAIN = 512 /* least points a piece */ };
 
@@ -120,4 +124,133 @@ bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const dou
                            double *values, double *gradients)
 {
     return BVXI_CALL(context, run_grid_sample(context, grid, points, count, values, gradients));
+}
+
+/* ---- A grid seen at the centres of another lattice ---- */
+
+/* The old voxel of a new one is a table along each axis, and the tables do not fall. So a run of set voxels
+ * along x becomes a run, whose ends a second table has: rows are written by runs, and rows that come from one
+ * row are copies of each other. */
+
+enum { RESAMPLE_GRAIN = 2048 /* least words a piece */ };
+
+typedef struct resample_job {
+    const bvx_grid *grid;
+    bvx_grid *result;
+    /* the grid's voxel under each of the result's along y and z; -1 outside [Size: result's size] */
+    int32_t *source[2];
+    /* the result's first voxel along x at or after each of the grid's [Size: grid's size + 1] */
+    int32_t *first;
+    uint64_t bytes; /* of all three, in one block */
+    int32_t pieces;
+} resample_job;
+
+/* The voxel that a centre of the result lies in, -1 before the window and its size after it. */
+static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
+{
+    const bvx_grid *const g = job->grid, *const to = job->result;
+
+    /* Divided rather than stepped, so that no error adds up from voxel to voxel. */
+    double const centre = to->lattice.origin[axis] +
+                          ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];
+    double const v = floor((centre - g->lattice.origin[axis]) / g->lattice.spacing[axis]) -
+                     (double)g->low[axis];
+    return v < 0.0 ? -1 : v >= (double)g->size[axis] ? g->size[axis] : (int32_t)v;
+}
+
+static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
+{
+    const bvx_grid *const g = job->grid, *const to = job->result;
+    int32_t next = 0;
+
+    /* All tables in one block, as they live and end together. */
+    job->bytes = ((uint64_t)to->size[1] + (uint64_t)to->size[2] + (uint64_t)g->size[0] + 1) * sizeof(int32_t);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bytes, "the tables of voxels", &job->source[0]));
+    job->source[1] = job->source[0] + to->size[1];
+    job->first = job->source[1] + to->size[2];
+    for (int32_t a = 1; a < 3; a++)
+        for (int32_t i = 0; i < to->size[a]; i++) {
+            int32_t const v = source_voxel(job, a, i);
+            job->source[a - 1][i] = v < g->size[a] ? v : -1;
+        }
+
+    /* Voxels of the grid between two centres have the next
+     * one's place: a run that no centre meets is empty. */
+    for (int32_t i = 0; i < to->size[0]; i++)
+        for (int32_t const v = source_voxel(job, 0, i); next <= v; next++) job->first[next] = i;
+    /* Those after the last centre end where the row does. */
+    for (; next <= g->size[0]; next++) job->first[next] = to->size[0];
+    return BVX_OK;
+}
+
+static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t *row)
+{
+    const bvx_grid *const g = job->grid;
+    int32_t begin, end;
+    bvxi_row_runs runs;
+    memset(row, 0, (size_t)job->result->words_per_row * 8);
+    bvxi_row_runs_start(&runs,
+                        g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
+                        g->size[0], 0);
+    /* A run of the grid becomes a run of the result: its ends are looked up, not its voxels. */
+    while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
+}
+
+static void resample_piece(void *user, int32_t index, int32_t worker)
+{
+    const resample_job *const job = user;
+    bvx_grid *const to = job->result;
+    size_t const words = (size_t)to->words_per_row;
+    uint64_t const rows = (uint64_t)to->size[1];
+    int32_t last_y = -1, last_z = -1;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++) {
+        int32_t const y = job->source[0][r % rows], z = job->source[1][r / rows];
+        uint64_t *const row = to->words + (size_t)r * words;
+        /* Where the row comes from the same row of the grid again, it is a copy of the one just written. */
+        if (y < 0 || z < 0) memset(row, 0, words * 8);
+        else if (y == last_y && z == last_z) memcpy(row, row - words, words * 8);
+        else resample_row(job, y, z, row);
+        last_y = y;
+        last_z = z;
+    }
+}
+
+static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
+                                    const bvx_window *window, bvx_grid *result)
+{
+    static const char *const function = "bvx_grid_resample";
+    resample_job job;
+    bvx_window w;
+    bvx_status status;
+    int mine;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
+    BVXI_TRY(bvxi_lattice_check(context, function, lattice));
+    BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
+    bvxi_grid_renew(context, lattice, &w, result);
+    mine = result->words == NULL;
+    BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
+    job.grid = grid;
+    job.result = result;
+    job.pieces = bvxi_piece_count(bvxi_grid_words(result), RESAMPLE_GRAIN);
+    if ((uint64_t)job.pieces > bvxi_grid_rows(result)) job.pieces = (int32_t)bvxi_grid_rows(result);
+
+    /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
+    status = lay_resample_tables(context, &job);
+    if (status != BVX_OK && mine) bvx_grid_free(context, result);
+    if (status != BVX_OK) return status;
+    status = bvxi_grid_fill_by(context, "resample", job.pieces, resample_piece, &job, mine, result);
+    bvxi_drop(context, job.source[0]);
+    return status;
+}
+
+bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
+                             const bvx_window *window, bvx_grid *result)
+{
+    return BVXI_CALL(context, run_grid_resample(context, grid, lattice, window, result));
 }

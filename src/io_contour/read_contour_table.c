@@ -7,7 +7,7 @@
 #include "core/key_tree.h"
 #include "io_contour/contour_text.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 enum { TABLE_SECTION, TABLE_POSITION, TABLE_LOOP, TABLE_X, TABLE_Y, TABLE_LABEL, TABLE_COLUMNS };
 

@@ -39,7 +39,7 @@ typedef struct nrrd_value {
     const char *p, *end;
 } nrrd_value;
 
-/* nrrd_fields.c: the field of this name takes its value; names are compared
+/* nrrd_head.c: the field of this name takes its value; names are compared
  * in either case of letters, blanks as in name. */
 bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value);
 int bvxi_nrrd_is(const char *text, size_t n, const char *name);

@@ -6,7 +6,7 @@
  * first. */
 #include "io/formats.h"
 #include "io_grid/tree_file.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 static const char vtu_name[] = "bvx_write_octree";
 

@@ -1,7 +1,7 @@
 /* read_ply.c - PLY, ASCII and binary in both byte orders, to an indexed mesh.
  *
  * Source: Turk. The PLY Polygon File Format. 1994.
- * The header (ply_header.c) says what each value of a row is for; ply_text.c and ply_binary.c take the rows,
+ * The header (ply_header.c) says what each value of a row is for; ply_rows.c and ply_rows.c take the rows,
  * and this file knows what the values mean. What nobody wants is stepped over.
  * Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and
  * strips are counted on, and when there were any, faces and strips are read once more into exact room. Larger

@@ -1,6 +1,13 @@
-/* mesh.c - the plain mesh struct: opened for a result, freed, viewed, hashed. */
+/* mesh.c - the plain mesh struct: opened for a result, freed, viewed, hashed; the area of a mesh's
+ * triangles: sums of doubles in the triangles' order, the same everywhere; the parts of a mesh that hang
+ * together through vertices. */
 #include "mesh/mesh.h"
+#include "mesh/facet.h"
+#include "mesh/view.h"
+#include "mesh/topology.h"
 #include "core/hash.h"
+
+/* ---- The plain mesh struct: opened for a result, freed, viewed, hashed ---- */
 
 static uint64_t mesh_position_bytes(int32_t type)
 {
@@ -215,4 +222,58 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
 bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash)
 {
     return BVXI_CALL(context, run_mesh_hash(context, mesh, hash));
+}
+
+/* ---- The area of a mesh's triangles: sums of doubles in the triangles' order, the same everywhere ---- */
+
+double bvxi_view_area(const bvx_mesh_view *view)
+{
+    double sum = 0;
+
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        double p[3][3], n[3];
+        uint32_t c[3];
+
+        bvxi_view_triangle(view, t, c);
+        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        /* The cross product is as long as twice the area. */
+        sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
+    }
+    return sum;
+}
+
+/* ---- The parts of a mesh that hang together through vertices ---- */
+
+/* Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; here the root of a part is
+ * its least vertex, and paths are halved on every look. Guarantee: the answer follows from the mesh only. */
+
+static uint32_t root_of_piece(uint32_t *piece, uint32_t v)
+{
+    while (piece[v] != v) {
+        piece[v] = piece[piece[v]];
+        v = piece[v];
+    }
+    return v;
+}
+
+static void join_pieces(uint32_t *piece, uint32_t a, uint32_t b)
+{
+    a = root_of_piece(piece, a);
+    b = root_of_piece(piece, b);
+    if (a < b) piece[b] = a;
+    else piece[a] = b;
+}
+
+void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *piece)
+{
+    uint32_t c[3];
+
+    for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = representative[v];
+    /* The least vertex of a part is its root, so the answer does not depend on the order of triangles. */
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, c);
+        join_pieces(piece, c[0], c[1]);
+        join_pieces(piece, c[0], c[2]);
+    }
+    for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = root_of_piece(piece, (uint32_t)v);
 }

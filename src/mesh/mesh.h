@@ -1,8 +1,11 @@
-/* mesh.h - meshes made to receive a result. Not installed. */
+/* mesh.h - meshes made to receive a result; sort 64-bit keys that carry a 32-bit number each. Not
+ * installed. */
 #ifndef BVXI_MESH_H
 #define BVXI_MESH_H
 
 #include "core/core.h"
+
+/* ---- Meshes made to receive a result ---- */
 
 /* Give a mesh arrays for the counts: the caller's own where it brings them (positions of the type requested,
  * triangles, and keys when keys is 1) and they suffice, new ones otherwise. The counts are set, the frame is
@@ -27,5 +30,11 @@ bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int3
 
 /* Refuse a mesh whose reserved fields are not zero. */
 bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh);
+
+/* ---- Sort 64-bit keys that carry a 32-bit number each ---- */
+
+/* Sort keys and numbers by key, ascending; equal keys keep their order. Bytes that all keys share cost
+ * nothing. count is below 2^32. Scratch: 12 bytes an element. */
+bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, uint64_t count);
 
 #endif

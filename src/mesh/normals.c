@@ -1,9 +1,11 @@
-/* normals.c - smooth normals of vertices.
- *
- * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the
- * cross product of its edges gives without a division, so facets without area need no care. */
+/* normals.c - smooth normals of vertices; normals of a mesh's vertices and facets as arrays. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
+
+/* ---- Smooth normals of vertices ---- */
+
+/* Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the
+ * cross product of its edges gives without a division, so facets without area need no care. */
 
 void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3], double normal[3])
 {
@@ -55,4 +57,68 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->vertex_count * BVXI_NORMAL_SUM, "the normals", sum));
     bvxi_add_normals(view, scale, *sum);
     return BVX_OK;
+}
+
+/* ---- Normals of a mesh's vertices and facets as arrays ---- */
+
+/* Vertices: the directions of their facets' normals, each counted by its area (normals.c). Facets: their own,
+ * or, as the paper on surface modelling in section data fields shades them, the mean of the normals of their
+ * three vertices. */
+
+static const char normals_name[] = "bvx_mesh_normals";
+
+static void give_facet(const bvx_mesh_view *view, double scale, const double *sum, uint64_t t,
+                       int32_t averaged, float *facet)
+{
+    double own[3], mean[3] = {0.0, 0.0, 0.0};
+    uint32_t c[3];
+
+    bvxi_view_triangle(view, t, c);
+    bvxi_triangle_normal(view, scale, c, own);
+
+    /* The mean of three unit normals, as the paper shades facets. */
+    for (int k = 0; k < 3 && averaged; k++) {
+        float n[3];
+        bvxi_unit_normal(sum + 3 * (size_t)c[k], n);
+        for (int a = 0; a < 3; a++) mean[a] += (double)n[a];
+    }
+
+    /* opposite normals may cancel out */
+    bvxi_unit_normal(mean[0] != 0.0 || mean[1] != 0.0 || mean[2] != 0.0 ? mean : own, facet);
+}
+
+static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
+                                   float *vertex_normals, float *facet_normals)
+{
+    double low[3], high[3], scale, *sum = NULL;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, normals_name, "mesh");
+    if (vertex_normals == NULL && facet_normals == NULL)
+        return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");
+    if (averaged != 0 && averaged != 1)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: averaged is %d, not 0 or 1",
+                             normals_name, (int64_t)averaged);
+    BVXI_TRY(bvxi_view_check(context, normals_name, mesh));
+    BVXI_TRY(bvxi_view_bounds(context, normals_name, mesh, low, high));
+
+    /* Sums are needed for vertices, and for facets only where these are averaged. */
+    scale = bvxi_unit_scale(low, high);
+    if (vertex_normals != NULL || averaged) {
+        BVXI_TRY(
+            bvxi_alloc_zero(context, BVXI_SCRATCH, mesh->vertex_count * 24, "the normals of vertices", &sum));
+        bvxi_add_normals(mesh, scale, sum);
+    }
+    for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++)
+        bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
+    for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++)
+        give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
+    bvxi_drop(context, sum);
+    return BVX_OK;
+}
+
+bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
+                            float *vertex_normals, float *facet_normals)
+{
+    return BVXI_CALL(context, run_mesh_normals(context, mesh, averaged, vertex_normals, facet_normals));
 }

@@ -8,7 +8,7 @@
  * Source: Tarjan. Efficiency of a Good But Not Linear Set Union Algorithm. 1975; links carry one more bit.
  * The minority is turned, as a reader of a mesh with a few flipped triangles would do. */
 #include "mesh/topology.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 /* A link is a triangle << 1 | 1 when the two run differently; triangles are

@@ -1,20 +1,111 @@
-/* polygon.c - a polygon in space cut into triangles.
+/* polygon.c - on which side of a line a point lies, without any rounding; a polygon in space cut into
+ * triangles; a polygon that is not simple cut into triangles as well as can be, in bounded time. */
+#include "mesh/polygon.h"
+
+/* ---- On which side of a line a point lies, without any rounding ---- */
+
+/* Source: Dekker. A floating-point technique for extending the available precision. 1971 (products without
+ * error).
+ *         Shewchuk. Adaptive precision floating-point arithmetic and fast robust geometric predicates. 1997.
  *
- * Source: Newell's sums for the normal (Sutherland, Sproull, Schumacker. A characterization of ten
+ * Where the differences of coordinates are exact, as on whole numbers, two products with their errors are
+ * compared. Otherwise the determinant is written as six products of coordinates, and their twelve parts are
+ * summed without error.
+ * Guarantee: the right sign for coordinates below 2^500 that are multiples of 2^-500: sums and products stay
+ * below 2^1023, and every error is a multiple of 2^-1000. Only + - * of doubles rounded to nearest; no
+ * contraction. */
+
+enum { SIDE_TERMS = 12 };
+
+/* high + low = a + b, high the rounded sum. */
+static void side_sum(double a, double b, double *high, double *low)
+{
+    /* What rounding took off the sum, exactly: Knuth's order of operations works for any two sizes. */
+    double const sum = a + b, part = sum - a;
+    *low = (a - (sum - part)) + (b - part);
+    *high = sum;
+}
+
+/* a = high + low, 26 bits each at most. */
+static void side_split(double a, double *high, double *low)
+{
+    double const c = 134217729.0 * a; /* 2^27 + 1 */
+    *high = c - (c - a);
+    *low = a - *high;
+}
+
+static void side_product(double a, double b, double *high, double *low)
+{
+    double a1, a0, b1, b0;
+    double const product = a * b;
+    side_split(a, &a1, &a0);
+    side_split(b, &b1, &b0);
+
+    /* The product's error as the sum of the halves' products, each of which is exact. */
+    *low = a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0);
+    *high = product;
+}
+
+/* Add one number to an expansion: parts that do not overlap, from small to large. */
+static void side_grow(double *parts, int count, double value)
+{
+    for (int i = 0; i < count; i++) side_sum(value, parts[i], &value, &parts[i]);
+    parts[count] = value;
+}
+
+static int32_t side_of_products(const double a[2], const double b[2], const double c[2])
+{
+    /* The determinant written out in coordinates, which are exact where differences are not. */
+    const double factors[6][2] = {{a[0], b[1]},  {-a[1], b[0]}, {b[0], c[1]},
+                                  {-b[1], c[0]}, {c[0], a[1]},  {-c[1], a[0]}};
+    double parts[SIDE_TERMS] = {0};
+    int n = 0;
+
+    for (size_t i = 0; i < 6; i++, n += 2) {
+        double high, low;
+        side_product(factors[i][0], factors[i][1], &high, &low);
+        side_grow(parts, n, low);
+        side_grow(parts, n + 1, high);
+    }
+    /* Parts do not overlap, so the largest one that is not 0 has the sign of the sum. */
+    while (n > 0 && parts[n - 1] == 0.0) n--;
+    return n == 0 ? 0 : parts[n - 1] > 0.0 ? 1 : -1;
+}
+
+int32_t bvxi_side_exact(const double a[2], const double b[2], const double c[2])
+{
+    double ac[2], bc[2], rest[4], left, left_low, right, right_low;
+
+    /* Exact differences need two products only; that is the case for whole numbers of usual size. */
+    for (size_t k = 0; k < 2; k++) {
+        side_sum(a[k], -c[k], &ac[k], &rest[k]);
+        side_sum(b[k], -c[k], &bc[k], &rest[k + 2]);
+    }
+    if (rest[0] != 0.0 || rest[1] != 0.0 || rest[2] != 0.0 || rest[3] != 0.0)
+        return side_of_products(a, b, c);
+    /* rounding keeps order, so the errors decide only between equals */
+    side_product(ac[0], bc[1], &left, &left_low);
+    side_product(ac[1], bc[0], &right, &right_low);
+    if (left != right) return left > right ? 1 : -1;
+    return left_low > right_low ? 1 : left_low < right_low ? -1 : 0;
+}
+
+/* ---- A polygon in space cut into triangles ---- */
+
+/* Source: Newell's sums for the normal (Sutherland, Sproull, Schumacker. A characterization of ten
  * hidden-surface algorithms. 1974).
  *
  * A polygon whose corners certainly all turn the same way, once round, is a fan. Any other is laid into the
  * plane of two axes, along the axis of its greatest normal component, which changes no coordinate; from then
  * on all turns are decided exactly. Corners at their predecessor's place become triangles without area and
  * are left out; what remains is a fan where it is convex, else it is swept (polygon_sweep.c), and what the
- * sweep finds not to be simple is cut ear by ear (polygon_ears.c). The plane is turned round where that makes
+ * sweep finds not to be simple is cut ear by ear (polygon.c). The plane is turned round where that makes
  * the polygon counter-clockwise, so all have one sense.
  *
  * Coordinates are first multiplied by the power of two that brings the greatest to 2^499..2^500. What is then
  * below 2^-448 (less than 2^-947 of the greatest) is rounded to a multiple of 2^-499; all else is exact. So
  * the cut does not change when the polygon is multiplied by a power of two. A polygon that is not quite flat
  * is cut by its projection: when that is simple, no two triangles overlap in it. */
-#include "mesh/polygon.h"
 
 enum { POLYGON_MOST = 1 << 30, POLYGON_EXPONENT = 499 };
 
@@ -319,4 +410,167 @@ void bvxi_polygon_free(bvxi_polygon *work)
     bvxi_drop(work->ctx, work->block);
     work->block = NULL;
     work->block_size = 0;
+}
+
+/* ---- A polygon that is not simple cut into triangles as well as can be, in bounded time ---- */
+
+/* Source: Meisters. Polygons have ears. 1975. ElGindy, Everett, Toussaint. Slicing an ear using
+ * prune-and-search. 1993 (only reflex corners can lie in an ear).
+ *
+ * Corners are cut off one after the other, going round: an ear (left-turning, no reflex corner in its
+ * triangle) or a corner whose two edges fold onto each other. Corners at the same place as one of the
+ * triangle's do not count as inside, so a polygon that touches itself, such as one with holes joined to its
+ * rim by bridges, comes out as if it were simple: all triangles left-turning. Where a whole round finds no
+ * ear, the edges cross: then straight corners go, then left-turning ones, then any. The looks at reflex
+ * corners are counted: 512 for each corner, 2^24 at most. When they are used up, what remains becomes a
+ * fan. */
+
+enum { EAR_LOOKS_EACH = 512, EAR_LOOKS_MOST = 1 << 24, EAR_ASK = 1 << 18 };
+enum { EAR_OTHER = 0, EAR_REFLEX = 1, EAR_CUT = 2 };
+
+typedef struct polygon_ears {
+    bvxi_ring *ring;
+    uint32_t *next, *previous;
+    uint32_t *reflex; /* corners that were reflex when they were last looked at */
+    uint8_t *state;
+    uint32_t reflex_count;
+    uint64_t looks, looks_left, ask;
+} polygon_ears;
+
+static void ear_set_state(polygon_ears *e, uint32_t v)
+{
+    if (e->state[v] == EAR_REFLEX && bvxi_ring_side(e->ring, e->previous[v], v, e->next[v]) > 0)
+        e->state[v] = EAR_OTHER;
+}
+
+/* 1 when the two edges at v lie on one line and on the same side of v. */
+static int ear_is_fold(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
+{
+    const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
+    return bvxi_place_order(xy[p], xy[v]) * bvxi_place_order(xy[v], xy[q]) <= 0;
+}
+
+static int ear_holds(const polygon_ears *e, uint32_t p, uint32_t v, uint32_t q, uint32_t r)
+{
+    const double(*const xy)[2] = (const double(*)[2])e->ring->xy;
+
+    /* The box of the triangle first, which is what refuses most corners. */
+    for (size_t k = 0; k < 2; k++) {
+        double const x = xy[r][k];
+        if (x < xy[p][k] && x < xy[v][k] && x < xy[q][k]) return 0;
+        if (x > xy[p][k] && x > xy[v][k] && x > xy[q][k]) return 0;
+    }
+
+    /* A corner at the same place as one of the triangle's does not count as inside. */
+    if (bvxi_place_order(xy[r], xy[p]) == 0 || bvxi_place_order(xy[r], xy[v]) == 0 ||
+        bvxi_place_order(xy[r], xy[q]) == 0)
+        return 0;
+    return bvxi_ring_side(e->ring, p, v, r) >= 0 && bvxi_ring_side(e->ring, v, q, r) >= 0 &&
+           bvxi_ring_side(e->ring, q, p, r) >= 0;
+}
+
+/* v turns left, so it is none of the reflex corners. */
+static int ear_is_free(polygon_ears *e, uint32_t p, uint32_t v, uint32_t q)
+{
+    for (uint32_t i = 0; i < e->reflex_count;) {
+        uint32_t const r = e->reflex[i];
+        /* Corners that are no longer reflex are taken out when they are met: none becomes reflex again. */
+        if (e->state[r] != EAR_REFLEX) {
+            e->reflex[i] = e->reflex[--e->reflex_count];
+            continue;
+        }
+        i++;
+        e->looks++;
+        if (r != p && r != q && ear_holds(e, p, v, q, r)) return 0;
+    }
+    return 1;
+}
+
+/* round: how many times all corners were looked at in vain. */
+static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
+{
+    uint32_t const p = e->previous[v], q = e->next[v];
+    int32_t const turn = bvxi_ring_side(e->ring, p, v, q);
+
+    /* Each round in vain allows more, so that the loop always goes on. */
+    if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
+    if (round > 0) return 0;
+    return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
+}
+
+static void ear_cut(polygon_ears *e, uint32_t v)
+{
+    uint32_t const p = e->previous[v], q = e->next[v];
+    /* Only the two neighbours turn differently now. */
+    bvxi_ring_triangle(e->ring, p, v, q);
+    e->next[p] = q;
+    e->previous[q] = p;
+    e->state[v] = EAR_CUT;
+    ear_set_state(e, p);
+    ear_set_state(e, q);
+}
+
+static void ear_make_fan(polygon_ears *e, uint32_t v)
+{
+    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b])
+        bvxi_ring_triangle(e->ring, v, a, b);
+}
+
+static void ears_prepare(polygon_ears *e, void *scratch)
+{
+    uint32_t const n = e->ring->count;
+
+    e->next = scratch;
+    e->previous = e->next + n;
+    e->reflex = e->previous + n;
+    e->state = (uint8_t *)(e->reflex + n);
+
+    /* Bounded work: a ring made to have no ears would cost
+     * the square of its corners, times the reflex ones. */
+    e->looks_left = (uint64_t)n * EAR_LOOKS_EACH < EAR_LOOKS_MOST ? (uint64_t)n * EAR_LOOKS_EACH
+                                                                  : EAR_LOOKS_MOST;
+    for (uint32_t i = 0; i < n; i++) {
+        e->next[i] = bvxi_ring_next(e->ring, i);
+        e->previous[i] = bvxi_ring_previous(e->ring, i);
+        e->state[i] = bvxi_ring_side(e->ring, e->previous[i], i, e->next[i]) > 0 ? EAR_OTHER : EAR_REFLEX;
+        if (e->state[i] == EAR_REFLEX) e->reflex[e->reflex_count++] = i;
+    }
+}
+
+uint64_t bvxi_polygon_ears_size(uint32_t count)
+{
+    return (uint64_t)count * 13;
+}
+
+bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
+{
+    uint32_t v = 0, left = ring->count, vain = 0, round = 0;
+    polygon_ears e = {0};
+
+    e.ring = ring;
+    e.ask = EAR_ASK;
+    ears_prepare(&e, scratch);
+    while (left > 3 && e.looks < e.looks_left) {
+        /* Called by looks, since a corner may take one or all reflex ones. */
+        if (e.looks >= e.ask) {
+            BVXI_TRY(
+                bvxi_progress(ring->ctx, "cut polygon", 0.7 + 0.3 * (double)e.looks / (double)e.looks_left));
+            e.ask += EAR_ASK;
+        }
+        e.looks++;
+        if (ear_may_go(&e, v, round)) {
+            ear_cut(&e, v);
+            left--;
+            /* A cut changes what its neighbours are, so the stricter rules get another chance. */
+            vain = round = 0;
+        } else if (++vain == left) {
+            vain = 0;
+            round++;
+        }
+        v = e.next[v];
+    }
+
+    /* Three corners, or all that is left when the looks are used up. */
+    ear_make_fan(&e, v);
+    return BVX_OK;
 }

@@ -44,7 +44,7 @@ typedef struct bvxi_ring {
 
 enum { BVXI_RING_ASKS = 1 << 16 }; /* corners from which on progress is reported */
 
-/* ---- polygon_side.c ---- */
+/* ---- polygon.c ---- */
 
 /* Twice the area of the triangle when its sign is certain, 0 when it is not. No underflow matters: a sum that
  * is not well above what small numbers lose is not certain. */
@@ -111,7 +111,7 @@ uint64_t bvxi_polygon_sweep_size(uint32_t count);
 /* Cut a ring whose corners lie at different places; *good 0 when that showed it not to be simple. */
 bvx_status bvxi_polygon_sweep(bvxi_ring *ring, const uint32_t *order, void *scratch, int *good);
 
-/* ---- polygon_ears.c ---- */
+/* ---- polygon.c ---- */
 
 uint64_t bvxi_polygon_ears_size(uint32_t count);
 /* Cut any ring. */

@@ -3,7 +3,7 @@
  * One pass counts all eight digits of all keys; a digit that is the same everywhere is skipped. Each further
  * pass moves elements between two pairs of arrays without changing the order of equal digits.
  * Cost: O(count) for each digit that differs. */
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 enum { RADIX_DIGITS = 8, RADIX_VALUES = 256 };
 

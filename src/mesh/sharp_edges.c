@@ -5,7 +5,7 @@
  * coarse ball or terrain have bent edges of all angles. */
 #include "mesh/topology.h"
 #include "mesh/facet.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 enum { SHARP_MOST = 500000 }; /* meshes of more triangles are scans */

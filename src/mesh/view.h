@@ -24,7 +24,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
 /* Of three vertices' positions in this order, -0 as 0. */
 uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3]);
 
-/* area.c: of all triangles. Trusts the indices. */
+/* mesh.c: of all triangles. Trusts the indices. */
 double bvxi_view_area(const bvx_mesh_view *view);
 
 /* Refuse a result whose positions or triangles lie in the arrays of a

@@ -1,12 +1,14 @@
-/* weld.c - which vertices stand at the same position.
- *
- * Vertices enter an open table in the order of their numbers, so the one found there is always the least of
+/* weld.c - which vertices stand at the same position; triangles that are there once. */
+#include "mesh/topology.h"
+#include "mesh/view.h"
+#include "core/key_tree.h"
+
+/* ---- Which vertices stand at the same position ---- */
+
+/* Vertices enter an open table in the order of their numbers, so the one found there is always the least of
  * its position, whatever the table looks like. Positions are compared, never their hashes only. Where the
  * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
  * Cost: O(vertices). */
-#include "mesh/topology.h"
-#include "core/key_tree.h"
-#include "mesh/view.h"
 
 enum { WELD_ASKS = 1 << 20 }; /* vertices between asking progress */
 
@@ -115,4 +117,123 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
     /* No vertex at all has been found different: the mark of a search that was given up. */
     if (status != BVX_OK || *different != 0 || view->vertex_count == 0) return status;
     return weld_by_tree(ctx, view, representative, different);
+}
+
+/* ---- Triangles that are there once ---- */
+
+/* Triangles enter an open table by their three places in rising order; one that is there already is left out.
+ * Places are compared, never hashes only, and triangles come in their own order, so the first of several
+ * stays. Where the table searches too long, as for input that was made against the hash, a tree begins anew
+ * (core/key_tree.h). */
+
+/* The places of a triangle, least first. */
+static void places_of_triangle(const uint32_t *representative, const uint32_t corner[3], uint32_t place[3])
+{
+    uint32_t const a = representative[corner[0]];
+    uint32_t const b = representative[corner[1]];
+    uint32_t const c = representative[corner[2]];
+    uint32_t const low = a < b ? a : b, high = a < b ? b : a;
+    /* The middle one is what is neither the least nor the greatest. */
+    place[0] = low < c ? low : c;
+    place[2] = high > c ? high : c;
+    place[1] = c <= low ? low : c >= high ? high : c;
+}
+
+uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *corner)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        uint32_t *const to = corner + 3 * kept;
+
+        /* Written to where the next kept triangle goes: one that is dropped is overwritten. */
+        bvxi_view_triangle(view, t, to);
+        kept += representative[to[0]] != representative[to[1]] &&
+                representative[to[1]] != representative[to[2]] &&
+                representative[to[2]] != representative[to[0]];
+    }
+    return kept;
+}
+
+static uint64_t hash_of_places(const uint32_t place[3])
+{
+    uint64_t h = ((uint64_t)place[0] << 32 | place[1]) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ h >> 32 ^ place[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+    return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
+}
+
+/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or
+ * 0. Returns 0 when it was searched too long. */
+static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
+                         uint64_t size, uint32_t *corner, uint64_t *kept)
+{
+    uint64_t const limit = bvxi_probe_limit(view->triangle_count);
+    uint64_t count = 0, probes = 0;
+
+    /* The triangle is written behind the kept ones first, and stays only when it is new. */
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        uint32_t *const mine = corner + 3 * count;
+        uint32_t place[3], other[3];
+        uint64_t slot;
+        bvxi_view_triangle(view, t, mine);
+        places_of_triangle(representative, mine, place);
+        if (place[0] == place[1] || place[1] == place[2]) continue;
+
+        /* An open table, half as large again as the triangles: the searches stay short. */
+        for (slot = hash_of_places(place) * size >> 31; table[slot] != 0;
+             slot = slot + 1 == size ? 0 : slot + 1, probes++) {
+            places_of_triangle(representative, corner + 3 * ((uint64_t)table[slot] - 1), other);
+            if (memcmp(place, other, sizeof place) == 0) break;
+        }
+
+        /* Too many steps are the sign of input that was made against the hash; a tree takes over. */
+        if (BVXI_UNLIKELY(probes > limit)) return 0;
+        if (table[slot] != 0) continue;
+        table[slot] = (uint32_t)++count;
+    }
+    *kept = count;
+    return 1;
+}
+
+typedef struct kept_triangles {
+    const uint32_t *representative, *corner;
+} kept_triangles;
+
+/* A bvxi_key_fn. */
+static void kept_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY_WORDS])
+{
+    const kept_triangles *const k = user;
+    places_of_triangle(k->representative, k->corner + 3 * number, key);
+}
+
+static bvx_status drop_by_tree(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                               uint32_t *corner, uint64_t *kept)
+{
+    kept_triangles const all = {representative, corner};
+    uint32_t place[3];
+    uint64_t count = 0;
+    bvxi_key_tree tree;
+
+    BVXI_TRY(bvxi_key_tree_open(ctx, &tree, kept_key, &all, view->triangle_count));
+    /* As the table does it, and in the same order, so the first of several stays here too. */
+    for (uint64_t t = 0; t < view->triangle_count; t++) {
+        bvxi_view_triangle(view, t, corner + 3 * count);
+        places_of_triangle(representative, corner + 3 * count, place);
+        if (place[0] != place[1] && place[1] != place[2]) count += bvxi_key_tree_find(&tree, count) == count;
+    }
+    bvxi_key_tree_close(ctx, &tree);
+    *kept = count;
+    return BVX_OK;
+}
+
+bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
+                                uint32_t *corner, uint64_t *kept)
+{
+    uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
+    uint32_t *table;
+    int done;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
+    done = drop_by_table(view, representative, table, size, corner, kept);
+    bvxi_drop(ctx, table);
+    return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

@@ -1,7 +1,33 @@
-/* morph_steps.c - dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one
- * sweep.
- *
- * Source: Serra. Image Analysis and Mathematical Morphology. 1982.
+/* morph_steps.c - masks that keep the bits of one row of a slice out of the next; dilation and erosion by
+ * 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep. */
+#include "morphology/morph.h"
+
+/* ---- Masks that keep the bits of one row of a slice out of the next ---- */
+
+bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends)
+{
+    size_t const words = (size_t)box->row_words, slice = words * (size_t)box->size[1];
+
+    /* A word for each of the slice: one long loop without a test for row ends. */
+    ends->bytes = (uint64_t)slice * 16; /* no more than two slices of a grid that is there */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ends->bytes, "masks of a slice", &ends->before));
+    ends->behind = ends->before + slice;
+    for (size_t k = 0; k < slice; k++) {
+        ends->before[k] = k % words == 0 ? 0 : 1;
+        ends->behind[k] = k % words == words - 1 ? 0 : BVXI_TOP_BIT;
+    }
+    return BVX_OK;
+}
+
+void bvxi_row_ends_free(bvx_context *ctx, bvxi_row_ends *ends)
+{
+    bvxi_drop(ctx, ends->before);
+    ends->before = ends->behind = NULL;
+}
+
+/* ---- Dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep ---- */
+
+/* Source: Serra. Image Analysis and Mathematical Morphology. 1982.
  *
  * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
  * are whole words of other rows. Rows lie one after the other, so a slice is one long loop; masks keep bits
@@ -13,7 +39,6 @@
  * slices z - 1 .. z + 1, so three slices a step are kept in a ring, and one slice that is read lets each step
  * go one slice on. A piece of slices begins as many slices earlier as there are steps, and so needs nothing
  * of its neighbours. Any order of pieces gives the same bits. */
-#include "morphology/morph.h"
 
 enum { SWEEP_STEPS = 16, SWEEP_RING_BYTES = 1 << 20, SWEEP_GRAIN = 1 << 12 /* words of the smallest task */ };
 

@@ -8,7 +8,7 @@
 #include "nearest/closest.h"
 #include "bits/sort.h"
 #include "mesh/facet.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 enum {

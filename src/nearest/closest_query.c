@@ -16,7 +16,7 @@
 #include "nearest/closest.h"
 #include "bits/sort.h"
 #include "core/vec3.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 
 #include <math.h>

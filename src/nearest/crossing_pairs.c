@@ -13,7 +13,7 @@
  * show. */
 #include "nearest/closest.h"
 #include "mesh/cross.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/topology.h"
 

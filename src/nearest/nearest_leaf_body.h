@@ -1,5 +1,5 @@
 /* nearest_leaf_body.h - frames of eight triangles. Included by
- * nearest_leaf.c once for each level of core/simd.h. */
+ * nearest_build.c once for each level of core/simd.h. */
 
 BVXI_SIMD_CODE static inline floats8 BVXI_SIMD(near_inverse)(floats8 x)
 {

@@ -8,7 +8,7 @@
  * The order shows in no answer, so it needs to be no particular one. */
 #include "nearest/nearest_tree.h"
 #include "bits/sort.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 enum {
     NEAR_COARSE_BITS = 10,

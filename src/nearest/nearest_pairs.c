@@ -3,7 +3,7 @@
  * Corners are gathered while the next are on their way; nearest/point_triangle_four.h evaluates them. Pairs
  * that it leaves go to point_triangle.c itself, and without vectors all pairs.
  * Guarantee: the same bits as bvxi_closest_on_triangle, but for the sign of zeros. */
-#include "nearest/nearest_pairs.h"
+#include "nearest/nearest_brick.h"
 #include "nearest/closest.h"
 #include "mesh/facet.h"
 #include "nearest/point_triangle_four.h"

@@ -6,7 +6,6 @@
  * Sheets are simplified as they are too where their borders are to stay. */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
-#include "mesh/radix.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 #include "simplify/room.h"

@@ -71,7 +71,7 @@ static inline uint64_t bvxi_cube_flood(uint64_t g, uint64_t open)
  * of an octant [Units: fixed-point steps]. The triangle must touch the cube. */
 uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half);
 
-/* ---- children_batch.c: the same for many triangles at once ---- */
+/* ---- children.c: the same for many triangles at once ---- */
 
 enum { BVXI_CHILDREN_BATCH = 128 };
 

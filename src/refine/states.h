@@ -1,5 +1,5 @@
 /* states.h - boundary states on their way: what the flood of octets
- * (states.c) and that of the base (states_base.c) share. Not installed. */
+ * (states.c) and that of the base (states.c) share. Not installed. */
 #ifndef BVXI_STATES_H
 #define BVXI_STATES_H
 
@@ -66,7 +66,7 @@ static inline void bvxi_expose_octet(bvxi_states_job *job, int32_t level, uint64
     bvxi_list_numbered(job, level, octet, known);
 }
 
-/* ---- states_base.c ---- */
+/* ---- states.c ---- */
 
 /* Beyond the lattice is outside: its sides are exposed. */
 void bvxi_expose_sides(bvxi_states_job *job);

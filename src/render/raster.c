@@ -1,11 +1,13 @@
-/* raster.c - a convex polygon row by row, with a depth buffer.
- *
- * Idea: each edge walks down its rows and leaves the first sample at or right of it; between the two edges of
+/* raster.c - a convex polygon row by row, with a depth buffer; triangles sorted into bands by counting; a
+ * triangle clipped against a box, plane after plane. */
+#include "render/raster.h"
+#include "lattice/lattice.h"
+
+/* ---- A convex polygon row by row, with a depth buffer ---- */
+
+/* Idea: each edge walks down its rows and leaves the first sample at or right of it; between the two edges of
  * a row lies the span. The walk is exact: quotient and remainder of one division, then additions
  * (Bresenham). */
-#include "render/raster.h"
-
-#include "lattice/lattice.h"
 
 typedef struct raster_span {
     /* samples [left, right) of each row from the first */
@@ -128,4 +130,161 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
         int32_t const right = span.right[row] > raster->width ? raster->width : span.right[row];
         if (left < right) raster_fill(raster, begin + row, left, right, plane, id);
     }
+}
+
+/* ---- Triangles sorted into bands by counting ---- */
+
+/* Pieces of triangles count how many reach each band, prefix sums give each piece its places, and the pieces
+ * fill them in. A band has its triangles in ascending order, so the result depends on no thread. */
+
+enum { BINS_GRAIN = 16384 /* triangles a piece, at least */, BINS_PIECES = 64 };
+
+typedef struct bins_work {
+    bvxi_triangle_bins *bins;
+    uint64_t triangle_count;
+    int32_t pieces;
+    bvxi_bands_fn *reach;
+    const void *user;
+    uint64_t *place; /* of each piece and band: first a count, then where its next triangle goes */
+} bins_work;
+
+static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
+{
+    uint64_t *const place = w->place + (size_t)index * (size_t)w->bins->bands;
+    uint64_t begin, end;
+    int32_t first, last;
+
+    bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++) {
+        if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
+        /* A triangle over several bands is in each of them. */
+        for (int32_t b = first; b <= last; b++) {
+            if (fill) w->bins->triangle[place[b]] = (uint32_t)t;
+            place[b]++;
+        }
+    }
+}
+
+static void count_bins_piece(void *user, int32_t index, int32_t worker)
+{
+    (void)worker;
+    walk_bins_piece(user, index, 0);
+}
+
+static void fill_bins_piece(void *user, int32_t index, int32_t worker)
+{
+    (void)worker;
+    walk_bins_piece(user, index, 1);
+}
+
+static void place_bins(const bins_work *w)
+{
+    uint64_t sum = 0;
+
+    /* Bands outermost, so that in each of them the pieces stand in their order. */
+    for (int32_t b = 0; b < w->bins->bands; b++) {
+        w->bins->begin[b] = sum;
+        for (int32_t p = 0; p < w->pieces; p++) {
+            uint64_t *const place = &w->place[(size_t)p * (size_t)w->bins->bands + (size_t)b];
+            uint64_t const n = *place;
+            *place = sum;
+            sum += n;
+        }
+    }
+    w->bins->begin[w->bins->bands] = sum;
+    w->bins->total = sum;
+}
+
+bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, int32_t bands,
+                                   bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
+{
+    bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
+    uint64_t places;
+    bvx_status status;
+
+    w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
+    places = (uint64_t)w.pieces * (uint64_t)bands;
+    bins->bands = bands;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
+    status = bvxi_parallel(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w);
+    /* Counts are places now, and their sum is the size of the list. */
+    if (status == BVX_OK) {
+        place_bins(&w);
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle);
+    }
+    if (status == BVX_OK) status = bvxi_parallel(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w);
+    bvxi_drop(ctx, w.place);
+    return status;
+}
+
+void bvxi_triangle_bins_close(bvx_context *ctx, bvxi_triangle_bins *bins)
+{
+    bvxi_drop(ctx, bins->triangle);
+    bvxi_drop(ctx, bins->begin);
+}
+
+/* ---- A triangle clipped against a box, plane after plane ---- */
+
+/* Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974.
+ * A point where an edge crosses a plane is computed from the edge's lesser end (by x, then y, then z),
+ * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
+ * by the same planes in the same order, so they keep the same piece of it. */
+
+/* 1 when a comes before b. */
+static int cut_is_before(const double a[3], const double b[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (a[k] != b[k]) return a[k] < b[k];
+    return 0;
+}
+
+static void cut_crossing(const double a[3], const double b[3], int axis, double plane, double p[3])
+{
+    const double *const from = cut_is_before(b, a) ? b : a, *const to = from == a ? b : a;
+    double const share = (plane - from[axis]) / (to[axis] - from[axis]);
+    for (int k = 0; k < 3; k++) p[k] = from[k] + share * (to[k] - from[k]);
+    p[axis] = plane;
+}
+
+/* What lies on one side of a plane; sign 1: at or above it, -1: at or below. */
+static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double plane, double sign,
+                            double (*out)[3])
+{
+    int32_t count = 0;
+
+    /* Points on the plane count as inside, so a triangle that only touches it keeps its corner. */
+    for (int32_t i = 0; i < n; i++) {
+        const double *const p = in[i], *const q = in[i + 1 == n ? 0 : i + 1];
+        double const here = sign * (p[axis] - plane), there = sign * (q[axis] - plane);
+        if (here >= 0.0) memcpy(out[count++], p, 3 * sizeof *p);
+        if ((here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0))
+            cut_crossing(p, q, axis, plane, out[count++]);
+    }
+    return count < 3 ? 0 : count;
+}
+
+int32_t bvxi_cut_triangle(const bvxi_cut *cut, const double triangle[3][3], double corner[BVXI_CUT_MOST][3])
+{
+    double other[BVXI_CUT_MOST][3];
+    double(*from)[3] = corner, (*to)[3] = other;
+    int32_t n = 3;
+
+    memcpy(corner, triangle, 3 * sizeof *corner);
+
+    /* Two arrays take turns; a plane that cuts nothing off
+     * is skipped, so most triangles stay where they are. */
+    for (int a = 0; a < 3; a++)
+        for (int high = 0; high < 2 && n > 0; high++) {
+            double const plane = high ? cut->high[a] : cut->low[a], sign = high ? -1.0 : 1.0;
+            double(*const last)[3] = from;
+            int32_t inside = 0;
+            for (int32_t i = 0; i < n; i++) inside += sign * (from[i][a] - plane) >= 0.0;
+            if (inside == n) continue;
+            n = cut_by_plane((const double(*)[3])from, n, a, plane, sign, to);
+            from = to;
+            to = last;
+        }
+    if (n > 0 && from != corner) memcpy(corner, from, (size_t)n * sizeof *corner);
+    return n;
 }

@@ -7,7 +7,7 @@
  * Guarantee: exact; what cannot be moved apart is found by the checks of every stack. */
 #include "section/mend.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 

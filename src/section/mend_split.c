@@ -11,7 +11,7 @@
 #include "section/mend.h"
 #include "section/section_field.h" /* maps, and arrays that grow */
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 

@@ -8,7 +8,7 @@
  * itself; only the decisions about what lies where see that it was moved. */
 #include "section/mend.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 typedef struct mend_trace {
     bvxi_mend_work *w;

@@ -13,7 +13,7 @@
  * in the level of the loop around them, with all that lies in them, and are blended as they always were. */
 #include "section/nesting.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 enum { NESTING_DEEPEST = 100, NESTING_ABOVE_BIT = 31 };
 

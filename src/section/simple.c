@@ -5,7 +5,7 @@
  * the pairs whose ranges of u overlap. Points of a loop that snap to one place count as one. */
 #include "section/section.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 typedef struct simple_work {
     uint64_t *key;

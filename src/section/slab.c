@@ -6,7 +6,7 @@
 #include "section/nesting.h"
 #include "section/split.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
 {

@@ -6,7 +6,7 @@
  * closed and oriented mesh every piece has one before and one behind. */
 #include "section/section.h"
 
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/topology.h"
 

@@ -7,7 +7,7 @@
 #include "section/section.h"
 
 #include "lattice/wide.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 

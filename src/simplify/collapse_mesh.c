@@ -6,7 +6,6 @@
 #include "simplify/room.h"
 #include "bits/sort.h"
 #include "mesh/mesh.h"
-#include "mesh/radix.h"
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
 

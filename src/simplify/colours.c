@@ -1,15 +1,20 @@
-/* colours.c - what it costs to move a vertex away from where its colour is.
- *
- * Source: Hoppe. New Quadric Metric for Simplifying Meshes with Appearance Attributes. 1999.
+/* colours.c - what it costs to move a vertex away from where its colour is; colours for a surface measured
+ * from a mesh: those of the mesh's nearest points, blended by their weights. */
+#include "simplify/collapse_state.h"
+#include "simplify/room.h"
+#include "mesh/facet.h"
+#include "core/vec3.h"
+#include "mesh/view.h"
+
+/* ---- What it costs to move a vertex away from where its colour is ---- */
+
+/* Source: Hoppe. New Quadric Metric for Simplifying Meshes with Appearance Attributes. 1999.
  *
  * On a triangle each channel is a linear function g x + d of the position. A vertex at x with the colour s
  * costs the sum of (g x + d - s)^2 by area over the triangles that it stands for; the best s is their mean
  * value at x, and with it the cost is a quadric of x alone: the sum of (g x + d)^2 less the squared sum of g
  * x + d by the area. So a vertex slides for free along a border of colours and where there is one colour, and
  * not across. Sums are additive, as plane quadrics are. */
-#include "simplify/collapse_state.h"
-#include "mesh/facet.h"
-#include "core/vec3.h"
 
 /* ---- Sums ---- */
 
@@ -130,4 +135,51 @@ void bvxi_colours_start(const bvxi_corners *mesh, const uint8_t *colours, double
         if (area > 0)
             for (int k = 0; k < 3; k++) at[corner[k]].w += area;
     }
+}
+
+/* ---- Colours for a surface measured from a mesh: those of the mesh's nearest points, blended by their
+ * weights ---- */
+
+enum { NEAREST_BLOCK = 256 };
+
+static void blend_nearest(const bvx_mesh_view *mesh, const bvx_closest_point *at, uint8_t *to)
+{
+    uint32_t corner[3];
+
+    bvxi_view_triangle(mesh, at->triangle, corner);
+    for (int i = 0; i < 4; i++) {
+        double sum = 0.5;
+
+        for (int k = 0; k < 3; k++) sum += at->weight[k] * mesh->colours[4 * (size_t)corner[k] + (size_t)i];
+        to[i] = (uint8_t)(sum >= 255.0 ? 255 : (int32_t)sum);
+    }
+}
+
+static bvx_status blend_all(bvx_context *ctx, const bvx_closest *closest, const bvx_mesh_view *mesh,
+                            const bvx_mesh_view *surface, uint8_t *colours)
+{
+    bvx_closest_point found[NEAREST_BLOCK];
+    double p[3 * NEAREST_BLOCK];
+
+    for (uint64_t first = 0; first < surface->vertex_count; first += NEAREST_BLOCK) {
+        uint64_t const left = surface->vertex_count - first;
+        uint64_t const count = left < NEAREST_BLOCK ? left : NEAREST_BLOCK;
+
+        for (uint64_t i = 0; i < count; i++) bvxi_view_position(surface, first + i, p + 3 * i);
+        BVXI_TRY(bvx_closest_find(ctx, closest, p, count, found));
+        for (uint64_t i = 0; i < count; i++) blend_nearest(mesh, &found[i], colours + 4 * (first + i));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
+                                uint8_t *colours)
+{
+    bvx_closest *closest = NULL;
+    bvx_status status;
+
+    BVXI_TRY(bvx_closest_create(ctx, mesh, &closest));
+    status = blend_all(ctx, closest, mesh, surface, colours);
+    bvx_closest_free(ctx, closest);
+    return status;
 }

@@ -80,13 +80,13 @@ typedef struct bvxi_sheets_report {
     uint32_t edge[2];
 } bvxi_sheets_report;
 
-/* sheets.c: drop triangles of a welded view that are there twice, and turn triangles
+/* simplify_mesh.c: drop triangles of a welded view that are there twice, and turn triangles
  * so that those that share an edge with each other alone agree, where they can.
  * corner: the view's indices. Scratch: 89 bytes a triangle and 4 a vertex. */
 bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
                                bvxi_sheets_report *report);
 
-/* nearest_colours.c: colours of the nearest points of a mesh that has some, four bytes for each vertex of a
+/* colours.c: colours of the nearest points of a mesh that has some, four bytes for each vertex of a
  * surface. Scratch: that of bvx_closest_create. */
 bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface,
                                 uint8_t *colours);

@@ -6,7 +6,6 @@
  * then listed; their corners are bits whose rank is the vertex.
  * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the
  * normal along - before the one along +, in a plane by their first faces; no thread shows in it. */
-#include "bits/rank.h"
 #include "bits/bits.h"
 #include "surface/faces.h"
 

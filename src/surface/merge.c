@@ -4,7 +4,6 @@
  * together and puts everything into the whole's order. Triangles of a cell come from one window, in the order
  * of its slots, which a stable sort keeps. Guarantee: the bytes of the surface extracted at once. */
 #include "mesh/mesh.h"
-#include "mesh/radix.h"
 
 static const char merge_name[] = "bvx_mesh_merge";
 

@@ -4,7 +4,6 @@
 #define BVXI_SURFACE_VOXELS_H
 
 #include "bits/bits.h"
-#include "bits/rank.h"
 #include "grid/grid.h"
 #include "solid/covered_rows.h"
 #include "solid/tiles.h"

@@ -6,7 +6,7 @@
  * nothing of the table's order is seen. */
 #include "core/key_tree.h"
 #include "volume/room.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 static const char labels_name[] = "bvx_list_labels";
 

@@ -105,7 +105,7 @@ typedef struct bvxi_range_tally {
     double least, greatest;
 } bvxi_range_tally;
 
-/* threshold_runs.c: the rule (a bvxi_range) for runs of samples; with tally
+/* threshold.c: the rule (a bvxi_range) for runs of samples; with tally
  * (bvxi_range_tally) where one is given. */
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
 

@@ -1,5 +1,5 @@
 /* threshold_runs_body.h - floats, eight at a time. Included by
- * threshold_runs.c once for each level of core/simd.h. */
+ * threshold.c once for each level of core/simd.h. */
 
 /* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons,
  * extremes and whether there is anything but finite numbers on the way. Extremes ignore NaN in either

@@ -11,7 +11,7 @@
  *
  * Source: Plücker. On a New Geometry of Space. 1865 (a line by direction and moment).
  * Guarantee: exact; never more edges than before, which follow from the given ones' places only. */
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "winding/holes.h"
 
 enum { HOLE_LINE_FEW = 32 };

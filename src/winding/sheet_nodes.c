@@ -1,7 +1,7 @@
 /* sheet_nodes.c - what the parts of a sheet over holes are from far off:
  * balls and areas; parts of loops, loops, groups of loops. */
 #include "winding/turns.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 /* Half the cross product of b - a and c - a. */
 static void sheet_normal(const double a[3], const double b[3], const double c[3], double n[3])

@@ -10,7 +10,7 @@
  * more: its loops have nothing to tell then, and groups of them are many. The bits are the same with a tree
  * and without. */
 #include "winding/turns.h"
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 
 #include <math.h>
 

@@ -20,13 +20,13 @@ cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, n
 cppcheck ctuuninitvar src/nearest/closest.c a place for the result, set before it is read
 cppcheck ctuuninitvar src/nearest/closest_build.c a place for the tree, cleared first
 cppcheck ctuuninitvar src/touch/sampled.c the triangle's sides are set in the loop above
-cppcheck incorrectLogicOperator src/field/sign_side.c hexadecimal floats are taken for whole numbers
+cppcheck incorrectLogicOperator src/field/sign_pseudonormal.c hexadecimal floats are taken for whole numbers
 cppcheck legacyUninitvar src/grid/sample.c a place for gradients that nobody reads
 cppcheck pointerSize src/core/heap.c the pointer itself is stored in front of the block
 cppcheck uninitvar src/section/distance2d.c what lies below the top was put there
 cppcheck uninitvar src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
 cppcheck uninitvar src/surface/disjoint_triangles.c the first corner sets both ends before the others are compared with them
-tidy bugprone-integer-division src/refine/children_batch.c the division is an index
+tidy bugprone-integer-division src/refine/children.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io_mesh/write_glb.c bytes of a file, no text

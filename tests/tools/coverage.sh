@@ -25,9 +25,9 @@ src/core/exact.c | above * below + minus | only arithmetic that the library refu
 src/field/measure.c | n > UINT64_MAX / 24 | 2^59 values
 src/field/sign_pseudonormal.c | triangle_count > UINT32_MAX / 3 | 2^30 triangles
 src/grid/grid.c | words > SIZE_MAX / 8 | 32-bit machines alone
-src/io_mesh/obj_count.c | count > INT32_MAX | a file of 2^31 corners
-src/io_mesh/obj_count.c | f->vertices > UINT32_MAX | a file of 2^32 vertices
-src/io_mesh/obj_count.c | f->triangles > INT32_MAX | a file of 2^31 triangles
+src/io_mesh/read_obj.c | count > INT32_MAX | a file of 2^31 corners
+src/io_mesh/read_obj.c | f->vertices > UINT32_MAX | a file of 2^32 vertices
+src/io_mesh/read_obj.c | f->triangles > INT32_MAX | a file of 2^31 triangles
 src/io_mesh/read_off.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io_mesh/read_ply.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io_mesh/read_points.c | count > UINT32_MAX | a file of 2^32 points

@@ -1,6 +1,5 @@
 /* test_bits.c - words and runs of bits, rank and short sorts against counting one by one. */
 #include "bits/bits.h"
-#include "bits/rank.h"
 #include "bits/sort.h"
 #include "tools/mesh_maker.h"
 

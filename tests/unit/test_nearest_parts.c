@@ -1,7 +1,6 @@
 /* test_nearest_parts.c - the parts of the search for closest points: frames in floats against exact
  * distances, four pairs at a time against one, the evaluation against a finer one. */
 #include "nearest/nearest_brick.h"
-#include "nearest/nearest_pairs.h"
 #include "nearest/closest.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"

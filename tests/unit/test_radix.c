@@ -1,5 +1,5 @@
 /* test_radix.c - sorting keys with numbers, against insertion sort. */
-#include "mesh/radix.h"
+#include "mesh/mesh.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
