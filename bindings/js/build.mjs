@@ -33,7 +33,7 @@ writeFileSync(`${folder}/layout.h`, layoutHeader(header));
 // Where time goes, measured on levels, repairs, booleans and solids of scans: these files are compiled for
 // speed, all others for size.
 const HOT = new Set(
-    `nearest_cell nearest_eight nearest_leaf nearest_sieve nearest_build nearest_pairs crossing_pairs closest closest_build
+    `nearest_cell nearest_eight nearest_build nearest_pairs crossing_pairs closest closest_build
     point_triangle check radix collapse star sheet sheet_four field_cuts crossings snap view triangle_rows thin`.split(/\s+/),
 );
 

@@ -71,6 +71,8 @@ static void carry_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         double p[3];
         bvxi_view_position(&w->to, i, p);
+
+        /* Both meshes may carry a frame of their own. */
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         bvxi_closest_ask(&w->closest, p, &hint, &at);
         if (w->colours != NULL) blend_colours(w, &at, i);
@@ -107,6 +109,8 @@ static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const
     if (source->uvs == NULL && source->uv_triangles != NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                              "%s: mesh.uv_triangles is given and mesh.uvs is NULL", function);
+
+    /* Only what triangles use is checked: other values are never read. */
     if (source->uvs == NULL) return BVX_OK;
     for (uint64_t t = 0; t < source->triangle_count; t++) {
         uint32_t number[3];
@@ -145,6 +149,8 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
     for (uint64_t i = 0; i < target->vertex_count; i++) {
         double p[3];
         bvxi_view_position(&w->to, i, p);
+
+        /* The shift itself may leave a double's range, so both are checked. */
         if (!bvxi_view_finite(p)) return bvxi_view_fail_finite(ctx, function, &w->to, i);
         for (int a = 0; a < 3; a++) p[a] += w->shift[a];
         if (!bvxi_view_finite(p))
@@ -187,6 +193,8 @@ static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry
     bvx_status status;
 
     BVXI_TRY(check_source_uvs(ctx, of_source, w->source));
+
+    /* New arrays are filled before old ones go: a failure leaves the target as it was. */
     status = make_carried_arrays(ctx, target, w);
     w->pieces = bvxi_piece_count(target->vertex_count, CARRY_GRAIN);
     if (status == BVX_OK) status = bvxi_parallel(ctx, "carry", 0.3, 1.0, w->pieces, carry_piece, w);

@@ -12,6 +12,7 @@ BVXI_SIMD_CODE static inline uint32_t BVXI_SIMD(distances_of_sixteen)(const bvxi
     uint32_t bits = 0;
 
     for (int i = 0; i < 2; i++) {
+        /* Two nodes fill a vector; a last one without a partner is looked at twice. */
         const bvxi_closest_node *const one = node + (2 * i < children ? 2 * i : children - 1);
         const bvxi_closest_node *const two = node + (2 * i + 1 < children ? 2 * i + 1 : children - 1);
         floats8 out[3], sum;
@@ -43,6 +44,8 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(corners_of_four)(const closest_searc
         doubles4 last[4];
 
         four_columns_f32(t[0], t[1], t[2], t[3], corner);
+
+        /* Nine numbers a triangle are read as three overlapping columns of four. */
         four_columns_f32(t[0] + 4, t[1] + 4, t[2] + 4, t[3] + 4, corner + 4);
         four_columns_f32(t[0] + 5, t[1] + 5, t[2] + 5, t[3] + 5, last);
         corner[8] = last[3];
@@ -67,12 +70,14 @@ BVXI_SIMD_CODE static inline void BVXI_SIMD(look_at_waiting)(closest_search *s)
     doubles4 const p[3] = {four_all(s->point[0]), four_all(s->point[1]), four_all(s->point[2])};
     double distance2[4];
 
+    /* The same triangle again changes no least, so the vector needs no mask. */
     for (int32_t i = s->waiting; i < 4; i++) s->wait[i] = s->wait[0];
     s->waiting = 0;
     BVXI_SIMD(corners_of_four)(s, s->wait, corner);
     uint32_t const done = BVXI_SIMD(bvxi_closest_on_four)(p, corner, corner + 3, corner + 6, q, &d);
     uint32_t nearer = four_bits(four_less_equal(d, four_all(s->best->distance2))) | (15u ^ done);
 
+    /* Equal distances go through too: then the lesser index decides. */
     four_store(distance2, d);
     for (; nearer != 0; nearer &= nearer - 1) {
         int32_t const i = bvxi_lowest(nearer);

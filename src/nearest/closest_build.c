@@ -67,6 +67,8 @@ static void make_curve_keys(void *user, int32_t index, int32_t worker)
             bvxi_view_position(b->view, c[k], t[k]);
             for (int a = 0; a < 3; a++) t[k][a] *= b->tree->scale;
         }
+
+        /* The middle of the triangle's box, which no order of corners changes. */
         closest_triangle_box(b->tree, (const double(*)[3])t, low, high);
         b->keys[i] = curve_key(low, high);
         b->tree->order[i] = (uint32_t)i;
@@ -135,9 +137,11 @@ static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
     uint64_t end;
 
     for (uint64_t first = 0; first < n; first = end) {
+        /* Few share a key, so a look at the neighbours is all that most of them cost. */
         for (end = first + 1; end < n && b->keys[end] == b->keys[first]; end++) {}
         if (end - first == 1) continue;
 
+        /* Their keys are equal and no longer needed: the hashes take their place. */
         for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
         if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
         else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
@@ -169,6 +173,7 @@ static void fill_lowest_boxes(void *user, int32_t index, int32_t worker)
         int const n = bvxi_closest_children(tree->triangle_count, first);
         memset(&tree->nodes[i], 0, sizeof tree->nodes[i]); /* slots without a triangle hold numbers too */
         for (int k = 0; k < n; k++) {
+            /* Corners lie in the order of the curve, so that a search reads memory that is near. */
             copy_curve_corners(b, first + (uint64_t)k);
             bvxi_closest_corners(tree, first + (uint64_t)k, t);
             closest_triangle_box(tree, (const double(*)[3])t, low, high);
@@ -212,12 +217,16 @@ static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], co
     tree->triangle_count = n;
     tree->position_type = (int32_t)view->position_type;
     tree->scale = scale;
+
+    /* Around the middle a float has most digits for what lies at the mesh's rim. */
     for (int a = 0; a < 3; a++) {
         tree->centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
         half[a] = (high[a] * scale - low[a] * scale) * 0.5;
         minus[a] = -half[a];
     }
     tree->box_scale = bvxi_unit_scale(minus, half);
+
+    /* The shape follows from the count only: levels need no pointers. */
     do {
         n = (n + BVXI_CLOSEST_WIDTH - 1) / BVXI_CLOSEST_WIDTH;
         tree->level_first[tree->level_count] = tree->node_count;
@@ -257,6 +266,8 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
                         &tree->corners));
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
+
+    /* Higher levels are a third of the lowest in all, too little to share. */
     b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
     BVXI_TRY(bvxi_parallel(call.ctx, call.stage, middle, call.to, b->pieces, fill_lowest_boxes, b));
     for (int32_t l = 1; l < tree->level_count; l++)

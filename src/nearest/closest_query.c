@@ -36,6 +36,7 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
 {
     double u[3], along = 0.0, length2 = 0.0;
 
+    /* The same operations in the same order as the evaluation, so that equal means equal bits. */
     for (int k = 0; k < 3; k++) {
         u[k] = b[k] - a[k];
         along += u[k] * (p[k] - a[k]);
@@ -73,12 +74,16 @@ static void place_in_query_triangle(const double p[3], const double t[3][3], con
     double s;
 
     memset(found->weight, 0, sizeof found->weight);
+
+    /* Corners first: at a corner the formulas of both edges would agree as well. */
     for (int32_t k = 0; k < 3; k++) {
         if (q[0] != t[k][0] || q[1] != t[k][1] || q[2] != t[k][2]) continue;
         found->weight[k] = 1.0;
         found->feature = 4 + k;
         return;
     }
+
+    /* The third edge is asked both ways, as the evaluation may have gone either. */
     for (int32_t e = 0; e < 4; e++) {
         if (!is_on_query_edge(p, t[edge[e][0]], t[edge[e][1]], q, &s)) continue;
         found->weight[edge[e][0]] = 1.0 - s;
@@ -107,6 +112,8 @@ static double query_scale(const bvxi_closest_tree *tree, const double point[3])
         largest = point[a] > largest ? point[a] : largest;
         largest = -point[a] > largest ? -point[a] : largest;
     }
+
+    /* Squares stay finite; a power of two changes no digit. */
     while (largest * s > 0x1p300) s *= 0.5;
     return s;
 }
@@ -120,6 +127,7 @@ void bvxi_closest_ask(const bvx_closest *closest, const double point[3], uint32_
     bvxi_closest nearest;
     double t[3][3];
 
+    /* The last answer is a hint: of neighbouring points the nearest triangles are neighbours. */
     bvxi_closest_find(tree, p, *hint, &nearest);
     bvxi_closest_corners(tree, nearest.place, t);
     for (int a = 0; a < 3; a++) found->position[a] = nearest.point[a] / tree->scale;
@@ -216,6 +224,8 @@ static void make_query_keys(closest_query *q)
             high = x > high ? x : high;
         }
         q->low[a] = low;
+
+        /* Flat boxes have no cells along that axis, and boxes beyond a double's range one. */
         q->scale[a] = high - low > 0x1p-960 && high - low < 0x1p960 ? most / (high - low) : 0.0;
     }
 
@@ -249,6 +259,7 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
         uint64_t const rest = all->count - begin, count = rest < QUERY_TOGETHER ? rest : QUERY_TOGETHER;
         closest_query q = *all;
 
+        /* Batches bound the memory of keys, whatever the number of points. */
         q.points += 3 * begin;
         q.found += begin;
         q.count = count;

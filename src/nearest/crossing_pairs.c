@@ -83,6 +83,8 @@ static void crossings_corners(void *user, int32_t index, int32_t worker)
     (void)worker;
 
     bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
+
+    /* Pieces are of fours, so the last may reach beyond the last triangle. */
     end = end * BVXI_CLOSEST_WIDTH < job->tree.triangle_count ? end * BVXI_CLOSEST_WIDTH
                                                               : job->tree.triangle_count;
 
@@ -92,6 +94,8 @@ static void crossings_corners(void *user, int32_t index, int32_t worker)
 
         bvxi_view_triangle(job->view, job->tree.order[i], corner);
         crossings_positions(&job->tree, i, t);
+
+        /* A triangle without area has no plane that anything could cross. */
         has_area = bvxi_has_area(p);
         for (int k = 0; k < 3; k++)
             corner[k] = has_area ? job->representative[corner[k]] : CROSSINGS_NO_VERTEX;
@@ -133,6 +137,7 @@ static int crossings_pair(const crossings_four *a, int i, const crossings_four *
     const double(*const t)[3] = a->position[i];
     const double *const p[3] = {t[0], t[1], t[2]}, *q[3];
 
+    /* Without area on one side there is nothing to cross. */
     if (u[0] == CROSSINGS_NO_VERTEX || v[0] == CROSSINGS_NO_VERTEX) return 0;
 
     /* The test knows common corners by their pointers. */
@@ -159,6 +164,7 @@ static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four
         for (int k = 0; met != 0; k++, met >>= 1) {
             uint64_t const s = a->index[i], t = b->index[k];
 
+            /* The lesser index stands first, whichever of both was found first, so keys sort as pairs do. */
             if ((met & 1) == 0 || !crossings_pair(a, i, b, k)) continue;
             if (keys != NULL) keys[found] = s < t ? s << 32 | t : t << 32 | s;
             found++;
@@ -187,8 +193,11 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
 
         bvxi_orient_plane_of(t, &a.plane[i]);
     }
+
+    /* Each pair is found by the one of both that comes first along the curve: here those within the four. */
     found = crossings_of_fours(&a, &a, keys);
 
+    /* Then what follows it, by one box around all four, so that the tree is walked once for all. */
     crossings_box_of(a.boxes, 0, low, high);
     for (int i = 1; i < a.count; i++) {
         crossings_box_of(a.boxes, i, l, h);
@@ -237,6 +246,7 @@ static void count_crossings_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const found = crossings_of_four(job, i, NULL);
 
+        /* Most fours cross nothing: the second run, which writes, leaves them out. */
         job->marks[i] = found != 0;
         count += found;
     }
@@ -265,6 +275,7 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
     uint64_t sum = 0;
     bvx_status status;
 
+    /* Counts become places, so that pieces write side by side and no thread shows. */
     for (int32_t i = 0; i < job->pieces; i++) {
         uint64_t const own = job->counts[i];
 
@@ -278,6 +289,8 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
                                  &numbers);
     if (status == BVX_OK)
         status = bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job);
+
+    /* The order of the search shows in nothing: pairs are listed by their indices. */
     if (status == BVX_OK) status = bvxi_radix_sort(ctx, job->keys, numbers, count);
 
     for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
@@ -316,6 +329,7 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
     uint64_t found = 0;
     bvx_status status = search_crossings(ctx, job, &found);
 
+    /* The count is right also where the array is too small: the caller learns what would be enough. */
     if (status == BVX_OK && pairs != NULL && capacity < found) {
         *count = found;
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u", function,
@@ -372,6 +386,7 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     if (mesh->triangle_count == 0) return BVX_OK;
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, welded.low, welded.high));
 
+    /* Triangles that share a position share a corner, whatever their vertices' indices. */
     status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding",
                         &representative);
     welded.representative = representative;

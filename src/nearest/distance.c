@@ -59,6 +59,7 @@ static uint64_t owner_of_area(const double *area_before, uint64_t count, double 
 
     /* rounding reached the end */
     if (share >= area_before[high]) share = area_before[high] * (1.0 - 0x1p-53);
+    /* The first place whose sum is above the share: places without area own nothing. */
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
         if (area_before[middle] > share) high = middle;
@@ -76,13 +77,19 @@ static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closes
     double t[3][3], p[3], n[3], m[3], d;
 
     bvxi_closest_corners(from, owner_of_area(w->area_before, from->triangle_count, share), t);
+
+    /* The root makes places uniform in the triangle (Osada and others. Shape Distributions. 2002). */
     for (int a = 0; a < 3; a++) p[a] = (1.0 - r) * t[0][a] + r * (1.0 - q) * t[1][a] + r * q * t[2][a];
     double const length = bvxi_facet_normal((const double(*)[3])t, n);
+
+    /* Samples lie along the curve, so the last answer is a hint for the next. */
     bvxi_closest_find(w->to, p, nearest->place, nearest);
     d = sqrt(nearest->distance2);
     s->sum += d;
     s->max = d > s->max ? d : s->max;
     bvxi_closest_corners(w->to, nearest->place, t);
+
+    /* A triangle without area has no normal to compare. */
     double const other = bvxi_facet_normal((const double(*)[3])t, m);
     if (other > 0.0) {
         double const cosine = (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) / length / other;
@@ -112,6 +119,7 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
 {
     distance_sums all = {0.0, 0.0, 0.0, 0};
 
+    /* In the order of blocks, whoever computed them. */
     for (int32_t b = 0; b < w->blocks; b++) {
         all.sum += w->sums[b].sum;
         all.max = w->sums[b].max > all.max ? w->sums[b].max : all.max;
@@ -256,6 +264,8 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     BVXI_TRY(bvxi_view_bounds(context, function_a, a, pair.a.low, pair.a.high));
     BVXI_TRY(bvxi_view_bounds(context, function_b, b, pair.b.low, pair.b.high));
     pair.scale = distance_scale(&pair.a, &pair.b);
+
+    /* One scale for both, a power of two, so that distances of both ways compare. */
     BVXI_TRY(require_area(context, function_a, a, pair.scale));
     BVXI_TRY(require_area(context, function_b, b, pair.scale));
     return measure_distance_both_ways(context, &pair, kept, samples, seed, report);

@@ -82,6 +82,7 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
     bvxi_near_memo *const m = w->n->memo;
     uint64_t slots = 0;
 
+    /* Only cubes that the mesh reaches get memory: far ones are most of a lattice. */
     bvxi_near_forget(ctx, m);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->plan.cubes * sizeof *m->cube_slot, "the field's cubes",
                         &m->cube_slot));
@@ -115,6 +116,8 @@ static void find_cube_band(const band_work *w, const bvxi_near_run *r, int32_t x
 
     if (slot == BVXI_NEAR_NONE) return;
     first_of_cube(w->band, r, x, corner);
+
+    /* Where the searches of the 64 bricks begin is found once for all of them. */
     bvxi_near_cube_begin(w->n, (const int32_t *)corner, w->width, worker);
     for (int32_t b = 0; b < 64; b++) {
         uint32_t *const triangle = w->n->memo->triangle + (uint64_t)slot * BVXI_NEAR_CUBE_SLOTS +
@@ -122,6 +125,8 @@ static void find_cube_band(const band_work *w, const bvxi_near_run *r, int32_t x
         int32_t first[3], index[3];
         bvxi_near_brick_first(r, x, b, first);
         uint64_t const inside = bvxi_near_slots_inside(w->band, first);
+
+        /* A brick beyond the window has no centre, but its slots in the memory say so. */
         if (inside == 0) {
             for (int32_t s = 0; s < BVXI_NEAR_SLOTS; s++) triangle[s] = BVXI_NEAR_NONE;
             continue;
@@ -147,6 +152,8 @@ static void find_near_band(void *user, int32_t index, int32_t worker)
 static bvx_status make_near_band(bvx_context *ctx, const char *stage, double from, double to, band_work *w)
 {
     double const begin = from + (to - from) * 0.03;
+
+    /* First which cubes, then their memory, then the search: nothing is allocated in between. */
     BVXI_TRY(bvxi_parallel(ctx, stage, from, begin, w->pieces, find_reached_cubes, w));
     BVXI_TRY(open_near_memo(ctx, w));
     BVXI_TRY(bvxi_parallel(ctx, stage, begin, to, w->pieces, find_near_band, w));

@@ -87,6 +87,7 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
     int32_t const s = p->slot[i];
     double height2;
 
+    /* Nearer wins; equally near ones are ordered so that neither tree nor threads show. */
     if (p->distance2[i] != w->distance2[s]) return p->distance2[i] < w->distance2[s];
     if (!n->by_planes) return p->triangle[i] < w->triangle[s];
 
@@ -103,6 +104,8 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
     for (int32_t i = 0; i < p->count; i++) {
         int32_t const s = p->slot[i];
         uint64_t const bit = UINT64_C(1) << s;
+
+        /* The first of a slot needs no comparison. */
         if ((w->evaluated & bit) != 0 && !is_better_pair(n, w, i)) continue;
         w->evaluated |= bit;
         w->distance2[s] = p->distance2[i];
@@ -144,6 +147,7 @@ static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bv
     int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
     uint32_t once = 0, more = parts ? 255u : 0;
 
+    /* More than one candidate, or one that may lie beyond the limit, is for doubles to decide. */
     for (int c = 0; c < 8; c++) more |= (uint32_t) !(most2[c] < sure2) << c;
     for (int32_t i = 0; i < count; i++) {
         uint32_t const bit = 1u << w->winners[i].centre;
@@ -168,6 +172,8 @@ static uint32_t near_active(uint64_t wanted, int32_t g)
 static int32_t look_through_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     int32_t parts = 0;
+
+    /* What was measured is settled to make room; the bounds that it gave stay. */
     bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
     while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) {
         settle_near_eight(n, w);
@@ -184,6 +190,7 @@ static void begin_near_cell(const bvxi_nearest *n, const bvxi_near_start *start,
     bvxi_near_question *const q = &w->question;
 
     if (!w->known) {
+        /* Any point of the mesh bounds the first search: that of the first leaf. */
         for (int a = 0; a < 3; a++)
             q->point[a] = (double)n->level[0][0].low[a][0] + (double)n->level[0][0].point[a][0];
         q->point_error = 0.0;
@@ -245,7 +252,9 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
     double radius2 = 0.0;
     float reach, reach2;
 
+    /* A long list means that something is near: no need to prove it. */
     if (w->list.count > NEAR_FEW_BLOCKS || !(w->question.limit < 0x1p50)) return 0;
+    /* No centre of the cell is further from its middle than the radius. */
     for (int a = 0; a < 3; a++) {
         double const half = (w->question.last[a] - w->question.first[a]) * 0.5;
         radius2 += half * half;
@@ -255,6 +264,8 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
     reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
     reach2 = reach * reach;
     bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
+
+    /* Only the middle is requested: one of eight centres. */
     bvxi_near_eight_begin(0, &middle, 1, reach2, &w->eight);
     bvxi_near_eight_take(&w->list, &w->sieve, w->fast, &w->eight);
     while (!bvxi_near_eight_look(n, &w->list, w->cell.origin, w->fast, &w->eight)) w->eight.count = 0;
@@ -299,6 +310,8 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
     int32_t parts;
 
     bvxi_near_eight_begin(g, &w->places, active, w->cell.limit2, &w->eight);
+
+    /* Each part of a long list starts from what the parts before left as bound. */
     parts = look_through_near_list(n, w);
     while (!complete) {
         complete = list_near_part(n, w);
@@ -338,6 +351,8 @@ static void find_near_groups(const bvxi_nearest *n, uint64_t wanted, double limi
     /* Most bricks of a band's edge are too far from anything: they end before any triangle is looked at. */
     if (complete && (w->list.count == 0 || (w->few_reached && is_far_from_near_list(n, w)))) return;
     sieve_near_part(w);
+
+    /* Groups share the list and the squares of its boxes, which cost more than a group's own look. */
     for (int32_t g = 0; g < 8; g++) {
         uint32_t const active = near_active(wanted, g);
         if (active == 0) continue;

@@ -105,6 +105,8 @@ static void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WI
                             float local[9][BVXI_NEAR_WIDTH])
 {
     for (int a = 0; a < 3; a++) {
+        /* Moved and scaled in doubles first, so that a float's digits are spent on the lattice's
+         * surroundings. */
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int v = a; v < 9; v += 3)
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++) {
@@ -114,6 +116,9 @@ static void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WI
             }
         box->low[a] = near_float_below(low);
         box->high[a] = near_float_above(high);
+
+        /* Corners relative to the leaf's box, whose rounded corner is exact: small numbers, small
+         * roundings. */
         for (int v = a; v < 9; v += 3)
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++)
                 local[v][k] = (float)(corner[v][k] - (double)box->low[a]);
@@ -170,6 +175,8 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
     double corner[9][BVXI_NEAR_WIDTH];
     float local[9][BVXI_NEAR_WIDTH];
 
+    /* A leaf that is not full holds its last triangle again: eight are always measured, and none needs a
+     * mask. */
     for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
         order[k] = bvxi_near_order_number(&b->order, first + (k < count ? k : count - 1));
         prefetch_near(b, first + k, end);
@@ -183,6 +190,8 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
 #endif
     bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
                         &n->leaves[leaf]);
+
+    /* A point of the first triangle bounds how far the leaf's nearest can be. */
     for (int a = 0; a < 3; a++)
         b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
 }
@@ -219,6 +228,8 @@ static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double f
 
     b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, b->pieces, count_near_leaves, b));
+
+    /* How many leaves a piece makes shows only after it was cut, so all are counted before any is written. */
     for (int32_t i = 0; i < b->pieces; i++) b->first[i + 1] += b->first[i];
     n->leaf_count = b->first[b->pieces];
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *n->leaves, "the search tree's triangles",
@@ -253,6 +264,8 @@ static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
         float behind[BVXI_NEAR_WIDTH], best = 0.0f;
         near_box box = boxes[count - 1];
         uint32_t at = 0;
+
+        /* Boxes of all that come after each place, from the end; then of all before it, from the start. */
         for (uint32_t i = count - 1; i > 0; i--) {
             join_near_box(&box, &boxes[i]);
             behind[i] = near_box_sides(&box);
@@ -266,6 +279,8 @@ static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
             }
             join_near_box(&box, &boxes[i]);
         }
+
+        /* A cut costs a node that is not full: it must save a quarter of the sides. */
         if (4.0f * best >= 3.0f * near_box_sides(&box)) break;
         count = at;
     }
@@ -307,6 +322,7 @@ static bvx_status make_near_nodes(bvx_context *ctx, near_builder *b)
     uint64_t count = n->leaf_count;
 
     do {
+        /* Higher up few nodes are cut for little gain, and full nodes keep the levels within bounds. */
         int const cut = n->level_count < NEAR_CUT_LEVELS && n->leaf_count < BVXI_NEAR_CUT_BELOW;
         int32_t const level = n->level_count;
         n->level_nodes[level] = count_near_nodes(b->boxes, count, cut);
@@ -336,6 +352,8 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
         half[a] = (last - first) * 0.5;
         minus[a] = -half[a];
     }
+
+    /* A power of two, so that changing units rounds nothing. */
     n->box_scale = bvxi_unit_scale(minus, half);
     while (n->box_scale > 0x1p50) n->box_scale *= 0.5; /* the mesh itself must be within reach of floats */
     for (int a = 0; a < 3; a++) {

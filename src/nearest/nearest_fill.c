@@ -42,6 +42,9 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
             int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
             const uint64_t *const row = bvxi_near_row(w->where, j, k);
             uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
+
+            /* The row's prefix is stored, what lies before the run in its row is counted: once for 64
+             * cubes. */
             for (int32_t i = 0; i < words; i++) n += bvxi_popcount(row[i]);
             ranks->next[z][y] = n;
             for (int32_t i = words; i < most; i++)
@@ -100,6 +103,7 @@ static void search_fill_brick(const fill_work *w, const int32_t cube[3], uint64_
     uint32_t triangle[BVXI_NEAR_SLOTS];
     uint64_t found = 0;
 
+    /* A narrow search is several times faster; only what it leaves is searched without bounds. */
     if (w->guess < HUGE_VAL) {
         start_fill_cube(w, cube, w->guess, worker);
         found = bvxi_near_brick_find(w->n, wanted, w->guess, worker);
@@ -117,6 +121,8 @@ static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint6
                                 const uint32_t *remembered, bvxi_near_worker *worker)
 {
     uint64_t unknown = remembered == NULL ? set : 0;
+
+    /* The band remembers what lay within its width; other slots were not asked for. */
     for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
         unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
     if (unknown != 0) search_fill_brick(w, cube, unknown, worker);
@@ -141,6 +147,8 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
                                  worker->centre[2][s >> 4]};
         bvxi_near_take_pair(w->n, pairs, point, worker->triangle[s], s);
     }
+
+    /* Values come from the evaluation in doubles alone, whoever found the triangle. */
     bvxi_near_evaluate(w->n, worker->fast, pairs);
     for (int32_t p = 0; p < pairs->count; p++) {
         int32_t const y = first[1] % BVXI_NEAR_CUBE + (pairs->slot[p] >> 2 & 3);
@@ -164,6 +172,8 @@ static void fill_near_cube(const fill_work *w, const bvxi_near_run *r, int32_t x
         /* from the run's first centre */
         int32_t const at = (x - r->begin) * BVXI_NEAR_CUBE + (b & 3) * BVXI_NEAR_SIDE;
         int32_t first[3];
+
+        /* Most bricks of a band's cubes are empty: one look at four rows' words says so. */
         if ((ranks->any[b >> 2][at / BVXI_WORD_BITS] >> at % BVXI_WORD_BITS & 15) == 0) continue;
         bvxi_near_brick_first(r, x, b, first);
         fill_near_brick(w, cube, (const int32_t *)first,

@@ -64,6 +64,8 @@ static void make_near_keys(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         uint32_t c[3];
         bvxi_view_triangle(&n->view, i, c);
+
+        /* Three coordinates of 21 bits in one word are added at once; none runs into the next. */
         uint64_t const sum = b->vertex[c[0]] + b->vertex[c[1]] + b->vertex[c[2]];
         uint64_t const x = sum & mask, y = sum >> NEAR_FINE_BITS & mask, z = sum >> 2 * NEAR_FINE_BITS;
         if (b->order->numbers != NULL) {
@@ -92,6 +94,8 @@ static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count,
     for (int d = 0; d < 3; d++) {
         uint64_t *const from = d == 1 ? spare : keys, *const to = d == 1 ? keys : spare;
         int const shift = 32 + NEAR_COARSE_BITS * d;
+
+        /* Counts become places; equal digits keep their order, which the digits before have set. */
         uint32_t sum = 0;
         for (uint32_t v = 0; v <= mask; v++) {
             uint32_t const n = place[d][v];
@@ -120,6 +124,8 @@ static bvx_status sort_near_along_curve(bvx_context *ctx, const char *stage, dou
     BVXI_TRY(bvxi_parallel(ctx, stage, from, (from + to) * 0.5, k->pieces, make_near_keys, k));
     sort_near_keys(o->keys, o->spare, count, place);
     o->sorted = o->spare;
+
+    /* Ten bits do for most meshes; a mesh of very unequal triangles is worth a second, finer sort. */
     if (count_near_crowds(o->spare, count) <= count / 16) return BVX_OK;
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *o->numbers, "the search tree's order", &o->numbers));
@@ -197,6 +203,8 @@ uint32_t bvxi_near_order_run(const bvxi_near_order *o, uint64_t first, uint64_t 
     while (o->count < BVXI_NEAR_CUT_BELOW) {
         uint64_t most = 0, second = 0;
         uint32_t at = 0;
+
+        /* The highest bit in which neighbours differ is the size of the step between them. */
         for (uint32_t i = 1; i < count; i++) {
             uint64_t const x = (keys[i] ^ keys[i - 1]) >> shift;
             second = x > most ? most : x > second ? x : second;
