@@ -105,7 +105,7 @@ result 'threads do not show' $?
 refuses 2 'unknown operation' join "$knot" blocks.ply -o result.ply
 refuses 2 'lacks an input' union "$knot" -o result.ply
 refuses 1 'No such file' union "$knot" missing.ply -o result.ply
-refuses 2 'no format that is written' union "$knot" blocks.ply -o result.txt
+refuses 2 'a format that can be written' union "$knot" blocks.ply -o result.txt
 refuses 2 'brings its own lattice' union "$knot" both.bvx -o result.ply --resolution 12
 refuses 2 '--sharp is for two meshes' union "$knot" blocks.ply -o result.bvx --sharp
 refuses 2 '--fill is for meshes' union both.bvx common.npy -o result.bvx --fill vote

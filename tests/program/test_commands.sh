@@ -102,7 +102,7 @@ rm alone.npy.json
 mkdir alone.npy.json
 refuses 1 'alone.npy.json: ' info alone.npy
 rmdir alone.npy.json
-refuses 1 'no mesh format that is read, and in no grid format' info box
+refuses 1 'a mesh or grid format that can be read' info box
 if has gzip; then
     gzip -c box.npy >packed.npy.gz
     cp box.npy.json packed.npy.json
@@ -184,9 +184,9 @@ run info uv.ply
 holds 'texture coordinates survive' says 'texture +coordinates'
 rm -f x.stl x.off
 refuses 2 'bitvox voxelize' convert "$knot" -o x.npy
-refuses 2 'no format that is written' convert knot.npy -o x.csl
+refuses 2 'a format that can be written' convert knot.npy -o x.csl
 refuses 2 'bitvox render' convert knot.npy -o x.png
-refuses 2 'no format that is written' convert "$knot" -o x.xyz
+refuses 2 'a format that can be written' convert "$knot" -o x.xyz
 reports 'convert --json' 'r["command"] == "convert" and r["set"] > 0 and "write" in [s["name"] for s in r["stages"]]' convert knot.npy -o x.bvx
 rm -f x.bvx
 mkdir side
@@ -213,7 +213,7 @@ if has python3; then
         python3 -c 'import json, sys; r = json.load(open("out")); sys.exit("set" in r or r["stages"][-1]["name"] == "voxelize")'
 fi
 refuses 2 'is a grid already' voxelize knot.npy -o x.bvx
-refuses 2 'no grid format that is written' voxelize "$knot" -o x.csl
+refuses 2 'in a grid format that can be written' voxelize "$knot" -o x.csl
 reports 'voxelize --json' 'r["lattice"]["dims"][1] == 30 and r["set"] > 0 and r["meshes"] == []' voxelize "$knot" -o x.bvx --resolution 30 --check-thin never
 rm -f x.*
 

@@ -82,7 +82,7 @@ refuses 2 'only .glb holds several' lod "$knot" -o -
 refuses 2 'one output; standard output.npy.json would be another' voxelize "$knot" -o - --format npy
 refuses 2 'needs %d in the name' voxelize "$root/fixtures/labels.npy" -o - --all-labels --format ply
 refuses 2 'fields are written as' voxelize "$knot" -o - --format off --mode field
-refuses 2 'no picture format' render "$knot" -o - --format ply
+refuses 2 'a picture format' render "$knot" -o - --format ply
 refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply
 refuses 1 'none.ply' repair none.ply -o -
 if streams && has script && script -qc true /dev/null >/dev/null 2>&1; then
@@ -144,7 +144,7 @@ else
     gzip -dc h.npy.gz | cmp -s - g.npy && cmp -s h.npy.json g.npy.json
     result 'a packed grid with its side-car' $?
     works 'and both are read' convert h.npy.gz -o h.bvx
-    refuses 2 'no picture format' render "$knot" -o x.png.gz
+    refuses 2 'a picture format' render "$knot" -o x.png.gz
     if device /dev/full; then
         ln -s /dev/full full.ply.gz
         run convert "$knot" -o full.ply.gz

@@ -140,8 +140,8 @@ refuses 2 'below level 64' lod "$knot" -o x_%d.ply --levels 64,32 --resolution 6
 refuses 2 'whole number from 1' lod "$knot" -o x_%d.ply --resolution 64,64,64
 refuses 2 'need %d' lod "$knot" -o x.ply
 refuses 2 'has two %d' lod "$knot" -o x_%d_%d.ply
-refuses 2 'no mesh format that is written' lod "$knot" -o x_%d.npy
-refuses 2 'no grid format that is written' voxelize "$knot" -o x.csl
+refuses 2 'a mesh format that can be written' lod "$knot" -o x_%d.npy
+refuses 2 'in a grid format that can be written' voxelize "$knot" -o x.csl
 refuses 2 'exclude each other' voxelize "$knot" -o x.npy --resolution 9 --spacing 1
 refuses 2 'one whole number or three' voxelize "$knot" -o x.npy --resolution 9,9
 refuses 2 'needs --spacing' voxelize "$knot" -o x.npy --origin 0,0,0
@@ -149,7 +149,7 @@ refuses 2 'three numbers' voxelize "$knot" -o x.npy --spacing 1 --origin 0,0
 refuses 2 '6 whole numbers' voxelize "$knot" -o x.npy --window 0,0,0,9,9
 refuses 2 'window is empty' voxelize "$knot" -o x.npy --window 0,5,0,9,5,9
 refuses 2 'above 0' voxelize "$knot" -o x.npy --spacing 0
-refuses 2 'no picture format' render "$knot" -o x.jpg
+refuses 2 'a picture format' render "$knot" -o x.jpg
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 100
 refuses 2 'like 1024x768' render "$knot" -o x.png --size 0x100
 refuses 2 'points nowhere' render "$knot" -o x.png --from 0,0,0
@@ -169,7 +169,7 @@ refuses 2 'did you mean --size' render "$knot" -o x.png -size 9x9
 
 refuses 1 'No such file' info missing.ply
 refuses 1 'No such file' info missing.npy
-refuses 1 'no mesh format that is read' info missing
+refuses 1 'a mesh or grid format that can be read' info missing
 mkdir folder.ply
 refuses 1 'irectory' info folder.ply
 rmdir folder.ply

@@ -92,7 +92,7 @@ refuses 1 'No such file' missing.ply -o result.ply
 result 'a sound mesh is copied' $?
 certified 'parts are kept' "$knot" --resolution 24 --least-part 0
 refuses 2 '--sharp and --no-sharp exclude' "$knot" -o result.ply --sharp --no-sharp
-refuses 2 'no mesh format' "$knot" -o result.npy
+refuses 2 'a mesh format' "$knot" -o result.npy
 refuses 1 'shell is 1; 0, or 1.5 to 1000000 are possible' "$knot" -o result.ply --shell 1
 refuses 2 'takes one of' "$knot" -o result.ply --interpolation round
 refuses 2 'takes one of' "$knot" -o result.ply --sign normal

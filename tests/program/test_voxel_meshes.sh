@@ -80,7 +80,7 @@ refuses 2 'the result is a grid' voxelize box.obj -o x.npy --sharp
 refuses 2 '--sharp and --no-sharp' voxelize box.obj -o x.ply --sharp --no-sharp
 refuses 2 '--sharp is for solids' voxelize box.obj -o x.ply --mode thin --sharp
 refuses 2 '--sharp is for meshes' voxelize points.xyz -o x.ply --spacing 1 --sharp
-refuses 2 'in no mesh format' voxelize box.obj -o x.csl
+refuses 2 'nor in a mesh format' voxelize box.obj -o x.csl
 refuses 2 'makes a grid of a mesh' convert box.obj -o x.npy
 refuses 2 'would hold voxels' convert box.bvx -o x.npy --normals
 refuses 2 'distances are written as' morph distance box.obj -o x.ply

@@ -282,8 +282,8 @@ for option in '--resolution 5' '--spacing 1' '--padding 1' '--fill vote' '--clos
     # shellcheck disable=SC2086
     refuses 2 'is for meshes' faces box.npy -o x.ply $option
 done
-refuses 2 'no mesh format that is written' faces box.npy -o x.vti
-refuses 1 'there are no faces' faces ground.obj -o x.ply
+refuses 2 'a mesh format that can be written' faces box.npy -o x.vti
+refuses 1 'has no faces' faces ground.obj -o x.ply
 
 # ---- refine ----
 
@@ -326,7 +326,7 @@ reports 'or halved as often as asked for' 'r["octree"]["level"][0]["surface"] ==
 reports 'flat places are not halved' 'r["octree"]["level"][1]["surface"] + r["octree"]["level"][2]["surface"] > 0' refine "$knot" -o x.vtu --halvings 3 --adaptive 0.05
 reports 'a hollow is inside' 'r["set"] == 16 ** 3 and r["octree"]["inside"] > 0 == r["octree"]["outside"]' refine nested.obj -o x.bvx --halvings 2 --expand 2 --base 4
 rm -f x.*
-refuses 2 'no format that octrees are written to' refine "$knot" -o x.xyz
+refuses 2 'a format that octrees can be written to' refine "$knot" -o x.xyz
 refuses 2 'is a grid' refine fine.bvx -o x.vtu
 works 'refine to a mesh' refine "$knot" -o fine.ply --halvings 3
 run info fine.ply
@@ -403,8 +403,8 @@ refuses 1 'is damaged, its checksum differs' convert changed.bvx -o x.vtu
 refuses 2 'is for meshes' refine tree.bvx -o x.vtu --halvings 2
 refuses 2 'is for meshes' refine tree.bvx -o x.vtu --adaptive 1
 refuses 2 'is a grid' refine fine.bvx -o x.vtu
-refuses 2 'is for grids' refine tree.bvx -o x.vtu --window 0,0,0,8,8,8
-refuses 2 'is for grids' convert tree.bvx -o x.vtu --window 0,0,0,8,8,8
+refuses 2 'is only for grids' refine tree.bvx -o x.vtu --window 0,0,0,8,8,8
+refuses 2 'is only for grids' convert tree.bvx -o x.vtu --window 0,0,0,8,8,8
 refuses 2 'holds the whole octree' refine "$knot" -o x.bvx --states inside
 refuses 2 'is beyond the last level' convert tree.bvx -o x.npy --expand 4
 refuses 2 'are for octrees' convert fine.bvx -o x.npy --expand 1
@@ -443,7 +443,7 @@ refuses 2 'is a mesh' fill box.obj -o x.bvx
 refuses 2 '--mesh takes a mesh' fill walls.bvx -o x.bvx --mesh fine.bvx
 refuses 2 'no use with --seed' fill walls.bvx -o x.bvx --mesh box.obj --seed 1,1,1
 refuses 2 'one of: 6, 18, 26' fill walls.bvx -o x.bvx --connectivity 8
-refuses 2 'no grid format that is written' fill walls.bvx -o x.csl
+refuses 2 'in a grid format that can be written' fill walls.bvx -o x.csl
 
 # ---- morph ----
 
@@ -466,7 +466,7 @@ reports 'morph hollow' 'r["morph"]["action"] == "hollow" and r["morph"]["hollowe
     and r["morph"]["drained"] > 4 and abs(r["morph"]["drain"][2] - 1.25) < 1e-9' \
     morph hollow body.bvx -o shell.bvx --thickness 1 --drain 0.8
 inside 'a shell is a part of the body' shell.bvx body.bvx
-warns 'no hollow' morph hollow body.bvx -o x.bvx --thickness 50
+warns 'nothing was hollowed out' morph hollow body.bvx -o x.bvx --thickness 50
 for ending in npy nrrd vti; do
     works "distances as .$ending" morph distance body.bvx -o distance.$ending --side signed --value-type f64
 done
@@ -485,7 +485,7 @@ refuses 2 'one of: 6, 18, 26' morph erode body.bvx -o x.bvx --neighbourhood 8
 
 # ---- what refine refuses ----
 
-refuses 2 '--expand is for grids' refine "$knot" -o x.vtu --expand 2
+refuses 2 '--expand is only for grids' refine "$knot" -o x.vtu --expand 2
 refuses 2 'beyond the last level' refine "$knot" -o x.bvx --expand 4 --halvings 3
 refuses 2 'beyond the last level' refine "$knot" -o x.bvx --halvings 3 --expand 3 --window 0,0,0,9,9,9 --outer-levels 4
 refuses 2 '--outer-levels needs --window' refine "$knot" -o x.vtu --outer-levels 2
