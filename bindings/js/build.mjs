@@ -1,4 +1,5 @@
-// build.mjs FOLDER - the npm package bitvox in FOLDER/package: one module of JavaScript, WebAssembly inside.
+// build.mjs FOLDER - the npm package bitvox in FOLDER/package: one module of JavaScript, WebAssembly inside; and the same without 128-bit
+// instructions, scalar.js, since both do not fit into one file of 250 kB.
 // Called by `make js`, from the repository root. EMCC: the compiler [emcc].
 import { execFile, execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -40,20 +41,20 @@ const HOT = new Set(
 // Contraction would change results. With 128-bit instructions repairs take four fifths of the time. The stack lies
 // below all data, so a module whose stack overflows stops and does not write on.
 const emcc = process.env.EMCC ?? 'emcc';
-const flags = [
+const flagsOf = simd => [
     '-std=c11',
     '-ffp-contract=off',
     '-fno-math-errno',
     '-fno-trapping-math',
-    '-msimd128',
+    ...simd,
     '-mbulk-memory',
     `-I${root}/include`,
     `-I${root}/src`,
     `-I${folder}`,
 ];
-const linking = [
+const linkingOf = simd => [
     '-Oz',
-    '-msimd128',
+    ...simd,
     '-mbulk-memory',
     '-sSTANDALONE_WASM',
     '--no-entry',
@@ -76,28 +77,33 @@ const files = readdirSync('src')
             .map(name => `${root}/src/${room}/${name}`),
     );
 files.push(`${root}/${here}/src/bridge.c`);
-const objects = `${folder}/objects`;
-rmSync(objects, { recursive: true, force: true });
-mkdirSync(objects);
 
-// One compiler call for many files, on every processor.
-const batches = [];
-for (const hot of [true, false]) {
-    const chosen = files.filter(file => HOT.has(basename(file, '.c')) === hot);
-    for (let i = 0; i < chosen.length; i += 40)
-        batches.push([hot ? '-O2' : '-Oz', ...flags, '-c', ...chosen.slice(i, i + 40)]);
+/** One module, FOLDER/NAME.wasm. One compiler call for many files, on every processor. */
+async function compileAndLink(name, simd) {
+    const objects = `${folder}/objects-${name}`;
+    rmSync(objects, { recursive: true, force: true });
+    mkdirSync(objects);
+
+    const batches = [];
+    for (const hot of [true, false]) {
+        const chosen = files.filter(file => HOT.has(basename(file, '.c')) === hot);
+        for (let i = 0; i < chosen.length; i += 40)
+            batches.push([hot ? '-O2' : '-Oz', ...flagsOf(simd), '-c', ...chosen.slice(i, i + 40)]);
+    }
+    const compile = async () => {
+        for (let batch = batches.shift(); batch; batch = batches.shift())
+            await run(emcc, batch, { cwd: objects, maxBuffer: 1 << 26 });
+    };
+    await Promise.all(Array.from({ length: availableParallelism() }, compile));
+    await run(emcc, [
+        ...linkingOf(simd),
+        ...files.map(file => `${objects}/${file.replace(/^.*\//, '').replace(/c$/, 'o')}`),
+        '-o',
+        `${folder}/${name}.wasm`,
+    ]);
 }
-const compile = async () => {
-    for (let batch = batches.shift(); batch; batch = batches.shift())
-        await run(emcc, batch, { cwd: objects, maxBuffer: 1 << 26 });
-};
-await Promise.all(Array.from({ length: availableParallelism() }, compile));
-await run(emcc, [
-    ...linking,
-    ...files.map(file => `${objects}/${file.replace(/^.*\//, '').replace(/c$/, 'o')}`),
-    '-o',
-    `${folder}/bitvox.wasm`,
-]);
+await compileAndLink('bitvox', ['-msimd128']);
+await compileAndLink('scalar', []);
 
 // zopfli packs 4 % tighter in the same format; without it the package works as well and is 10 kB larger.
 const squeeze = file => {
@@ -108,7 +114,6 @@ const squeeze = file => {
         return gzipSync(readFileSync(file), { level: 9 });
     }
 };
-const packed = squeeze(`${folder}/bitvox.wasm`).toString('base64');
 
 // ---- The package ----
 
@@ -117,15 +122,18 @@ const version = ['MAJOR', 'MINOR', 'PATCH']
     .join('.');
 // Comments stay in the repository: the file is small before it is anything else.
 const bare = source.replace(/^ *(\/\/.*|\/\*\*.*\*\/)\n/gm, '').replace(/\n{2,}/g, '\n');
-const text =
-    `// bitvox ${version}, MIT licence; made by make js\nconst LAYOUT = ${JSON.stringify(layoutTable(header, structs))};\n` +
-    `const MODULE = '${packed}';\n${bare}`;
-writeFileSync(`${folder}/package/bitvox.js`, text);
+for (const name of ['bitvox', 'scalar']) {
+    const packed = squeeze(`${folder}/${name}.wasm`).toString('base64');
+    const text =
+        `// bitvox ${version}, MIT licence; made by make js\nconst LAYOUT = ${JSON.stringify(layoutTable(header, structs))};\n` +
+        `const SCALAR = ${name === 'scalar'};\nconst MODULE = '${packed}';\n${bare}`;
+    writeFileSync(`${folder}/package/${name}.js`, text);
+    console.log(
+        `${process.argv[2]}/package/${name}.js: ${text.length} bytes, ${gzipSync(text, { level: 9 }).length} gzipped`,
+    );
+}
 for (const file of ['index.d.ts', 'README.md']) copyFileSync(`${here}/${file}`, `${folder}/package/${file}`);
 copyFileSync('LICENSE', `${folder}/package/LICENSE`);
 const description = { ...JSON.parse(readFileSync(`${here}/package.json`, 'utf8')), version };
 delete description.private;
 writeFileSync(`${folder}/package/package.json`, JSON.stringify(description, null, 2) + '\n');
-console.log(
-    `${process.argv[2]}/package: ${text.length} bytes, ${gzipSync(text, { level: 9 }).length} gzipped`,
-);

@@ -16,9 +16,32 @@ NODE_TOOLS=$work/tools
 export BITVOX_JS NODE_TOOLS
 
 small() {
-    size=$(gzip -9 -c "$BITVOX_JS/bitvox.js" | wc -c)
-    echo "$size bytes gzipped, at most 250000"
-    [ "$size" -le 250000 ]
+    for entry in bitvox scalar; do
+        size=$(gzip -9 -c "$BITVOX_JS/$entry.js" | wc -c)
+        echo "$entry.js: $size bytes gzipped, at most 250000"
+        [ "$size" -le 250000 ] || return 1
+    done
+}
+
+# An engine without 128-bit instructions takes the scalar module alone: V8 on x86 has none where SSE 4.1 is switched off.
+without_simd=--no-enable-sse4-1
+node $without_simd --version >/dev/null 2>&1 || without_simd=
+scalar_alone() {
+    [ -n "$without_simd" ] || { echo "this node cannot switch 128-bit instructions off"; exit 77; }
+    for entry in bitvox scalar; do
+        node $without_simd -e "process.exit(WebAssembly.validate(require('fs').readFileSync('$work/$entry.wasm')) ? 0 : 3)"
+        echo "$entry.wasm: status $?"
+    done >"$work/simd.txt"
+    cat "$work/simd.txt"
+    grep -q 'scalar.wasm: status 0$' "$work/simd.txt" && grep -q 'bitvox.wasm: status 3$' "$work/simd.txt" || return 1
+    node $without_simd --input-type=module -e "import { load } from '$BITVOX_JS/bitvox.js'; await load()" >"$work/refused.txt" 2>&1 && return 1
+    grep -q "import 'bitvox/scalar'" "$work/refused.txt"
+}
+
+# The README's example, with the second entry of the package.
+readme_scalar() {
+    sed "s|'bitvox'|'bitvox/scalar'|" "$work/user/readme.mjs" >"$work/user/readme_scalar.mjs"
+    (cd "$work/user" && node $without_simd readme_scalar.mjs) | diff - "$work/readme.txt"
 }
 
 # The folder that users get by npm install.
@@ -26,7 +49,7 @@ installed() {
     rm -rf "$work/user" && mkdir -p "$work/user" || return 1
     (cd "$work/user" && npm pack --silent "$BITVOX_JS" && tar -xzf bitvox-*.tgz && mkdir -p node_modules && mv package node_modules/bitvox) || return 1
     ls "$work/user/node_modules/bitvox"
-    [ "$(ls "$work/user/node_modules/bitvox" | tr '\n' ' ')" = 'LICENSE README.md bitvox.js index.d.ts package.json ' ]
+    [ "$(ls "$work/user/node_modules/bitvox" | tr '\n' ' ')" = 'LICENSE README.md bitvox.js index.d.ts package.json scalar.js ' ]
 }
 
 # The first JavaScript of the README prints what its comments say.
@@ -97,8 +120,11 @@ fi
 check 'js/size' small
 check 'js/npm package' installed
 count 'js/golden rows' node --test --test-reporter=tap bindings/js/tests/golden.test.mjs
+count 'js/golden rows, scalar' env BITVOX_ENTRY=scalar.js node $without_simd --test --test-reporter=tap bindings/js/tests/golden.test.mjs
+check 'js/scalar where there are no 128-bit instructions' scalar_alone
 count 'js/calls' node --test --test-reporter=tap bindings/js/tests/api.test.mjs
 check 'js/README' readme
+check 'js/README, scalar' readme_scalar
 check 'js/sample for node' sample_node
 check 'js/the same file as the program' as_program
 check 'js/tools from npm' tools

@@ -509,9 +509,9 @@ const SIMD_PROBE = Uint8Array.of(
 
 export async function load({ memoryLimit = 0 } = {}) {
     const limit = numberOf('load', 'memoryLimit', 'u64', memoryLimit);
-    if (!WebAssembly.validate(SIMD_PROBE)) {
+    if (!SCALAR && !WebAssembly.validate(SIMD_PROBE)) {
         throw new BitvoxError(
-            'load: WebAssembly has no 128-bit instructions here; Chrome 91, Firefox 89, Safari 16.4 and Node 18 have them',
+            "load: WebAssembly has no 128-bit instructions here; import 'bitvox/scalar', which uses none",
             { status: 'unsupported', function: 'load' },
         );
     }

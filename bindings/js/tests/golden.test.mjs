@@ -1,5 +1,5 @@
 // golden.test.mjs - the package gives the bits of the library's golden rows (fixtures/golden), which all native builds give.
-// BITVOX_JS: the package's folder. Run from the repository root.
+// BITVOX_JS: the package's folder; BITVOX_ENTRY: its file [bitvox.js]. Run from the repository root.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
@@ -8,7 +8,7 @@ import { pathToFileURL } from 'node:url';
 import { Random, ball, soup, torus } from './shapes.mjs';
 
 const { gridGet, gridSet, load, makeGrid } = await import(
-    pathToFileURL(resolve(process.env.BITVOX_JS, 'bitvox.js'))
+    pathToFileURL(resolve(process.env.BITVOX_JS, process.env.BITVOX_ENTRY ?? 'bitvox.js'))
 );
 const bitvox = await load();
 
