@@ -168,6 +168,8 @@ export interface SolidReport {
     doubles: number;
     volume: number;
     meshVolume: number;
+    crossingVolume: number;
+    volumeResolution: number;
     thinChecked: boolean;
     thinResolution: number;
     thinVoxels: number;
