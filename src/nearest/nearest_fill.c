@@ -103,7 +103,7 @@ static void search_fill_brick(const fill_work *w, const int32_t cube[3], uint64_
     uint32_t triangle[BVXI_NEAR_SLOTS];
     uint64_t found = 0;
 
-    /* A narrow search is several times faster; only what it leaves is searched without bounds. */
+    /* A bounded search leaves most boxes out; only what it leaves open is searched without bounds. */
     if (w->guess < HUGE_VAL) {
         start_fill_cube(w, cube, w->guess, worker);
         found = bvxi_near_brick_find(w->n, wanted, w->guess, worker);
