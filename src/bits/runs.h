@@ -50,6 +50,8 @@ static inline uint64_t bvxi_runs_next(bvxi_runs *runs)
             runs->flip = ~runs->flip;
             return length + (uint64_t)n;
         }
+
+        /* The run reaches the end of the word and may go on in the next one. */
         length += (uint64_t)runs->left;
         runs->left = 0;
         /* Whole words like the run, but for the last of a row: it may have fewer bits. */

@@ -33,6 +33,8 @@ static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
         }
         return;
     }
+
+    /* Of a few numbers insertion is the shortest way. */
     for (uint32_t i = 1; i < n; i++) {
         int32_t const x = v[i];
         uint32_t j = i;

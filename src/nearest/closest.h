@@ -1,7 +1,13 @@
 /* closest.h - the point of a mesh that is closest to a given point; what stands behind the public
  * bvx_closest, for other rooms that require nearest points; how far meshes are apart, where several are
  * compared with the same one; all pairs of triangles that cross, for callers who have the mesh welded. Not
- * installed. */
+ * installed.
+ *
+ * Why there is a tree beside that of nearest_tree.h, whose answers are the same: this one has copies of the
+ * corners, so the mesh may go, in 72 bytes a triangle, where that one needs about 100 and the mesh; points lie
+ * anywhere, not in a lattice; and samples of distances are taken in the order of this one's curve. Bricks of
+ * 64 centres are what the other is for: there a centre takes a fifth to a seventh of the time, and one by one
+ * about as much as here. */
 #ifndef BVXI_CLOSEST_H
 #define BVXI_CLOSEST_H
 
