@@ -12,6 +12,7 @@
 typedef struct sections_options {
     bvx_sections_options body;
     cli_list grid;           /* --grid; not given: none */
+    int32_t parts, genus;    /* wishes */
     const char *block_model; /* a file's name, or NULL */
     cli_triple block;
 } sections_options;
@@ -68,6 +69,10 @@ static const cli_argument sections_rows[] = {
           "halve cells that a contour crosses twice on a side, N times at most [5]"),
     WHOLE("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0,
           "the body, where the file holds several"),
+    WHOLE("--parts", "N", OWN(parts), 1, 2147483647.0,
+          "a wish: surfaces in one piece each, those around cavities too; a warning\n"
+          "says when the body has more or fewer"),
+    WHOLE("--genus", "G", OWN(genus), 0, 2147483647.0, "a wish: handles of all surfaces together, likewise"),
     FILE_NAME("--block-model", "CSV", OWN(block_model),
               "also write blocks: centre, sides and the share that is inside"),
     TRIPLE("--block", "X,Y,Z", OWN(block), "sides of a block, with --block-model"),
@@ -92,6 +97,8 @@ typedef struct sections_job {
     double seconds, block_seconds, block_volume;
     double volume; /* of the body as it is made */
     uint64_t blocks;
+    uint64_t parts; /* of the body as it is made */
+    int64_t genus;
     cli_reduction reduction;
     cli_text text; /* of the block model */
 } sections_job;
@@ -133,7 +140,7 @@ static const cli_rule sections_rules[] = {
      .message = "%o is for .csv; loops of .csl are closed by their format"},
     {.also = cli_reduction_rules},
     {.when = STAYS_OPEN,
-     .given = "--triangles --error --error-kind",
+     .given = "--triangles --error --error-kind --parts --genus",
      .message = "%o needs a closed body, not --caps open"},
     {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
     {.given = "--cells", .beside = "--spacing", .message = "%o and %b contradict each other"},
@@ -169,6 +176,8 @@ static int build_body(cli_run *run, sections_job *job)
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
     job->volume = run->report.mesh[0].certificate.volume;
+    job->parts = run->report.mesh[0].certificate.components;
+    job->genus = cli_count_handles(&run->report.mesh[0].certificate);
     return result;
 }
 
@@ -402,7 +411,6 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
         cli_json_value(t, "block_volume", job->block_volume);
     }
     cli_json_value(t, "milliseconds", job->seconds * 1e3);
-    cli_text_add(t, "}");
 }
 
 /* A finer grid cuts contours in more places; halving cells where two of
@@ -444,6 +452,41 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 
+/* Wishes change nothing of the body: what sections leave open is decided by the blend. */
+static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *made)
+{
+    const sections_options *const own = run->own;
+    cli_text *const t = &made->members;
+    int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
+
+    if (own->body.caps == BVX_CAPS_OPEN) return;
+    cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s", job->parts,
+             job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
+    cli_json_count(t, "parts", job->parts);
+    cli_text_add(t, ", \"genus\": %" PRId64, job->genus);
+    if (parts) {
+        int const met = job->parts == (uint64_t)own->parts;
+        cli_tell(made, "; %" PRId32 " part%s wished for: %s", own->parts, own->parts == 1 ? "" : "s",
+                 met ? "met" : "not met");
+        cli_text_add(t, ", \"parts_met\": %s", met ? "true" : "false");
+        if (!met)
+            cli_advise(made, "--parts %" PRId32 " is not met: the surface has %" PRIu64 " pieces", own->parts,
+                       job->parts);
+    }
+    if (genus) {
+        int const met = job->genus == own->genus;
+        cli_tell(made, "; %" PRId32 " handle%s wished for: %s", own->genus, own->genus == 1 ? "" : "s",
+                 met ? "met" : "not met");
+        cli_text_add(t, ", \"genus_met\": %s", met ? "true" : "false");
+        if (!met)
+            cli_advise(made,
+                       "--genus %" PRId32 " is not met: the surface has %" PRId64
+                       " handles; more sections where they are, or more --cells, decide what is joined",
+                       own->genus, job->genus);
+    }
+    cli_tell(made, "\n");
+}
+
 static int make_sections(cli_run *run, void *work, cli_made *made)
 {
     const sections_options *const own = run->own;
@@ -469,6 +512,8 @@ static void tell_sections(const cli_run *run, const void *work, cli_made *made)
         cli_advise(made, "%" PRIu64 " repeated points were left out", job->report.repeated_points);
     tell_body(run, job, made);
     report_body(run, job, made);
+    tell_wishes(run, job, made);
+    cli_text_add(&made->members, "}");
 }
 
 static void free_sections(cli_run *run, void *work)

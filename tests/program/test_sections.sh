@@ -57,6 +57,11 @@ near 'block model adds up' "$(awk -F, 'NR > 1 { v += $4 * $5 * $6 * $7 } END { p
 if [ "$(head -n 1 blocks.csv)" = x,y,z,dx,dy,dz,fraction ]; then ok 'head of a block model'; else not_ok 'head of a block model' "$(head -n 1 blocks.csv)"; fi
 if awk -F, 'NR > 1 && ($7 <= 0 || $7 > 1 || ($1 - 1) % 2 != 0) { bad = 1 } END { exit bad }' blocks.csv; then ok 'blocks lie at whole multiples'
 else not_ok 'blocks lie at whole multiples' 'a centre or share is wrong'; fi
+gives 'a wish that is met' 0 '1 part, 1 handle; 1 part wished for: met; 1 handle wished for: met' sections prism.csv -o prism.ply --parts 1 --genus 1
+gives 'a wish that is not met' 0 '--genus 0 is not met: the surface has 1 handles' sections prism.csv -o prism.ply --genus 0
+run sections prism.csv -o prism.ply --parts 2 --genus 1 --json
+if grep -q '"parts": 1, "genus": 1, "parts_met": false, "genus_met": true' out; then ok 'wishes in a report'; else not_ok 'wishes in a report' "$(cat out)"; fi
+gives 'wishes are of closed bodies' 2 'needs a closed body' sections prism.csv -o prism.ply --caps open --parts 1
 gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
 gives 'cubic' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --blend cubic --layers 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
@@ -273,6 +274,8 @@ def from_sections(
     crossings: Crossings = "exact",
     subdivide: int | None = None,
     label: str | int | None = None,
+    parts: int | None = None,
+    genus: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
     error_kind: ErrorKind | None = None,
@@ -316,6 +319,9 @@ def from_sections(
         a cell that a contour crosses twice on a side is halved at most this often. Default 5.
     label
         which body, when there are several.
+    parts, genus
+        wishes: surfaces in one piece each (those around cavities too), and handles of all of them together. A warning says
+        when the body has another number.
     triangles, error, error_kind
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
@@ -348,6 +354,12 @@ def from_sections(
     targets = level_target(triangles, error, error_kind)
     if targets and caps == "open":
         raise ArgumentError(f"{next(iter(targets))} needs a closed body; caps 'open' leaves it open")
+    if caps == "open" and (parts is not None or genus is not None):
+        raise ArgumentError("parts and genus need a closed body; caps 'open' leaves it open")
+    if parts is not None:
+        in_range("parts", parts, 1, 2147483647)
+    if genus is not None:
+        in_range("genus", genus, 0, 2147483647)
     given = _stack_of(sections)
     options = options_of("sections_options")
     if grid is not None:
@@ -387,9 +399,23 @@ def from_sections(
     with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
         with Run(**limits) as run:
             run.check(build(run.context, given._struct(run), options, made))
-        mesh = collapsed(Mesh._made(made), targets, limits)
+        mesh = Mesh._made(made)
+        _warn_of_wishes(mesh, parts, genus)
+        mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
+
+
+def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
+    """Of the body as it is made: collapsing keeps its topology."""
+    if parts is None and genus is None:
+        return
+    checked = mesh.check()
+    handles = checked.components - checked.euler // 2
+    if parts is not None and parts != checked.components:
+        warnings.warn(f"parts={parts} is not met: the surface has {checked.components} pieces", stacklevel=4)
+    if genus is not None and genus != handles:
+        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles", stacklevel=4)
 
 
 def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
