@@ -2419,7 +2419,8 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  place are named), BVX_ERR_RANGE (not finite, an index beyond its array or the limits), BVX_ERR_ARGUMENT
  *  (also several labels and none chosen).
  *  [Memory: about 150 bytes a contour point or crossing, those of nested levels twice more; 20 bytes a cell
- *  of one section; the mesh twice] [Cost: O(crossings log points + cells / 64 a section); layers multiply
+ *  of one section; the mesh twice. n planes that are not parallel: 10 MB + 3,500 cells^2 + 15,000 n cells
+ *  + 38,000 n^2, for a ball] [Cost: O(crossings log points + cells / 64 a section); layers multiply
  *  what is between sections; the cubic blend computes up to twice the distances] [Exact: inside tests, in
  *  fixed point of 2^-29 of the extent]
  *  Source: "surface modelling in section data fields", with crossings and connectivity on section planes by

@@ -22,7 +22,7 @@ cd "$(dirname "$0")/../.." || exit 1
 : "${BENCHES:?}" "${BUILD:=build}" "${MESHES:=../shared/meshes}" "${BENCH_RUNS:=25}" "${BENCH_PEERS:=1}" "${BENCH_PYTHON:=}" "${BENCH_ONLY:=}"
 out=$BUILD/bench
 mesh=$MESHES/dragon_vrip_871414.ply.gz
-packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d"
+packages="numpy vtk pyvista scikit-image meshoptimizer fast-simplification open3d trimesh libigl meshlib mesh2sdf pymeshfix manifold3d scipy edt connected-components-3d itk-morphologicalcontourinterpolation"
 
 load() { cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo unknown; }
 
@@ -210,6 +210,9 @@ measure_levels
 echo "== bodies from sections"
 "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
 if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
+if [ -n "$python" ] && "$python" -c 'import scipy, skimage, itk' 2>/dev/null; then
+    "$python" tests/bench/peers_planes.py "$out" "$BUILD/bitvox" "$MESHES" >"$out/planes.md" && cat "$out/planes.md"
+fi
 contours=${CONTOURS:-$MESHES/../contours}
 if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
     for frame in 10 29; do # a heart's inner and outer wall, and both

@@ -221,6 +221,93 @@ static void test_planes_along_the_axes(void)
     }
 }
 
+/* A loop of a plane where a body that is a star about the origin on it ends: places along rays. */
+static void add_star_loop(uint32_t section, double (*outside)(const double at[3]), int points)
+{
+    const double *const n = stack.normal + 3 * section;
+    double const size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    double u[3], v[3], foot[3], length = 0.0;
+    int const a = fabs(n[0]) < fabs(n[1]) ? 0 : 1;
+
+    for (int k = 0; k < 3; k++) foot[k] = stack.position[section] * n[k] / size;
+    for (int k = 0; k < 3; k++) u[k] = (k == a) - n[a] * n[k] / (size * size);
+    for (int k = 0; k < 3; k++) length += u[k] * u[k];
+    for (int k = 0; k < 3; k++) u[k] /= sqrt(length);
+    for (int k = 0; k < 3; k++)
+        v[k] = (n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3]) / size;
+    stack_loop(&stack, section);
+    for (int i = 0; i < points; i++) {
+        double low = 0.0, high = 3.0, x, y;
+        double *p;
+        stack_circle((double)i / points, &x, &y);
+        for (int step = 0; step < 60; step++) {
+            double const middle = 0.5 * (low + high);
+            double at[3];
+            for (int k = 0; k < 3; k++) at[k] = foot[k] + middle * (x * u[k] + y * v[k]);
+            if (outside(at) > 0.0) high = middle;
+            else low = middle;
+        }
+        stack_point(&stack, 0.0, 0.0);
+        p = stack.point + 3 * (stack.s.point_count - 1);
+        for (int k = 0; k < 3; k++) p[k] = foot[k] + low * (x * u[k] + y * v[k]);
+    }
+}
+
+/* Two balls that run into one: below 0 inside. */
+static double outside_two_balls(const double at[3])
+{
+    double product = 1.0;
+
+    for (int side = -1; side < 2; side += 2) {
+        double const x = at[0] - 0.5 * side;
+        product *= x * x + at[1] * at[1] + at[2] * at[2];
+    }
+    return product - 0.2; /* an oval of Cassini, turned: in one piece above 1/16 */
+}
+
+static void test_two_balls_that_merge(void)
+{
+    static const int planes[] = {6, 12, 24, 60};
+    double last = 1e300;
+
+    for (int i = 0; i < 4; i++) {
+        uint64_t seed = 7;
+        double off = 0.0;
+        stack_oblique(&stack);
+        for (int k = 0; k < planes[i]; k++)
+            add_star_loop(stack_any_plane(&stack, &seed, 0.25), outside_two_balls, 100);
+        o.cells = 24;
+        build_good();
+        assert_no_crossings();
+        assert_contours_kept();
+        TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+        for (uint64_t v = 0; v < mesh.vertex_count; v++)
+            off += fabs(outside_two_balls((const double *)mesh.positions + 3 * v)) /
+                   (double)mesh.vertex_count;
+        TEST_ASSERT_TRUE(off < last); /* nearer to the body with every plane more */
+        last = off;
+    }
+}
+
+/* A plane beside the body says that there is none on it, and changes little. */
+static void test_a_plane_that_misses_the_body(void)
+{
+    double volume;
+
+    make_ball(4, 10, 0.0);
+    o.cells = 24;
+    build_good();
+    volume = certificate.volume;
+    stack_plane(&stack, 0.2, 0.1, 1, 1.3);
+    build_good();
+    assert_no_crossings();
+    assert_contours_kept();
+    TEST_ASSERT_EQUAL_UINT64(1, report.empty_sections);
+    TEST_ASSERT_TRUE(fabs(certificate.volume - volume) < 0.01 * volume);
+    TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+}
+
 /* ---- options and their like ---- */
 
 static void test_normals_of_parallel_planes_change_nothing(void)
@@ -404,6 +491,26 @@ static void test_damaged_contours_make_no_open_body(void)
     TEST_ASSERT_TRUE(made > 20);
 }
 
+/* As the header has it, of balls. */
+static void test_oblique_bodies_take_no_more_memory_than_said(void)
+{
+    for (uint64_t cells = 32; cells <= 64; cells *= 2)
+        for (uint64_t planes = 5; planes <= 20; planes *= 4) {
+            uint64_t const most = 10000000 + 3500 * cells * cells + 15000 * cells * planes +
+                                  38000 * planes * planes;
+            uint64_t held;
+
+            make_ball(3, (int)planes, 0.0);
+            o.cells = (int32_t)cells;
+            bvx_mesh_free(ctx, &mesh);
+            held = bvx_memory_used(ctx);
+            bvx_memory_reset_peak(ctx);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
+            TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - held <= most);
+            TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - held >= most / 4); /* said is not far too much */
+        }
+}
+
 static void test_what_planes_are_refused(void)
 {
     make_ball(3, 4, 0.0);
@@ -455,6 +562,8 @@ int main(void)
     RUN_TEST(test_near_tangent_crossings_make_no_handle);
     RUN_TEST(test_many_planes_in_one_line);
     RUN_TEST(test_planes_along_the_axes);
+    RUN_TEST(test_two_balls_that_merge);
+    RUN_TEST(test_a_plane_that_misses_the_body);
     RUN_TEST(test_nearly_parallel_planes);
     RUN_TEST(test_normals_of_parallel_planes_change_nothing);
     RUN_TEST(test_threads_change_no_oblique_body);
@@ -464,5 +573,6 @@ int main(void)
     RUN_TEST(test_contours_that_do_not_belong_together);
     RUN_TEST(test_damaged_contours_make_no_open_body);
     RUN_TEST(test_what_planes_are_refused);
+    RUN_TEST(test_oblique_bodies_take_no_more_memory_than_said);
     return UNITY_END();
 }
