@@ -112,7 +112,7 @@ static int find_seeds(cli_run *run, fill_job *job)
     uint64_t room = FILL_SEEDS;
     bvx_status status;
 
-    if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
+    CLI_TRY(make_room_for_seeds(run, job, room));
     cli_stage_begin(run, "seeds");
     status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
     if (status == BVX_OK)
@@ -120,7 +120,7 @@ static int find_seeds(cli_run *run, fill_job *job)
     /* The call counted them all, so the second one has room for exactly as many. */
     if (status == BVX_ERR_CAPACITY) {
         room = job->count;
-        if (make_room_for_seeds(run, job, room) != CLI_DONE) return CLI_FAILED;
+        CLI_TRY(make_room_for_seeds(run, job, room));
         status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
     }
     CLI_TRY(cli_stage_check(run, status, path));

@@ -155,14 +155,12 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
 
-    if (cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])) !=
-        CLI_DONE)
-        return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])));
     c->by_triangles = o->triangles.count != 0;
     c->count = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
-    if (cli_check_level_names(run, c->count) != CLI_DONE) return CLI_USAGE;
+    CLI_TRY(cli_check_level_names(run, c->count));
     /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
         if (own->resolutions.value[i] > o->resolution.value[0])

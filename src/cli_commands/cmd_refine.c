@@ -79,8 +79,7 @@ static int check_levels(cli_run *run)
     const refine_options *const own = run->own;
     int32_t const levels = levels_asked_for(run);
 
-    if (cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL) != CLI_DONE)
-        return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
     if (levels == REFINE_AUTO) return CLI_DONE;
     if (own->tree.outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,

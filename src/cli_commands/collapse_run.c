@@ -37,7 +37,7 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
     const cli_options *const o = run->options;
     int const ways = (o->triangles.count != 0) + (o->errors.count != 0) + (o->count != 0);
 
-    if (cli_check_rules(run, collapse_rules, 0, NULL) != CLI_DONE) return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, collapse_rules, 0, NULL));
 
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;

@@ -44,8 +44,7 @@ static int check_measured_options(cli_run *run)
                            (own->levels.source == BVX_LEVELS_MEASURED ? FROM_MEASURED : 0u) |
                            (o->open != BVX_OPEN_SHELL ? LEAVES_OPEN : 0u);
 
-    if (cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut") != CLI_DONE)
-        return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut"));
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
         return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
                          o->resolution.value[0], 1 << 24);

@@ -81,7 +81,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
     /* From here on all distances are told in percent of it too. */
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
-    if (choose_resolution(run, c) != CLI_DONE) return CLI_FAILED;
+    CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
     CLI_TRY(cli_check_call(run, fit(run, c, c->resolution, &run->report.lattice), path));
     run->report.has_lattice = 1;
@@ -98,9 +98,8 @@ static int make_solid(cli_run *run, cli_chain *c)
 
 static int open_mesh(cli_run *run, cli_chain *c)
 {
-    int const status = cli_read_mesh(run, run->options->input[0], &c->input);
-    if (status != CLI_DONE) return status;
-    if (cli_check_carry(run, &c->input) != CLI_DONE) return CLI_USAGE;
+    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    CLI_TRY(cli_check_carry(run, &c->input));
     c->input_triangles = c->input.triangle_count;
     bvx_mesh_view_of(&c->input, &c->view);
     return make_solid(run, c);

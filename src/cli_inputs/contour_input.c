@@ -26,6 +26,7 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
         cli_stage_end(run);
         if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
     }
+    /* Contours are copied out of the text. */
     free(b.bytes);
     return status;
 }

@@ -153,7 +153,7 @@ int cli_read_input(cli_run *run, const char *path, cli_input *input)
     input->path = path;
     CLI_TRY(cli_input_kind(run, path, &input->kind));
     if (input->kind == CLI_GRID) return cli_read_grid(run, path, NULL, &input->grid, &input->placed);
-    if (cli_check_rules(run, tree_rules, CLI_OF_MESH, cli_input_name(path)) != CLI_DONE) return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, tree_rules, CLI_OF_MESH, cli_input_name(path)));
     return cli_read_mesh(run, path, &input->mesh);
 }
 

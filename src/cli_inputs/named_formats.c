@@ -9,6 +9,7 @@ enum { VOX_SIDE = 256 };
 
 int cli_kind_of_format(int32_t format)
 {
+    /* The sets of formats are bits. */
     if (format < 0 || format > 30) return 0;
     return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH
            : (BVX_GRIDS_READ >> format & 1) != 0   ? CLI_GRID
@@ -33,6 +34,7 @@ int cli_needs_sidecar(int32_t format)
 
 char *cli_sidecar_name(const char *path)
 {
+    /* Never packed itself: FILE.npy.gz has FILE.npy.json beside it. */
     size_t const n = strlen(path) - (cli_is_packed(path) ? 3 : 0);
     char *const name = malloc(n + 6);
     if (name != NULL) {

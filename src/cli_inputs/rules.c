@@ -150,7 +150,7 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
 
         if ((facts & r->when) != r->when || (facts & r->unless) != 0) continue;
         if (r->also != NULL) {
-            if (check_rows(run, r->also, facts, word) != CLI_DONE) return CLI_USAGE;
+            CLI_TRY(check_rows(run, r->also, facts, word));
             continue;
         }
         if (r->given != NULL && (option = cli_given_of(run, r->given)) == NULL) continue;

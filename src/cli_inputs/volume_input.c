@@ -112,8 +112,7 @@ int cli_check_selection(cli_run *run, const char *path)
 
     if (selections(run) > 1)
         return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
-    if (cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)) != CLI_DONE)
-        return CLI_USAGE;
+    CLI_TRY(cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)));
     return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
 }
 

@@ -73,6 +73,7 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made
         char target[32], sound[96] = "yes";
 
         target_text(l, diagonal, target, sizeof target);
+        /* The worst of what a level may be is what its row says. */
         if (l->crossings != 0)
             snprintf(sound, sizeof sound, "NO, %" PRIu64 " pairs of triangles cross", l->crossings);
         if (!cli_is_sound(&m->certificate)) defect_text(l, sound, sizeof sound);
@@ -86,6 +87,7 @@ static void tell_distance(cli_made *made, double d, double diagonal, int decimal
 {
     double const part = d / diagonal;
 
+    /* No percentage of a point, or of what doubles do not hold. */
     if (is_length(diagonal) && part - part == 0.0)
         cli_tell(made, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
     else cli_tell(made, "  %9.3g %*s", d, 4 + decimals, "-");
@@ -120,7 +122,7 @@ void cli_tell_written(const cli_run *run, int count, cli_made *made)
     const cli_mesh_entry *const m = run->report.mesh;
 
     cli_tell(made, "\n");
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) /* Levels in one file are one name. */
         if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)
             cli_tell(made, "%s%s", i == 0 ? "written: " : ", ", m[i].path);
     cli_tell(made, "\n");

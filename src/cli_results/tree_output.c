@@ -12,6 +12,7 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     int32_t const format = bvx_format_of_name(path);
     int const expand = cli_given(run, "--expand");
 
+    /* .bvx holds grids and trees, and --expand says which is wanted. */
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return cli_usage(
@@ -44,6 +45,7 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     bvx_status status;
 
     t->tree = tree;
+    /* Owned from here on, whatever fails below. */
     t->levels = bvx_octree_levels(tree);
     status = bvx_octree_lattice(run->context, tree, 0, &t->base);
     if (status == BVX_OK) status = bvx_octree_lattice(run->context, tree, t->levels, &run->report.lattice);
@@ -57,8 +59,7 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 
 static int write_expanded(cli_run *run, cli_tree *t)
 {
-    int const status = cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid);
-    if (status != CLI_DONE) return status;
+    CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
     bvx_grid_count(run->context, &t->grid, &run->report.set);
     run->report.has_set = 1;
     return cli_write_grid(run, &t->grid);
