@@ -292,7 +292,7 @@ deps: ## install what the tests need (apt, as root)
 deps-proof: ## and what matrix, fuzz, coverage, mcdc, analyze, abi and the sanitizers need
 	@sh tests/tools/deps.sh proof
 
-deps-windows: ## and what the tests of the program for Windows need: mingw, wine
+deps-windows: deps ## and what the tests of the program for Windows need: mingw, wine
 	@sh tests/tools/deps.sh windows
 
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
@@ -304,7 +304,7 @@ test: deps ## all tests of this machine and compiler (10 minutes); ends with "N 
 test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
 
-test-other: deps ## other compilers, 32-bit x86, big-endian s390x, sanitizers (18 minutes)
+test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (18 minutes), a part of test-windows
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)
