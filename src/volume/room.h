@@ -46,10 +46,17 @@ static inline double bvxi_sample_value(const uint8_t *p, int32_t type)
 typedef void bvxi_bits_fn(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
                           uint64_t *words);
 
+/* n numbers beside one another of each of up to 64 columns, stride bytes apart: bit c of rows[i] is number i of column
+ * c. The numbers `ahead` bytes further are those that the next call reads. */
+typedef void bvxi_columns_fn(const void *rule, const uint8_t *p, int64_t stride, int32_t columns, int32_t n,
+                             int64_t ahead, uint64_t *rows);
+
 typedef struct bvxi_sample_walk {
     const uint8_t *first; /* sample of the grid's voxel (0,0,0) */
     int64_t stride[3];    /* [Units: bytes] */
     bvxi_bits_fn *run;
+    bvxi_columns_fn
+        *columns; /* run, then turned, where numbers are side by side and nothing is counted; or NULL */
     const void *rule;
     void *tallies;        /* one for each piece, or NULL */
     size_t tally_size;    /* [Units: bytes] */
@@ -108,6 +115,9 @@ typedef struct bvxi_range_tally {
 /* threshold.c: the rule (a bvxi_range) for runs of samples; with tally
  * (bvxi_range_tally) where one is given. */
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
+
+/* threshold_columns.c: the same for columns, or NULL where the processor has nothing better than runs. */
+bvxi_columns_fn *bvxi_range_columns_for(const bvx_context *ctx, int32_t type);
 
 /* Threshold a checked view into an open grid; report may be NULL. */
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],

@@ -3,7 +3,8 @@
  * Where x runs fastest, a row of samples is a row of bits. Where another axis f does (NumPy's C order), runs
  * along f are packed, 64 columns of x at a time, turned by transposing 64 by 64 bits (Warren. Hacker's Delight.
  * 2003, section 7-3) and written as words of rows. TILE_THIRD planes of the third axis are taken together: where
- * z is fastest, their runs lie side by side in the array, and so do their words in the grid. Guarantee: a task
+ * z is fastest, their runs lie side by side in the array, and so do their words in the grid. A rule that packs
+ * columns by itself (bvxi_columns_fn) needs no bits turned. Guarantee: a task
  * writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "volume/room.h"
 #include "bits/bits.h"
@@ -139,16 +140,59 @@ static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = square[k][i];
 }
 
+/* Bytes from the samples of a tile's last plane to those that are read next; 0 for none. */
+static int64_t next_columns(const bvxi_sample_walk *w, const sample_tile *t, int32_t x)
+{
+    int64_t const plane = w->stride[3 - w->axis];
+
+    /* The next columns, from the first plane on. */
+    if (x + 64 < w->grid->size[0])
+        return at_most(w->grid->size[0] - x - 64, 64) * w->stride[0] - (t->nt - 1) * plane;
+
+    /* The first columns of the next tile. */
+    if (t->third + t->nt < w->grid->size[3 - w->axis]) return plane - x * w->stride[0];
+    return 0;
+}
+
+/* 64 columns of x by the rule for columns: words of rows at once, written as write_squares does. */
+static void write_columns(const bvxi_sample_walk *w, const sample_tile *t, int32_t x, int32_t n,
+                          uint64_t row[TILE_THIRD][64 * TILE_F_WORDS])
+{
+    const bvx_grid *const g = w->grid;
+    uint64_t const wide = (uint64_t)g->words_per_row, deep = (uint64_t)g->size[1] * wide;
+    uint64_t const along = w->axis == 2 ? deep : wide, across = w->axis == 2 ? wide : deep;
+    uint64_t *to = g->words + (uint64_t)t->third * across + (uint64_t)t->f * along + (x >> 6);
+
+    for (int32_t k = 0; k < t->nt; k++) {
+        int32_t const y = w->axis == 2 ? t->third + k : t->f;
+        int32_t const z = w->axis == 2 ? t->f : t->third + k;
+
+        w->columns(w->rule, sample_at(w, x, y, z), w->stride[0], n, t->nf,
+                   k + 1 < t->nt ? w->stride[3 - w->axis] : next_columns(w, t, x), row[k]);
+    }
+    /* A row of each plane, side by side. */
+    for (int32_t i = 0; i < t->nf; i++, to += along)
+        for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = row[k][i];
+}
+
 static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile *t)
 {
-    uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
+    union {
+        uint64_t run[TILE_THIRD][64][TILE_F_WORDS];
+        uint64_t row[TILE_THIRD][64 * TILE_F_WORDS];
+    } at;
+    int const columns = w->columns != NULL && tally == NULL && w->stride[w->axis] == 1;
 
     for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
         /* As many columns as a word has bits. */
         int32_t const n = at_most(w->grid->size[0] - x, 64);
 
-        read_runs(w, tally, t, x, n, run);
-        for (int32_t kf = 0; 64 * kf < t->nf; kf++) write_squares(w, t, x, n, kf, run);
+        if (columns) {
+            write_columns(w, t, x, n, at.row);
+            continue;
+        }
+        read_runs(w, tally, t, x, n, at.run);
+        for (int32_t kf = 0; 64 * kf < t->nf; kf++) write_squares(w, t, x, n, kf, at.run);
     }
 }
 

@@ -378,6 +378,7 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = bvxi_range_run_for(call.ctx, volume->sample_type);
+    walk.columns = report == NULL ? bvxi_range_columns_for(call.ctx, volume->sample_type) : NULL;
     walk.rule = range;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);

@@ -43,12 +43,12 @@ static void check_threshold(const test_volume *t, double low, double high)
 
 static void check_type(int32_t type, double least, double most)
 {
-    static const int32_t sizes[6][3] = {{130, 3, 5}, {64, 2, 70},  {63, 66, 2},
-                                        {1, 7, 65},  {66, 19, 67}, {2, 9, 390}};
+    static const int32_t sizes[7][3] = {{130, 3, 5},  {64, 2, 70}, {63, 66, 2},  {1, 7, 65},
+                                        {66, 19, 67}, {2, 9, 390}, {150, 10, 71}};
     const int *const orders[3] = {x_first, z_first, y_first};
     double const middle = 0.5 * (least + most);
 
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 7; i++)
         for (int o = 0; o < 3; o++) {
             test_volume t;
             make_volume(&t, type, sizes[i], i, orders[o], o + i, i == 0 ? 0 : i);
@@ -83,6 +83,7 @@ static void test_threshold_is_the_same_on_all_paths_and_threads(void)
     open_context(3, BVX_CPU_PORTABLE);
     check_type(BVX_SAMPLE_F32, -9, 9);
     check_type(BVX_SAMPLE_U16, 0, 65535);
+    check_type(BVX_SAMPLE_I8, -128, 127);
 }
 
 /* Ends that are no floats must not move to a neighbour that is outside. */
