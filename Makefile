@@ -243,7 +243,7 @@ python: ## build/python/wheel: a wheel of the Python package (pip, which fetches
 	@mkdir -p $(BUILD)/python
 	$(PYTHON) -m pip wheel --quiet --no-deps -w $(BUILD)/python/wheel bindings/python && ls $(BUILD)/python/wheel/*.whl
 
-site: ## build/site: the pages of the Python package (an installed bitvox, mkdocs-material, mkdocstrings[python])
+site: ## build/site: the pages of the Python package (an installed bitvox, mkdocs-material, mkdocstrings[python], nbclient, ipykernel)
 	$(PYTHON) bindings/python/docs/build.py $(BUILD)/site
 
 wheels: ## a manylinux wheel, tried where there is no compiler (pip fetches auditwheel)

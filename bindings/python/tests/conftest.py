@@ -1,5 +1,6 @@
 """Shapes that the tests share. They run on the installed package, from anywhere; real data is used where it is present."""
 
+import importlib.util
 import os
 from pathlib import Path
 
@@ -42,6 +43,26 @@ def knot():
 def ball():
     """A closed mesh of a ball."""
     return bitvox.surface(bitvox.Grid.from_numpy(ball_grid(), spacing=0.25))
+
+
+@pytest.fixture(scope="session")
+def run_notebook(tmp_path_factory):
+    """A function that runs a notebook of the pages once, and the folder that then holds it."""
+    for module in ("nbclient", "nbformat", "jupyter_client", "ipykernel"):
+        pytest.importorskip(module)
+    import nbformat
+
+    spec = importlib.util.spec_from_file_location("bitvox_docs_build", HERE.parent / "docs" / "build.py")
+    build = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(build)
+    folder = tmp_path_factory.mktemp("notebooks")
+
+    def run(path):
+        if not (folder / path.name).is_file():
+            nbformat.write(build.run_notebook(path, tmp_path_factory.mktemp(path.stem)), folder / path.name)
+        return nbformat.read(folder / path.name, as_version=4)
+
+    return run, folder
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ import bitvox
 from bitvox import big, formats
 
 README = HERE.parent / "README.md"
-NEEDS = {"trimesh": ["trimesh"], "pyvista": ["pyvista"], "big": ["dask", "zarr"], "formats": ["nibabel", "PIL"]}
+NEEDS = {"SimpleITK": ["SimpleITK"], "npe2": ["npe2"], "trimesh": ["trimesh"], "pyvista": ["pyvista"], "big": ["dask", "zarr"], "formats": ["nibabel", "PIL"]}
 
 
 def pieces(path=README):
@@ -38,6 +38,8 @@ def test_recipe(number, tmp_path):
         if re.search(rf"import {word}\b", code):
             for module in modules:
                 pytest.importorskip(module)
+    if "write_segmentation" in code:
+        pytest.importorskip("highdicom")
     knot = REPOSITORY / "fixtures" / "knot.ply"
     if "knot.ply" in code:
         if not knot.is_file():
@@ -62,14 +64,17 @@ def test_python_example_of_the_main_readme(tmp_path):
         assert found.returncode == 0, found.stderr
 
 
-def test_pages_are_built(tmp_path):
+def test_pages_are_built(tmp_path, run_notebook):
     """Their code runs, their pictures are made, every reference leads somewhere, and the manual of each public name is there."""
-    for module in ("material", "mkdocstrings_handlers.python"):
+    for module in ("material", "mkdocstrings_handlers.python", "highdicom", "SimpleITK", "zarr"):
         pytest.importorskip(module)
     build = HERE.parent / "docs" / "build.py"
     if not build.is_file() or not (REPOSITORY / "fixtures" / "knot.ply").is_file():
         pytest.skip("the pages are not beside the tests")
-    found = subprocess.run([sys.executable, str(build), str(tmp_path)], capture_output=True, text=True, timeout=300, check=False)
+    run, ready = run_notebook
+    for path in sorted((HERE.parent / "docs" / "notebooks").glob("*.ipynb")):
+        run(path)
+    found = subprocess.run([sys.executable, str(build), str(tmp_path), str(ready)], capture_output=True, text=True, timeout=300, check=False)
     assert found.returncode == 0 and "WARNING" not in found.stderr, found.stdout + found.stderr
     pages = {path.parent.name: path.read_text(encoding="utf-8") for path in (tmp_path / "reference").glob("*/index.html")}
     whole = "".join(pages.values())
@@ -80,3 +85,8 @@ def test_pages_are_built(tmp_path):
     assert "longest_hole" in pages["reports"]
     shown = re.findall(r'<img [^>]*src="\.\./(\w+\.png)"', (tmp_path / "gallery" / "index.html").read_text(encoding="utf-8"))
     assert len(shown) >= 8 and all((tmp_path / name).read_bytes()[1:4] == b"PNG" for name in shown)
+    books = sorted((tmp_path / "notebooks").glob("*/index.html"))
+    assert len(books) == 10
+    for book in books:  # a picture each, which is there
+        shown = re.findall(r'<img [^>]*src="\.\./(\w+\.png)"', book.read_text(encoding="utf-8"))
+        assert shown and all((book.parent.parent / name).read_bytes()[1:4] == b"PNG" for name in shown), book.parent.name
