@@ -45,14 +45,12 @@ def run_page(page: Path, pictures: Path) -> None:
 
 
 def run_notebook(path: Path, work: Path) -> Any:
-    """The notebook with its outputs, run from top to bottom in a folder, by a kernel that nobody else can reach."""
-    import jupyter_client
+    """The notebook with its outputs, run from top to bottom in a folder."""
     import nbclient
     import nbformat
 
     book = nbformat.read(path, as_version=4)
-    manager = jupyter_client.AsyncKernelManager(kernel_name="python3", transport="ipc")
-    nbclient.NotebookClient(book, km=manager, timeout=300, resources={"metadata": {"path": str(work)}}).execute()
+    nbclient.NotebookClient(book, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(work)}}).execute()
     return book
 
 

@@ -48,7 +48,7 @@ def ball():
 @pytest.fixture(scope="session")
 def run_notebook(tmp_path_factory):
     """A function that runs a notebook of the pages once, and the folder that then holds it."""
-    for module in ("nbclient", "nbformat", "jupyter_client", "ipykernel"):
+    for module in ("nbclient", "nbformat", "ipykernel"):
         pytest.importorskip(module)
     import nbformat
 
