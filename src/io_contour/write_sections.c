@@ -37,6 +37,7 @@ typedef struct section_counts {
 static section_counts count_section(const bvx_sections *s, uint64_t section)
 {
     section_counts c = {0, 0};
+
     /* The loops of a section need not stand together, so all of them are looked at. */
     for (uint64_t i = 0; i < s->loop_count; i++)
         if (s->loops[i].section == section) {
@@ -62,6 +63,57 @@ static void put_unit(bvxi_output *o, const double n[3])
     put_triple(o, unit);
 }
 
+/* Number, counts and plane of a section. A stack of one direction has its unit normal in the frame already. */
+static void put_csl_head(const bvx_sections *s, uint64_t section, const double normal[3], bvxi_output *o)
+{
+    section_counts const c = count_section(s, section);
+
+    bvxi_output_text(o, "\n");
+    bvxi_output_number(o, section + 1);
+    bvxi_output_text(o, " ");
+    bvxi_output_number(o, c.points);
+    bvxi_output_text(o, " ");
+    bvxi_output_number(o, c.loops);
+    bvxi_output_text(o, " ");
+
+    if (s->normals == NULL) put_triple(o, normal);
+    else put_unit(o, s->normals + 3 * section);
+    bvxi_output_text(o, " ");
+    /* CSL has the plane as a x + b y + c z + d = 0. */
+    put_real(o, -s->positions[section]);
+    bvxi_output_text(o, "\n\n");
+}
+
+static void put_csl_points(const bvx_sections *s, uint64_t section, bvxi_output *o)
+{
+    for (uint64_t i = 0; i < s->loop_count; i++) {
+        if (s->loops[i].section != section) continue;
+        for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+            put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
+            bvxi_output_text(o, "\n");
+        }
+    }
+    bvxi_output_text(o, "\n");
+}
+
+/* The walk over the loops is in the order in which their points were written, so the indices are a count. */
+static void put_csl_loops(const bvx_sections *s, uint64_t section, bvxi_output *o)
+{
+    uint64_t from = 0;
+
+    for (uint64_t i = 0; i < s->loop_count; i++) {
+        if (s->loops[i].section != section) continue;
+        bvxi_output_number(o, s->loops[i].point_count);
+        bvxi_output_text(o, " ");
+        put_signed(o, s->loops[i].label);
+        for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
+            bvxi_output_text(o, " ");
+            bvxi_output_number(o, from++);
+        }
+        bvxi_output_text(o, "\n");
+    }
+}
+
 static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *o)
 {
     bvxi_output_text(o, "CSLC\n");
@@ -69,55 +121,20 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
     bvxi_output_text(o, " ");
     bvxi_output_number(o, count_labels(s));
     bvxi_output_text(o, "\n");
-    /* Points of the plane are numbered from 0 in the order
-     * of its loops: each loop's indices follow each other. */
+
     for (uint64_t k = 0; k < s->section_count; k++) {
-        section_counts const c = count_section(s, k);
-        uint64_t from = 0;
-        bvxi_output_text(o, "\n");
-        bvxi_output_number(o, k + 1);
-        bvxi_output_text(o, " ");
-        bvxi_output_number(o, c.points);
-        bvxi_output_text(o, " ");
-        bvxi_output_number(o, c.loops);
-        bvxi_output_text(o, " ");
-        /* A stack of one direction has its unit normal in the frame already. */
-        if (s->normals == NULL) put_triple(o, normal);
-        else put_unit(o, s->normals + 3 * k);
-        bvxi_output_text(o, " ");
-        put_real(o, -s->positions[k]);
-        bvxi_output_text(o, "\n\n");
-        for (uint64_t i = 0; i < s->loop_count; i++) {
-            if (s->loops[i].section != k) continue;
-            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-                put_triple(o, s->points + 3 * (s->loops[i].first_point + j));
-                bvxi_output_text(o, "\n");
-            }
-        }
-        bvxi_output_text(o, "\n");
-        /* The second walk over the loops is in the same order,
-         * so from counts through the points just written. */
-        for (uint64_t i = 0; i < s->loop_count; i++) {
-            if (s->loops[i].section != k) continue;
-            bvxi_output_number(o, s->loops[i].point_count);
-            bvxi_output_text(o, " ");
-            put_signed(o, s->loops[i].label);
-            for (uint64_t j = 0; j < s->loops[i].point_count; j++) {
-                bvxi_output_text(o, " ");
-                bvxi_output_number(o, from++);
-            }
-            bvxi_output_text(o, "\n");
-        }
+        put_csl_head(s, k, normal, o);
+        put_csl_points(s, k, o);
+        put_csl_loops(s, k, o);
     }
 }
-
-/* ---- CSV ---- */
 
 static void put_table(const bvx_sections *s, bvxi_output *o)
 {
     bvxi_output_text(o, "section,position,loop,label,x,y\n");
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
+
         /* One line a point, with all that is known of its
          * section and loop: tables have no other place for it. */
         for (uint64_t j = 0; j < l->point_count; j++) {
@@ -159,6 +176,8 @@ static void bound_drawing(const bvx_sections *s, const double axis[3][3], double
 {
     low[0] = low[1] = HUGE_VAL;
     high[0] = high[1] = -HUGE_VAL;
+
+    /* What is not finite takes its end of the axis with it, which the caller refuses. */
     for (uint64_t i = 0; i < s->point_count; i++) {
         double uv[2];
         uv_of_point(axis, s->points + 3 * i, uv);
@@ -241,6 +260,7 @@ static bvx_status check_section_format(bvx_context *ctx, const char *function, c
                                  "%s: only CSL holds planes that each have a normal", function);
         BVXI_TRY(bvxi_section_frame(ctx, function, s->normals + 3 * i, frame));
     }
+
     /* CSV has no column for z, so it must be the position. */
     if (format == BVX_FORMAT_CSV) {
         if (!(axis[2][2] == 1.0))

@@ -252,6 +252,10 @@ uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
 /* oblique_contours.c: contours become edges of the tetrahedra. */
 bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 
+/* oblique_regions.c: signs on planes by their regions; *torn: vertices of which two planes say different things, to
+ * be dropped by the caller. */
+bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count);
+
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
@@ -326,6 +330,26 @@ static inline int bvxi_is_on(const bvxi_oblique *o, uint32_t vertex, uint32_t pl
 static inline void bvxi_set_on(bvxi_oblique *o, uint32_t vertex, uint32_t plane)
 {
     bvxi_tetra_on(o, vertex)[plane / 64] |= UINT64_C(1) << plane % 64;
+}
+
+/* The first plane that a vertex lies on, or BVXI_NONE. */
+static inline uint32_t bvxi_first_plane(const bvxi_oblique *o, uint32_t vertex)
+{
+    const uint64_t *const on = bvxi_tetra_on(o, vertex);
+
+    for (uint32_t w = 0; w < o->plane_words; w++) {
+        uint32_t p = 64 * w;
+        if (on[w] == 0) continue;
+        while (!bvxi_is_on(o, vertex, p)) p++;
+        return p;
+    }
+    return BVXI_NONE;
+}
+
+static inline void bvxi_flip_sign(const bvxi_oblique *o, uint32_t vertex)
+{
+    o->vertex[vertex].sign = (int8_t)-o->vertex[vertex].sign;
+    o->vertex[vertex].value = -o->vertex[vertex].value;
 }
 
 /* The corner of a tetrahedron that a vertex is; 4: none. */

@@ -110,6 +110,7 @@ static void judge_piece(void *user, int32_t index, int32_t worker)
         uint64_t mixed, wanted, touched = 0;
         uint32_t touches = 0;
 
+        /* Split where corners differ, a contour runs, or a plane says another thing, if a plane is there at all. */
         look_at_block(o, (uint32_t)i, b);
         mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
         wanted = mixed | o->contour_cells[o->known[i]];
@@ -135,6 +136,7 @@ static void list_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         uint32_t cell = o->split_first[i], touch = o->touch_first[i];
         if (o->split[i] == 0) continue;
+        /* Looked at twice rather than kept: what planes touch in all blocks would be much memory. */
         look_at_block(o, (uint32_t)i, b);
         for (uint64_t left = o->split[i]; left != 0; left &= left - 1, cell++) {
             int const c = bvxi_lowest(left);

@@ -167,24 +167,30 @@ typedef struct way_step {
     double at[3];
 } way_step;
 
-/* Judges one edge v of the triangles around the place a: any vertex on the line to b comes before any edge that the
- * line crosses; of several vertices the one nearest the line, and `to` before all (*nearest is -1 then). */
-static void judge_step(const bvxi_oblique *o, uint32_t plane, const double a[2], const double b[2],
-                       uint32_t to, uint32_t t, const uint32_t v[2], double *nearest, way_step *step)
+/* A straight line on a plane, from a vertex to another one. */
+typedef struct way_line {
+    uint32_t plane, to;
+    double from[2], way[2], length;
+    double nearest; /* how far off the vertex lies that was found; -1: it is the end */
+} way_line;
+
+/* Judges one edge v of the triangles around where the line begins: any vertex on it comes before any edge that it
+ * crosses; of several vertices the one nearest the line, and its end before all. */
+static void judge_step(const bvxi_oblique *o, way_line *line, uint32_t t, const uint32_t v[2], way_step *step)
 {
-    double const d[2] = {b[0] - a[0], b[1] - a[1]};
-    double const length = sqrt(d[0] * d[0] + d[1] * d[1]);
+    const double *const d = line->way;
     double off[2], along[2], share;
 
     for (int k = 0; k < 2; k++) {
         double uv[2];
-        vertex_uv(o, plane, v[k], uv);
-        off[k] = ((uv[1] - a[1]) * d[0] - (uv[0] - a[0]) * d[1]) / length;
-        along[k] = ((uv[0] - a[0]) * d[0] + (uv[1] - a[1]) * d[1]) / length;
-        if (v[k] == to) off[k] = 0.0;
+        vertex_uv(o, line->plane, v[k], uv);
+        for (int x = 0; x < 2; x++) uv[x] -= line->from[x];
+        off[k] = v[k] == line->to ? 0.0 : (uv[1] * d[0] - uv[0] * d[1]) / line->length;
+        along[k] = (uv[0] * d[0] + uv[1] * d[1]) / line->length;
         if (bvxi_absolute(off[k]) > BVXI_OBLIQUE_NEAR || !(along[k] > 0.0)) continue;
-        if (bvxi_absolute(off[k]) < *nearest || v[k] == to) {
-            *nearest = v[k] == to ? -1.0 : bvxi_absolute(off[k]);
+        /* Rounding may put several vertices on the line: the way must not run past its end. */
+        if (bvxi_absolute(off[k]) < line->nearest || v[k] == line->to) {
+            line->nearest = v[k] == line->to ? -1.0 : bvxi_absolute(off[k]);
             step->vertex = v[k];
         }
     }
@@ -199,11 +205,16 @@ static void judge_step(const bvxi_oblique *o, uint32_t plane, const double a[2],
 
 static bvx_status next_step(bvxi_oblique *o, uint32_t plane, uint32_t from, uint32_t to, way_step *step)
 {
-    double a[2], b[2], nearest = 1e300;
+    way_line line = {plane, to, {0.0, 0.0}, {0.0, 0.0}, 0.0, 1e300};
+    double end[2];
 
     step->vertex = step->tetra = BVXI_NONE;
-    vertex_uv(o, plane, from, a);
-    vertex_uv(o, plane, to, b);
+    vertex_uv(o, plane, from, line.from);
+    vertex_uv(o, plane, to, end);
+    for (int k = 0; k < 2; k++) line.way[k] = end[k] - line.from[k];
+    line.length = sqrt(line.way[0] * line.way[0] + line.way[1] * line.way[1]);
+
+    /* Only triangles of the plane itself count: those whose corners all lie on it. */
     BVXI_TRY(bvxi_tetra_star(o, from));
     for (uint64_t i = 0; i < o->star_count; i++) {
         const bvxi_tetra *const t = &o->tetra[o->star[i]];
@@ -215,7 +226,7 @@ static bvx_status next_step(bvxi_oblique *o, uint32_t plane, uint32_t from, uint
                 on &= bvxi_is_on(o, t->v[j], plane);
                 if (t->v[j] != from) v[n++ & 1] = t->v[j];
             }
-            if (on && n == 2) judge_step(o, plane, a, b, to, o->star[i], v, &nearest, step);
+            if (on && n == 2) judge_step(o, &line, o->star[i], v, step);
         }
     }
     return BVX_OK;

@@ -27,6 +27,7 @@ static int look_add_tetra(bvxi_look *l, uint32_t tetra)
 
 static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
+    /* All bits set: a free place, as no tetrahedron has that number. */
     memset(l->seen, 0xff, sizeof l->seen);
     l->count = 0;
     if (!look_add_tetra(l, o->vertex[vertex].tetra)) return 0;
@@ -78,6 +79,7 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     uint32_t stretches[2] = {0, 0};
 
+    /* Each vertex is a stretch of its own at first, and each join takes one away. */
     for (uint32_t i = 0; i < l->vertices; i++)
         if (l->sign[i] != 0) stretches[l->sign[i] > 0]++;
     for (uint32_t i = 0; i < l->count; i++) {
@@ -93,6 +95,7 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
                 x = look_root(l, number[a]);
                 y = look_root(l, number[b]);
                 if (x == y) continue;
+                /* The lower number becomes the root: the same whatever comes first. */
                 l->joined[x > y ? x : y] = x > y ? y : x;
                 stretches[l->sign[x] > 0]--;
             }
@@ -132,6 +135,7 @@ static uint32_t changes_round(const bvxi_oblique *o, uint32_t start, uint32_t a,
 {
     uint32_t changes = 0, at = start, stay = BVXI_NONE, left = BVXI_NONE;
 
+    /* The two corners off the edge: over the face without the first one the walk begins. */
     for (int k = 0; k < 4; k++) {
         uint32_t const v = o->tetra[start].v[k];
         if (v == a || v == b) continue;
@@ -142,6 +146,7 @@ static uint32_t changes_round(const bvxi_oblique *o, uint32_t start, uint32_t a,
         /* Over the face opposite the vertex that is left; the one that stayed is left next. */
         uint32_t const next = o->tetra[at].n[bvxi_corner_of(&o->tetra[at], left)];
         changes += o->vertex[left].sign != o->vertex[stay].sign;
+        /* A border: no plane's contour is settled there, as by the walk that changes things. */
         if (next == BVXI_NONE) return 0;
         left = stay;
         for (int k = 0; k < 4; k++) {

@@ -137,6 +137,7 @@ static uint32_t block_beside(const bvxi_oblique *o, uint32_t known, int corner, 
 /* Signs of the block's vertices moved on by the ways of a cell's corners: [0] is the block's own. */
 static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8])
 {
+    /* Where nothing is known of a block all its vertices have one sign; beyond the lattice is outside. */
     for (int c = 0; c < 8; c++) {
         uint64_t block;
         uint32_t const n = block_beside(o, known, c, 1, &block);
@@ -144,6 +145,7 @@ static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8
                    : block != UINT64_MAX && o->block_sign[block] ? UINT64_MAX
                                                                  : 0;
     }
+    /* Axis after axis: a corner's word follows from the one without that axis and from what lies behind. */
     for (int axis = 0; axis < 3; axis++)
         for (int c = 7; c >= 0; c--)
             if (c >> axis & 1) moved[c] = one_on(moved[c ^ 1 << axis], moved[c], axis);
@@ -202,11 +204,13 @@ static void find_crossed(const bvxi_oblique *o, uint32_t known)
         uint32_t const n = block_beside(o, known, c, -1, &block);
         has[c] = n == BVXI_NONE ? 0 : o->active[n];
     }
+    /* Then has[c] says of each vertex whether the cell that lies back from it by c is plain. */
     for (int axis = 0; axis < 3; axis++)
         for (int c = 7; c >= 0; c--)
             if (c >> axis & 1) has[c] = one_back(has[c ^ 1 << axis], has[c], axis);
     for (int way = 1; way < 8; way++) {
         uint64_t used = 0;
+        /* An edge's cells lie back from its lower vertex along the axes that it does not run along. */
         for (int c = 0; c < 8; c++)
             if ((c & way) == 0) used |= has[c];
         o->crossed[known].edges[way - 1] = (moved[0] ^ moved[way]) & used;
@@ -314,6 +318,7 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
                 bvxi_oblique_place_among(o, place, plane, planes, end[e]);
                 value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
             }
+            /* From inside outwards, as tetrahedra do: the place must not depend on who computes it. */
             in = value[0] > 0.0 ? 0 : 1;
             bvxi_oblique_cross_edge(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
                                     at);

@@ -14,8 +14,6 @@
  * Each step leaves what the ones before it made. */
 #include "section/oblique.h"
 
-#include "bits/bits.h"
-
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
 
 /* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled after
@@ -33,19 +31,6 @@ static void change_round(const signs_job *job, uint32_t v)
 {
     /* Vertices that are added on the way lie on no contour, and are not gone through. */
     if (v < job->vertices) job->again[v] = 1;
-}
-
-static uint32_t first_plane(const bvxi_oblique *o, uint32_t v)
-{
-    const uint64_t *const on = bvxi_tetra_on(o, v);
-
-    for (uint32_t w = 0; w < o->plane_words; w++) {
-        uint32_t p = 64 * w;
-        if (on[w] == 0) continue;
-        while (!bvxi_is_on(o, v, p)) p++;
-        return p;
-    }
-    return BVXI_NONE;
 }
 
 static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
@@ -68,7 +53,7 @@ static void signs_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
         if (x->sign == 0) x->value = 0.0F;
-        else if (!x->lattice) give_sign(o, x, first_plane(o, (uint32_t)i));
+        else if (!x->lattice) give_sign(o, x, bvxi_first_plane(o, (uint32_t)i));
     }
 }
 
@@ -98,7 +83,7 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
             if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
             middle_of(o, v, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
-            give_sign(o, &o->vertex[m], first_plane(o, m));
+            give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
         }
     for (int k = 0; k < 4; k++) {
         uint32_t v[3], m;
@@ -109,7 +94,7 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
         if (n < 3) continue;
         middle_of(o, v, 3, at);
         BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
-        give_sign(o, &o->vertex[m], first_plane(o, m));
+        give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
     }
     return BVX_OK;
 }
@@ -171,171 +156,7 @@ static void close_link(link_work *w)
     for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
 }
 
-/* ---- regions ---- */
-
-/* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
-typedef struct oblique_region_work {
-    uint32_t *joined; /* [vertex] */
-    double *vote;     /* [vertex] area on the contours' left less that on their right */
-    uint64_t *first;  /* [plane + 2] of each plane's faces */
-    uint64_t *face;   /* 4 times a tetrahedron and the corner opposite */
-    uint32_t *torn;   /* vertices of which two planes say different things; once a plane but the first */
-    uint64_t torn_count, torn_room;
-} oblique_region_work;
-
-static void flip_sign(const bvxi_oblique *o, uint32_t v)
-{
-    o->vertex[v].sign = (int8_t)-o->vertex[v].sign;
-    o->vertex[v].value = -o->vertex[v].value;
-}
-
-static uint32_t region_root(oblique_region_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) {
-        w->joined[i] = w->joined[w->joined[i]];
-        i = w->joined[i];
-    }
-    return i;
-}
-
-/* A triangle of the plane: x y z, z's side of the edge x y where that is a contour's. */
-static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane, uint32_t x, uint32_t y,
-                     uint32_t z)
-{
-    uint32_t const edge = bvxi_edge_find(&o->contour_edge, x, y);
-    double a[2], b[2], c[2], area;
-
-    if (edge == BVXI_NONE || edge / 2 != plane) return;
-    bvxi_oblique_uv(&o->plane[plane], o->vertex[x].at, a);
-    bvxi_oblique_uv(&o->plane[plane], o->vertex[y].at, b);
-    bvxi_oblique_uv(&o->plane[plane], o->vertex[z].at, c);
-    area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    w->vote[z] += (x > y) == (edge & 1) ? area : -area;
-}
-
-static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane,
-                               const uint32_t v[3])
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
-        if (o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
-            vote_for(o, w, plane, x, y, z);
-        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
-            uint32_t const a = region_root(w, x), b = region_root(w, y);
-            w->joined[a > b ? a : b] = a > b ? b : a;
-        }
-    }
-}
-
-static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
-{
-    int n = 0;
-
-    for (int k = 0; k < 4; k++)
-        if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
-}
-
-/* Joins and votes first, then the votes to the roots, then signs. */
-static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
-{
-    uint64_t const begin = w->first[plane], end = w->first[plane + 1];
-    uint32_t v[3];
-
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        for (int k = 0; k < 3; k++) {
-            w->joined[v[k]] = v[k];
-            w->vote[v[k]] = 0.0;
-        }
-    }
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        look_at_plane_face(o, w, plane, v);
-    }
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        for (int k = 0; k < 3; k++) {
-            uint32_t const x = v[k];
-            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || region_root(w, x) == x) continue;
-            w->vote[region_root(w, x)] += w->vote[x];
-            w->vote[x] = 0.0;
-        }
-    }
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        for (int k = 0; k < 3; k++) {
-            uint32_t const x = v[k];
-            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[region_root(w, x)];
-            if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
-            if (first_plane(o, x) == plane) {
-                flip_sign(o, x);
-                continue;
-            }
-            BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
-                                       "the vertices that planes contradict each other of"));
-            w->torn[w->torn_count++] = x;
-        }
-    }
-    return BVX_OK;
-}
-
-/* The planes that three vertices lie on, 64 at a time. */
-static uint64_t planes_of_face(const bvxi_oblique *o, uint32_t tetra, int corner, uint32_t word)
-{
-    uint64_t on = UINT64_MAX;
-
-    for (int k = 0; k < 4; k++)
-        if (k != corner) on &= bvxi_tetra_on(o, o->tetra[tetra].v[k])[word];
-    return on;
-}
-
-/* Which faces lie on planes, each marked at one of the two tetrahedra beside it. */
-static void mark_faces_piece(void *user, int32_t index, int32_t worker)
-{
-    const signs_job *const job = user;
-    const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
-
-    (void)worker;
-    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
-    for (uint64_t t = begin; t < end; t++) {
-        o->mark[t] = 0;
-        for (int k = 0; k < 4; k++) {
-            uint64_t on = 0;
-            if (o->tetra[t].n[k] < t) continue;
-            for (uint32_t w = 0; w < o->plane_words; w++) on |= planes_of_face(o, (uint32_t)t, k, w);
-            if (on != 0) o->mark[t] |= (uint8_t)(1 << k);
-        }
-    }
-}
-
-/* All faces on planes, those of one plane together. */
-static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
-{
-    static const char what[] = "the faces on planes";
-    uint64_t const n = (uint64_t)o->plane_count + 2;
-    uint64_t *next;
-
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, what, &w->first));
-    next = w->first + 1;
-    for (int fill = 0; fill < 2; fill++) {
-        for (uint64_t t = 0; t < o->tetra_count; t++)
-            for (int k = 0; k < 4 && o->mark[t] != 0; k++) {
-                if (!(o->mark[t] >> k & 1)) continue;
-                for (uint32_t word = 0; word < o->plane_words; word++)
-                    for (uint64_t on = planes_of_face(o, (uint32_t)t, k, word); on != 0; on &= on - 1) {
-                        uint32_t const plane = 64 * word + (uint32_t)bvxi_lowest(on);
-                        if (fill) w->face[next[plane]++] = 4 * t + (uint64_t)k;
-                        else next[plane + 1]++;
-                    }
-            }
-        if (fill) break;
-        /* next[p] is where the faces of plane p begin, and where those of the next begin once they are in */
-        for (uint32_t p = 0; p < o->plane_count; p++) next[p + 1] += next[p];
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->plane_count] + 1) * 8, what, &w->face));
-    }
-    return BVX_OK;
-}
+/* ---- signs that nothing else decides ---- */
 
 static int has_inside(const bvxi_oblique *o, const link_work *w)
 {
@@ -387,7 +208,7 @@ static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const s
 
     inside = all || (euler <= 0 && has_inside(o, w));
     if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v)) {
-        flip_sign(o, v);
+        bvxi_flip_sign(o, v);
         for (uint32_t i = 0; i < w->count; i++) change_round(job, w->vertex[i]);
     }
     close_link(w);
@@ -399,7 +220,7 @@ static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
 {
     const bvxi_tetra_vertex *const x = &o->vertex[v];
 
-    if (x->sign == 0 || first_plane(o, v) != BVXI_NONE) return 0;
+    if (x->sign == 0 || bvxi_first_plane(o, v) != BVXI_NONE) return 0;
     return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
 }
 
@@ -421,6 +242,7 @@ static void judge_loose_piece(void *user, int32_t index, int32_t worker)
         job->wrong[i] = 0;
         if (!is_loose_sign(o, v)) continue;
         job->wrong[i] = 1;
+        /* A star too large to be looked at here is judged when its turn comes. */
         if (!bvxi_look_link(o, &look, v)) continue;
         euler = bvxi_look_euler(o, &look, v, &any, &all);
         inside = all || (euler <= 0 && any);
@@ -430,7 +252,7 @@ static void judge_loose_piece(void *user, int32_t index, int32_t worker)
 
 /* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
  * so do those off all planes that lie between contours or next to the surface. */
-static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const oblique_region_work *torn)
+static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *torn, uint64_t torn_count)
 {
     bvx_status status;
     link_work w;
@@ -440,8 +262,7 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const oblique_re
     job->pieces = bvxi_piece_count(job->vertices, 256);
     status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
     if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
-    for (uint64_t i = 0; i < torn->torn_count && status == BVX_OK; i++)
-        status = settle_sign(o, &w, torn->torn[i], job);
+    for (uint64_t i = 0; i < torn_count && status == BVX_OK; i++) status = settle_sign(o, &w, torn[i], job);
     memset(job->again, 0, (size_t)job->vertices);
     if (status == BVX_OK)
         status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_loose_piece, job);
@@ -457,25 +278,13 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const oblique_re
  * it is told by the tetrahedra, from the direction in which the contours' edges run. */
 static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 {
-    uint64_t const n = o->vertex_count;
-    oblique_region_work w;
-    bvx_status status;
+    uint32_t *torn = NULL;
+    uint64_t count = 0;
+    bvx_status status = BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count));
 
-    memset(&w, 0, sizeof w);
-    job->pieces = bvxi_piece_count(o->tetra_count, 4096);
-    status = BVXI_SHARE(o->ctx, 0.0, 0.4,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, mark_faces_piece, job));
-    if (status == BVX_OK) status = list_plane_faces(o, &w);
-    if (status == BVX_OK)
-        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the regions of planes", &w.joined);
-    if (status == BVX_OK) status = bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 8, "the regions of planes", &w.vote);
-    for (uint32_t p = 0; p < o->plane_count && status == BVX_OK; p++) status = settle_region(o, &w, p);
-    if (status == BVX_OK) status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, &w));
-    bvxi_drop(o->ctx, w.torn);
-    bvxi_drop(o->ctx, w.vote);
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.face);
-    bvxi_drop(o->ctx, w.first);
+    /* Vertices that planes contradict each other of come first: others look at their signs. */
+    if (status == BVX_OK) status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
+    bvxi_drop(o->ctx, torn);
     return status;
 }
 
@@ -644,7 +453,7 @@ static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, u
 
 static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
-    uint32_t const plane = first_plane(o, v);
+    uint32_t const plane = bvxi_first_plane(o, v);
     uint32_t keep[2], wrong = BVXI_NONE, t, m;
     double at[3];
 
@@ -666,6 +475,7 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
         for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
         BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
         if (t == BVXI_NONE) return BVX_OK;
+        /* The star of v is still there from the search; the ring that is split is in it. */
         for (uint64_t i = 0; i < o->star_count; i++) change_corners(o, o->star[i], job);
         BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
         set_opposite(o, m, wrong);

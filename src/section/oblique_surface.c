@@ -159,6 +159,7 @@ static bvx_status march_all(bvxi_oblique *o)
         uint32_t v[4];
         if (t % 262144 == 0)
             BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
+        /* All corners on one side: most of them, and nothing else of them is looked at. */
         if (o->mark[t] == 0 || o->mark[t] == 15) continue;
         memcpy(v, o->tetra[t].v, sizeof v);
         BVXI_TRY(march_tetrahedron(o, v, o->mark[t]));
@@ -286,6 +287,7 @@ static bvx_status refuse_torn(bvxi_oblique *o)
 {
     uint64_t broken = 0;
 
+    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are looked at. */
     memset(o->kept, 0, (size_t)o->position_count);
     for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
     BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STACK_POINTS = 60000, STACK_LOOPS = 2000, STACK_SECTIONS = 300 };
+enum { STACK_POINTS = 60000, STACK_LOOPS = 2000, STACK_SECTIONS = 1000 };
 
 typedef struct section_maker {
     double point[3 * STACK_POINTS], position[STACK_SECTIONS], normal[3 * STACK_SECTIONS];

@@ -871,9 +871,39 @@ static void test_sections_golden(void)
     TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x70F1F7D1190A65B8), all);
 }
 
+/* A cylinder: its volume and its points do not depend on how often it is cut. */
+static void test_stacks_of_few_and_many_sections(void)
+{
+    static const int count[] = {1, 2, 100, 1000};
+
+    for (int i = 0; i < 4; i++) {
+        double area = 0.0;
+        stack_clear(&stack);
+        for (int k = 0; k < count[i]; k++) {
+            uint32_t const section = stack_section(&stack, count[i] == 1 ? 0.0 : 4.0 * k / (count[i] - 1));
+            stack_round(&stack, section, 0, 0, 1, 1, 12, 0, 0, 0);
+        }
+        o.grid[0] = o.grid[1] = 6;
+        if (count[i] == 1) {
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build());
+            continue;
+        }
+        build_good();
+        assert_points_kept();
+        TEST_ASSERT_EQUAL_UINT64((uint64_t)count[i], report.sections);
+        TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+        for (int k = 0; k < 12; k++) {
+            const double *const a = stack.point + 3 * k, *const b = stack.point + 3 * ((k + 1) % 12);
+            area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+        }
+        TEST_ASSERT_TRUE(fabs(certificate.volume - 4.0 * area) < 1e-9);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_stacks_of_few_and_many_sections);
     RUN_TEST(test_random_stacks_are_closed_and_keep_all_points);
     RUN_TEST(test_random_stacks_in_the_fields_way_are_closed);
     RUN_TEST(test_points_on_round_numbers);

@@ -1,6 +1,7 @@
 """Section contours."""
 
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -183,3 +184,29 @@ def test_planes_of_any_direction() -> None:
     assert apart.surface(cells=16, agree=2.5).report.settled == 1
     with pytest.raises(bitvox.ArgumentError, match="cells and spacing"):
         crossed.surface(cells=16, spacing=1.0)
+
+
+def tube():
+    return [SQUARE * 3, SQUARE * 3 + [0, 0, 4], SQUARE + [3, 3, 0], SQUARE + [3, 3, 4]]
+
+
+def test_wishes_about_topology_that_are_met_say_nothing():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert bitvox.from_sections(tube(), parts=1, genus=1).check().closed
+
+
+@pytest.mark.parametrize(("wish", "words"), [({"parts": 2}, "parts=2 is not met: the surface has 1 pieces"),
+                                             ({"genus": 0}, "genus=0 is not met: the surface has 1 handles")])
+def test_wishes_about_topology_that_are_not_met_are_warned_of(wish, words):
+    with pytest.warns(UserWarning, match=words):
+        mesh = bitvox.from_sections(tube(), **wish)
+    assert mesh.check().closed
+
+
+def test_wishes_about_topology_need_closed_bodies_and_numbers():
+    with pytest.raises(bitvox.ArgumentError, match="need a closed body"):
+        bitvox.from_sections(tube(), parts=1, caps="open")
+    for wish in ({"parts": 0}, {"genus": -1}):
+        with pytest.raises(ValueError):
+            bitvox.from_sections(tube(), **wish)
