@@ -129,6 +129,8 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
     }
 }
 
+/* ---- CSV ---- */
+
 static void put_table(const bvx_sections *s, bvxi_output *o)
 {
     bvxi_output_text(o, "section,position,loop,label,x,y\n");
