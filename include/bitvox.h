@@ -1085,8 +1085,8 @@ typedef struct bvx_repair_report {
                                    is wrong with it */
     uint64_t crumbs;          /**< small parts and pockets that are not in the mesh: dropped and filled,
                                    also counted in parts_dropped and cavities_dropped */
-    uint64_t turned;          /**< AUTO: triangles that faced the other way than their neighbours and were
-                                   turned */
+    uint64_t turned;          /**< AUTO: triangles that faced the other way than their neighbours, or of
+                                   pieces inside out beside others, and were turned */
     uint64_t thin_voxels;     /**< voxels at walls that the lattice loses: thinner than 1.5 voxels, with no
                                    centre inside to show them */
     uint64_t thin_components; /**< of the input, that have such walls */
@@ -1097,7 +1097,10 @@ typedef struct bvx_repair_report {
     int32_t thin_resolution; /**< the resolution at which a wall of thin_wall is 1.5 voxels; 0: none, or
                                   none needed */
     int32_t reserved0;
-    uint64_t reserved[3];
+    double parts_volume; /**< the volumes of the input's pieces, each by itself, added up: more than any solid
+                              of them has, so that a larger result has walls or rods as thick as voxels; 0:
+                              the input is open, or its sides are not known [Units: world] */
+    uint64_t reserved[2];
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {
@@ -1180,10 +1183,10 @@ enum {
     BVX_MEASURED_ASKED = 1, /**< chosen by source, or required by an option that only a measured surface
                                  can follow */
     BVX_MEASURED_OPEN = 2,
-    BVX_MEASURED_MANIFOLD = 3,  /**< the mesh is not manifold */
-    BVX_MEASURED_FLIPPED = 4,   /**< neighbours of opposite orientation */
-    BVX_MEASURED_FLAT = 5,      /**< triangles without area */
-    BVX_MEASURED_LARGE = 6,     /**< a scan of more than 500,000 triangles and 24 times those of the finest
+    BVX_MEASURED_MANIFOLD = 3, /**< the mesh is not manifold */
+    BVX_MEASURED_FLIPPED = 4,  /**< neighbours of opposite orientation, or a piece inside out beside others */
+    BVX_MEASURED_FLAT = 5,     /**< triangles without area */
+    BVX_MEASURED_LARGE = 6,    /**< a scan of more than 500,000 triangles and 24 times those of the finest
                                      level */
     BVX_MEASURED_CROSSINGS = 7, /**< the mesh crosses itself, and so did its levels */
     BVX_MEASURED_MEMORY = 8     /**< as it is the mesh would have exceeded the memory limit */
@@ -1200,7 +1203,8 @@ typedef struct bvx_levels_report {
     bvx_repair_report repair;  /**< BVX_LEVELS_MEASURED: what was found and done; its lattice, parts and
                                     shells */
     uint64_t doubles, turned;  /**< open KEEP and CUT: triangles that were there twice, dropped; triangles
-                                    turned to agree with their neighbours */
+                                    turned to agree with their neighbours. Else, of a mesh that was inside
+                                    out as a whole: all of them */
     uint64_t refused_edges;    /**< open KEEP: edges that made it impossible, of three triangles or between
                                     two that cannot agree. With CUT such edges became borders */
     double refused_edge[2][3]; /**< ends of the first of them [Units: world] */
@@ -1208,7 +1212,10 @@ typedef struct bvx_levels_report {
                              padding, else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it: what was
                                      planned */
-    uint64_t reserved[5];
+    int32_t nested; /**< BVX_LEVELS_MESH: 1, closed bodies lie in others and face as they do: what lies in
+                         both counts twice. A measured surface has it once */
+    int32_t reserved0;
+    uint64_t reserved[4];
 } bvx_levels_report;
 
 typedef struct bvx_levels_options {

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define MOST_THICKENED 0.05 /* of the volume that all parts have together, from which on it is warned of */
+
 /* ---- its options ---- */
 
 /* The library's own options, at first what it takes by itself. */
@@ -96,6 +98,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_value(t, "sharp_share", r->sharp_share);
     cli_json_value(t, "volume_before", r->before.volume);
     cli_json_value(t, "volume_after", r->after.volume);
+    if (r->parts_volume != 0) cli_json_value(t, "parts_volume", r->parts_volume);
     if (measured) {
         cli_json_count(t, "overlaps", r->overlaps);
         cli_json_value(t, "mean_input_to_output", r->distance.mean_a_to_b);
@@ -151,6 +154,16 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
              r->thin_kept ? ": kept" : "");
 }
 
+void cli_advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
+{
+    if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_THICKENED) * r->parts_volume) return;
+    cli_advise(made,
+               "%s has a volume of %.6g, all parts of the mesh together have %.6g (%+.1f %%): walls and rods "
+               "thinner than voxels became as thick as these; %s",
+               what, r->after.volume, r->parts_volume, (r->after.volume / r->parts_volume - 1.0) * 100.0,
+               remedy);
+}
+
 /* Handles where walls, or gaps, thinner than voxels have met. A mesh that crosses itself has none of its own
  * to compare. */
 static void warn_of_handles(const bvx_repair_report *r, const char *remedy, cli_made *made)
@@ -191,7 +204,10 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
     /* What follows compares sizes, and these have one only as a body without overlaps. */
-    if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || volume == 0) return;
+    if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0) {
+        cli_advise_thickened(r, "the result", remedy, made);
+        return;
+    }
     warn_of_handles(r, remedy, made);
     if (fabs(r->after.volume - volume) > 0.05 * volume)
         cli_advise(made, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",

@@ -116,6 +116,9 @@ static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_mad
                    "%s: at %" PRIu64
                    " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned",
                    in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
+    if (c->before.closed && c->before.oriented && c->before.volume < 0)
+        cli_advise(made, "%s is inside out, and so is the result; 'bitvox lod' and 'bitvox repair' turn it",
+                   in);
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)

@@ -178,17 +178,22 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
 
 /* ---- Warnings ---- */
 
-/* The share by which a volume differs from another, whichever way both are turned. */
-static double volume_change(double volume, double from)
+/* Of a cube's volume as its area says it: bodies that face opposite ways may cancel each other. */
+#define NO_VOLUME 1e-9
+
+/* The share by which a volume differs from that of a mesh, whichever way both are turned; 0: it has none. */
+static double volume_change(double volume, const bvx_certificate *from)
 {
-    return fabs(from) > 0.0 ? fabs(volume) / fabs(from) - 1.0 : 0.0;
+    double const least = NO_VOLUME * from->area * sqrt(from->area);
+
+    return fabs(from->volume) > least ? fabs(volume) / fabs(from->volume) - 1.0 : 0.0;
 }
 
-static void warn_of_volume(cli_made *made, const char *what, double change, const char *why)
+static void warn_of_volume(cli_made *made, const char *what, double change, const char *than, const char *why)
 {
     if (fabs(change) > VOLUME_CHANGE)
-        cli_advise(made, "%s has %.3g %% %s volume than the input%s", what, 100.0 * fabs(change),
-                   change < 0.0 ? "less" : "more", why);
+        cli_advise(made, "%s has %.3g %% %s volume than %s%s", what, 100.0 * fabs(change),
+                   change < 0.0 ? "less" : "more", than, why);
 }
 
 /* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not
@@ -214,9 +219,9 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
                    ": parts that touch became one, and what is thinner than a voxel may be lost",
                    s->components, s->components == 1 ? "" : "s", in->components);
     if (in->closed && in->oriented) {
-        double const change = volume_change(s->volume, in->volume);
+        double const change = volume_change(s->volume, in);
 
-        warn_of_volume(made, "the measured surface", change,
+        warn_of_volume(made, "the measured surface", change, "the input",
                        change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
                                       "voxel may be lost"
                                     : ": sheets became shells, or cavities are filled");
@@ -241,15 +246,19 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
 {
     const bvx_level_report *const l = &c->level[i];
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
-    double const of_surface = volume_change(l->certificate.volume, s->volume);
+    double const of_surface = volume_change(l->certificate.volume, s);
     char what[32];
 
     snprintf(what, sizeof what, "level %d", i);
     if (l->certificate.components != s->components)
         cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
                    l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
+    /* An open input has no volume to compare with; its measured surface has. */
     if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
-        warn_of_volume(made, what, volume_change(l->certificate.volume, in->volume), "");
+        warn_of_volume(made, what, volume_change(l->certificate.volume, in), "the input", "");
+    else if (s->closed && s->oriented)
+        warn_of_volume(made, what, of_surface, "the surface that it was made from",
+                       "; more triangles keep it nearer");
 
     if (l->crossings != 0)
         cli_advise(made,

@@ -220,6 +220,7 @@ static void report_levels(const cli_run *run, const cli_lod_collapse *l, cli_mad
     cli_json_count(t, "input_border_edges", l->report.before.boundary_edges);
     cli_json_count(t, "doubles", l->report.doubles);
     cli_json_count(t, "turned", l->report.turned);
+    cli_text_add(t, ", \"nested\": %s", l->report.nested ? "true" : "false");
     cli_json_count(t, "refused_edges", l->report.refused_edges);
     cli_json_count(t, "crumbs", l->report.crumbs);
     cli_json_count(t, "resolution", (uint64_t)l->report.resolution);
@@ -243,6 +244,28 @@ static void warn_of_unused(const cli_run *run, const cli_lod_collapse *l, cli_ma
                    unused);
 }
 
+/* Bodies that are turned, or that lie in each other: the mesh itself is what levels were made from. */
+static void warn_of_facing(const cli_lod_collapse *l, cli_made *made)
+{
+    const cli_collapse_run *const c = &l->run;
+    int const is_body = c->before.closed && c->before.oriented;
+
+    if (is_measured(l)) {
+        /* Where one volume says it, the other need not. */
+        if (!is_body)
+            cli_advise_thickened(&l->report.repair, "the measured surface", "take a higher --resolution",
+                                 made);
+        return;
+    }
+    if (is_body && l->report.turned != 0)
+        cli_advise(made, "the input is inside out: its %" PRIu64 " triangles were turned", l->report.turned);
+    else if (is_body && c->before.volume < 0)
+        cli_advise(made, "the input is inside out, and so are its levels");
+    if (l->report.nested)
+        cli_advise(made, "bodies lie in others and face as they do, so that what lies in both counts twice; "
+                         "--source measured makes one body of them");
+}
+
 int cli_lod_by_collapse(cli_run *run, cli_lod_collapse *l, cli_made *made)
 {
     int status = check_measured_options(run);
@@ -260,6 +283,7 @@ void cli_tell_lod_collapse(const cli_run *run, const cli_lod_collapse *l, cli_ma
     tell_lod_head(run, l, made);
     cli_tell_collapse(run, &l->run, made);
     warn_of_unused(run, l, made);
+    warn_of_facing(l, made);
     warn_of_sheets(run, l, made);
     warn_of_lowered(l, made);
     report_levels(run, l, made);

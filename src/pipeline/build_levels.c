@@ -17,6 +17,7 @@ enum {
     PLAN_LEAST = 256, /* voxels along the longest axis */
     PLAN_MOST = 320,
     PLAN_LOWEST = 32,    /* that a memory limit leaves */
+    NESTING = 64,        /* voxels along the longest axis that show whether bodies lie in others */
     SCAN_LEAST = 500000, /* meshes of more triangles are scans */
     SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
 };
@@ -41,6 +42,7 @@ typedef struct levels_job {
     const bvx_mesh_view *mesh;
     const bvx_levels_options *options;
     bvxi_level_chain chain;
+    int may_nest; /* pieces that face outward may lie in others */
     bvx_levels_report report;
 } levels_job;
 
@@ -390,9 +392,81 @@ static int32_t reason_of(const bvx_certificate *c)
     return c->degenerate != 0 ? BVX_MEASURED_FLAT : BVX_MEASURED_NOT;
 }
 
+/* ---- Facing ---- */
+
+static void turn_each(uint32_t *corner, uint64_t triangles)
+{
+    for (uint64_t t = 0; t < triangles; t++) {
+        uint32_t const second = corner[3 * t + 1];
+
+        corner[3 * t + 1] = corner[3 * t + 2];
+        corner[3 * t + 2] = second;
+    }
+}
+
+/* A mesh that is inside out as a whole is turned. Errors are measured against it as it is then, so that
+ * normals compare. */
+static void turn_the_whole(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
+{
+    turn_each(corner, welded->triangle_count);
+    job->report.turned = welded->triangle_count;
+    job->chain.original = welded;
+}
+
+/* Pieces by their volumes: turned as a whole where that makes all right, measured where it does not. */
+static void turn_or_measure(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner, bvxi_part *pieces,
+                            uint64_t count)
+{
+    int const inside_out = job->report.before.volume < 0;
+
+    for (uint64_t n = 0; n < count && inside_out; n++) pieces[n].volume6 = -pieces[n].volume6;
+    if (!bvxi_cavities_lie_within(pieces, count)) {
+        job->report.reason = BVX_MEASURED_FLIPPED;
+        return;
+    }
+    if (inside_out) turn_the_whole(job, welded, corner);
+    job->may_nest = bvxi_bodies_may_nest(pieces, count);
+}
+
+/* Do pieces face outward, and cavities inward? A closed mesh of one piece says so by its volume alone. */
+static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
+{
+    const bvx_certificate *const c = &job->report.before;
+    uint64_t const vertices = welded->vertex_count;
+    uint32_t *same, *piece;
+    bvxi_part *pieces = NULL;
+    uint64_t count;
+    bvx_status status;
+
+    if (c->components == 1 && c->volume > 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, vertices * 8, "the mesh's pieces", &same));
+    piece = same + vertices;
+    for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
+    bvxi_pieces(welded, same, piece);
+    status = bvxi_parts_open(job->ctx, welded, piece, c, &pieces, &count);
+    if (status == BVX_OK) turn_or_measure(job, welded, corner, pieces, count);
+    bvxi_drop(job->ctx, pieces);
+    bvxi_drop(job->ctx, same);
+    return status;
+}
+
+/* Bodies that lie in others and face as they do: what lies in both counts twice in each level. */
+static bvx_status look_for_nested(levels_job *job, const bvx_mesh_view *welded)
+{
+    bvx_lattice lattice;
+    int agree = 1;
+
+    if (!job->may_nest) return BVX_OK;
+    BVXI_TRY(bvx_lattice_fit(job->ctx, welded, NESTING, &lattice));
+    BVXI_TRY(bvxi_rules_agree(job->ctx, welded, &lattice, &agree));
+    job->report.nested = !agree;
+    return BVX_OK;
+}
+
 /* The reason to measure the mesh, or none: only then is it asked whether it crosses itself, which takes
  * longest. */
-static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
+static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
 {
     const bvx_levels_options *const o = job->options;
     const bvx_certificate *const c = &job->report.before;
@@ -411,9 +485,16 @@ static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded)
         *reason = BVX_MEASURED_LARGE;
         return BVX_OK;
     }
-    BVXI_TRY(bvx_mesh_crossings(job->ctx, welded, &job->report.crossings, NULL, 0));
-    if (job->report.crossings != 0) *reason = BVX_MEASURED_CROSSINGS;
-    return BVX_OK;
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_facing(job, welded, corner)));
+    if (*reason != BVX_MEASURED_NOT) return BVX_OK;
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.9,
+                        bvx_mesh_crossings(job->ctx, welded, &job->report.crossings, NULL, 0)));
+    if (job->report.crossings != 0) {
+        *reason = BVX_MEASURED_CROSSINGS;
+        return BVX_OK;
+    }
+    return BVXI_SHARE(job->ctx, 0.9, 1.0, look_for_nested(job, welded));
 }
 
 /* ---- Sheets ---- */
@@ -481,7 +562,7 @@ static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_
     int const open = job->options->open != BVX_OPEN_SHELL;
     double chosen;
 
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded, corner)));
     chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25
                                                                                                     : 0.05;
     /* Open meshes may stay open where that was requested. */

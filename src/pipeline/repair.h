@@ -76,6 +76,29 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired);
 bvx_status bvxi_repair_needs(bvxi_repair_job *job);
 bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy);
 
+/* piece_volumes.c: a piece of a mesh, six times its volume and its box around the middle of the mesh. */
+typedef struct bvxi_part {
+    double volume6, low[3], high[3];
+    uint64_t triangles, least; /* the least vertex */
+} bvxi_part;
+
+/* All pieces with triangles, in the order of their least vertices. piece: of each vertex, as bvxi_pieces
+ * says; of: the mesh's box. Scratch: 72 bytes a piece, until they are dropped, and
+ * 4 a vertex. */
+bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+                           const bvx_certificate *of, bvxi_part **pieces, uint64_t *count);
+/* The volumes of all, each as positive: of closed pieces no solid has more. */
+double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count);
+/* 1: each piece that faces inward has the box of one that faces outward around it. */
+int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count);
+/* 1: the piece faces inward, and is nobody's cavity by its box. */
+int bvxi_is_inside_out(const bvxi_part *pieces, uint64_t count, uint64_t n);
+/* 0: no piece that faces outward can lie in another such. */
+int bvxi_bodies_may_nest(const bvxi_part *pieces, uint64_t count);
+/* Do parity and nonzero fill the same voxels? Scratch: two grids of the lattice. */
+bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                            int *agree);
+
 /* repair_report.c: what the report says beyond what the steps have counted. */
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);
 

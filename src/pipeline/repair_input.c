@@ -116,6 +116,60 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
     return BVX_OK;
 }
 
+/* Turn the pieces that face inward and are nobody's cavities. */
+static bvx_status turn_inside_out(bvxi_repair_job *job, const bvxi_part *parts, uint64_t count)
+{
+    uint64_t const triangles = job->mesh.triangle_count;
+    bvx_mesh_view const mesh = job->mesh;
+    uint64_t found = 0;
+    uint8_t *turn; /* of the least vertex of each piece */
+
+    for (uint64_t n = 0; n < count; n++) found += (uint64_t)bvxi_is_inside_out(parts, count, n);
+    if (found == 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->given->vertex_count, "the turned pieces", &turn));
+    for (uint64_t n = 0; n < count; n++) turn[parts[n].least] = (uint8_t)bvxi_is_inside_out(parts, count, n);
+    /* Triangles may be listed there already: each is read before it is written. */
+    if (job->corner == NULL)
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles",
+                            &job->corner));
+
+    for (uint64_t t = 0; t < triangles; t++) {
+        uint32_t v[3];
+        int turned;
+
+        bvxi_view_triangle(&mesh, t, v);
+        turned = turn[job->piece[v[0]]];
+        job->corner[3 * t] = v[0];
+        job->corner[3 * t + 1] = v[turned ? 2 : 1];
+        job->corner[3 * t + 2] = v[turned ? 1 : 2];
+        job->report.turned += (uint64_t)turned;
+    }
+    bvxi_repair_view(job, job->corner, triangles, &job->mesh);
+    bvxi_drop(job->ctx, turn);
+    return BVX_OK;
+}
+
+/* The pieces of the mesh; where all is closed and has sides, those that are inside out are turned, and what
+ * they would have together if none overlapped is known. */
+static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
+{
+    bvx_repair_report *const r = &job->report;
+    bvxi_part *parts = NULL;
+    uint64_t count;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
+                        &job->piece));
+    bvxi_pieces(&job->mesh, representative, job->piece);
+    if (!r->before.closed || r->before.duplicates != 0 || r->sign == BVX_SIGN_VOTE) return BVX_OK;
+
+    BVXI_TRY(bvxi_parts_open(job->ctx, &job->mesh, job->piece, &r->before, &parts, &count));
+    r->parts_volume = bvxi_parts_volume(parts, count);
+    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, parts, count));
+    bvxi_drop(job->ctx, parts);
+    return BVX_OK;
+}
+
 bvx_status bvxi_repair_take(bvxi_repair_job *job)
 {
     bvx_context *const ctx = job->ctx;
@@ -134,10 +188,7 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     if (status == BVX_OK) status = drop_duplicates(job, representative);
     if (status == BVX_OK) status = choose_sign(job, low, high, representative);
     if (status == BVX_OK) status = choose_sharp(job, representative);
-    if (status == BVX_OK) {
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' pieces", &job->piece);
-        if (status == BVX_OK) bvxi_pieces(&job->mesh, representative, job->piece);
-    }
+    if (status == BVX_OK) status = take_pieces(job, representative);
     bvxi_drop(ctx, representative);
     return status;
 }

@@ -79,6 +79,66 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
         }
 }
 
+static void add_sphere(double at, double scale, int inside_out)
+{
+    size_t const vertex = mesh.vertices, triangle = mesh.triangles;
+
+    level_sphere(&mesh, &seed);
+    for (size_t i = 3 * vertex; i < 3 * mesh.vertices; i++) mesh.p[i] = 8 + (mesh.p[i] - 8) * scale;
+    maker_shift(&mesh, vertex, at, 0, 0);
+    if (inside_out) maker_flip(&mesh, triangle, mesh.triangles);
+}
+
+/* Each way that two spheres can face, apart from and within each other: levels enclose what they should. */
+static void test_levels_face_outward(void)
+{
+    static const struct {
+        double at, scale;
+        int first_out, second_out; /* 1: inside out */
+        int32_t source, nested;
+        uint64_t turned; /* spheres */
+        double volume;   /* of a sphere's */
+    } rows[] = {
+        {5, 0.4, 0, 0, BVX_LEVELS_MESH, 0, 0, 2},     {5, 0.4, 1, 1, BVX_LEVELS_MESH, 0, 2, 2},
+        {5, 0.4, 0, 1, BVX_LEVELS_MEASURED, 0, 0, 2}, {0, 0.2, 0, 1, BVX_LEVELS_MESH, 0, 0, 0.875},
+        {0, 0.2, 1, 0, BVX_LEVELS_MESH, 0, 2, 0.875}, {0, 0.2, 0, 0, BVX_LEVELS_MESH, 1, 0, 1.125},
+    };
+    double sphere;
+
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        static const uint64_t targets[1] = {900};
+        bvx_levels_options o = defaults();
+        bvx_certificate c;
+        bvx_mesh_view view;
+
+        maker_clear(&mesh);
+        add_sphere(0, 0.4, 0);
+        view = maker_view(&mesh);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
+        sphere = c.volume;
+
+        maker_clear(&mesh);
+        add_sphere(0, 0.4, rows[i].first_out);
+        add_sphere(rows[i].at, rows[i].scale, rows[i].second_out);
+        o.target_triangles = targets;
+        o.measure_samples = 1000;
+        build(&o, 1);
+        snprintf(where, sizeof where,
+                 "row %d: %g of %g spheres, source %d, nested %d, turned %lu, normals %g", (int)i,
+                 certificate_of(&level[0]).volume / sphere, rows[i].volume, (int)found.source,
+                 (int)found.nested, (unsigned long)found.turned, report[0].distance.normal_b_to_a);
+        assert_no_crossings(&level[0]);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.04 * sphere, rows[i].volume * sphere,
+                                          certificate_of(&level[0]).volume, where);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[i].source, found.source, where);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[i].nested, found.nested, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(rows[i].turned * mesh.triangles / 2, found.turned, where);
+        /* Normals are compared with those of the mesh as it was turned: against each other it were 2. */
+        if (found.source == BVX_LEVELS_MESH)
+            TEST_ASSERT_TRUE_MESSAGE(report[0].distance.normal_b_to_a < 0.5, where);
+    }
+}
+
 /* ---- Meshes that are not ---- */
 
 enum {
@@ -682,6 +742,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_sound_mesh_is_simplified_as_it_is);
+    RUN_TEST(test_levels_face_outward);
     RUN_TEST(test_what_is_not_sound_is_measured);
     RUN_TEST(test_the_mesh_itself_when_asked_for);
     RUN_TEST(test_a_cube_with_turned_faces_has_twelve_triangles);

@@ -184,6 +184,43 @@ static void test_inside_out_mesh(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2), repair_volume(48, BVX_SIGN_AUTO));
 }
 
+/* One of two balls is inside out: where it overlaps the other, both would cancel. */
+static void test_a_part_inside_out_is_turned(void)
+{
+    double const a[3] = {0, 0, 0}, b[3] = {2, 0, 0};
+    size_t first;
+
+    make_ball(a, 2);
+    first = mesh.triangles;
+    make_ball(b, 2);
+    maker_flip(&mesh, first, mesh.triangles);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2),
+                              repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(mesh.triangles - first, report.turned);
+    TEST_ASSERT_EQUAL_INT32(BVX_NEEDS_OUTSIDE_IN, report.needs);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 2 * ball_volume(2),
+                              report.parts_volume); /* two balls are not quite alike */
+    /* As it was given. */
+    TEST_ASSERT_TRUE(repair_volume(64, BVX_SIGN_WINDING) < 1.5 * ball_volume(2));
+    TEST_ASSERT_EQUAL_UINT64(0, report.turned);
+}
+
+/* A cavity faces inward, and is none of those. */
+static void test_cavities_are_not_turned(void)
+{
+    double const at[3] = {0, 0, 0};
+    size_t first;
+
+    make_ball(at, 2);
+    first = mesh.triangles;
+    make_ball(at, 1);
+    maker_flip(&mesh, first, mesh.triangles);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2) - ball_volume(1),
+                              repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(0, report.turned);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, ball_volume(2) + ball_volume(1), report.parts_volume);
+}
+
 /* Two balls whose centres lie a radius apart: the union has 27/16 of one's volume. */
 static void test_overlapping_parts_are_one(void)
 {
@@ -482,6 +519,8 @@ int main(void)
     RUN_TEST(test_flipped_triangles_do_not_matter);
     RUN_TEST(test_duplicates_count_once);
     RUN_TEST(test_inside_out_mesh);
+    RUN_TEST(test_a_part_inside_out_is_turned);
+    RUN_TEST(test_cavities_are_not_turned);
     RUN_TEST(test_overlapping_parts_are_one);
     RUN_TEST(test_cavities_and_parts);
     RUN_TEST(test_sheet_becomes_a_shell);

@@ -1,0 +1,148 @@
+/* piece_volumes.c - the pieces of a mesh by volume and box: which face inward, which lie within others.
+ *
+ * A piece is what hangs together by vertices. A closed one that faces inward has a negative volume: it is the
+ * cavity of a piece around it, or it is inside out. The volumes of all, each taken as positive, are the most
+ * that a solid of the mesh can have: where pieces overlap it has less. Boxes say quickly what cannot lie
+ * within what; voxels, filled by two rules that differ in nothing else, say whether something does.
+ *
+ * Sums are taken around the middle of the mesh, so that far coordinates keep their digits. */
+#include "mesh/view.h"
+#include "pipeline/repair.h"
+
+enum {
+    MOST_PAIRED = 1000
+}; /* pieces whose boxes are compared in pairs; of more the voxels are asked at once */
+
+static void add_to_piece(bvxi_part *s, const double p[3][3])
+{
+    double const *const a = p[0], *const b = p[1], *const c = p[2];
+
+    s->volume6 += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                  a[2] * (b[0] * c[1] - b[1] * c[0]);
+
+    /* Its box begins with its first corner. */
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) {
+            if ((s->triangles == 0 && k == 0) || p[k][i] < s->low[i]) s->low[i] = p[k][i];
+            if ((s->triangles == 0 && k == 0) || p[k][i] > s->high[i]) s->high[i] = p[k][i];
+        }
+    s->triangles++;
+}
+
+/* Number the least vertices of pieces that have triangles, from 1 on; returns how many. */
+static uint64_t number_parts(const bvx_mesh_view *mesh, const uint32_t *piece, uint32_t *number)
+{
+    uint32_t count = 0;
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, t, v);
+        number[piece[v[0]]] = 1;
+    }
+    for (uint64_t v = 0; v < mesh->vertex_count; v++)
+        if (number[v] != 0) number[v] = ++count;
+    return count;
+}
+
+static void add_triangles(const bvx_mesh_view *mesh, const uint32_t *piece, const uint32_t *number,
+                          const bvx_certificate *of, bvxi_part *parts)
+{
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        double p[3][3];
+        uint32_t v[3];
+        bvxi_part *part;
+
+        bvxi_view_triangle(mesh, t, v);
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(mesh, v[k], p[k]);
+            for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * of->low[a] + 0.5 * of->high[a];
+        }
+        part = &parts[number[piece[v[0]]] - 1];
+        part->least = piece[v[0]];
+        add_to_piece(part, (const double(*)[3])p);
+    }
+}
+
+bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+                           const bvx_certificate *of, bvxi_part **parts, uint64_t *count)
+{
+    uint32_t *number;
+    bvx_status status;
+
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the numbers of the pieces", &number));
+    *count = number_parts(mesh, piece, number);
+    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **parts, "the pieces' volumes", parts);
+    if (status == BVX_OK) add_triangles(mesh, piece, number, of, *parts);
+    bvxi_drop(ctx, number);
+    return status;
+}
+
+double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count)
+{
+    double sum = 0;
+
+    for (uint64_t n = 0; n < count; n++) sum += bvxi_absolute(pieces[n].volume6);
+    return sum / 6;
+}
+
+static int is_within_box(const bvxi_part *in, const bvxi_part *out)
+{
+    for (int a = 0; a < 3; a++)
+        if (!(in->low[a] > out->low[a] && in->high[a] < out->high[a])) return 0;
+    return 1;
+}
+
+/* 1: the box of a piece that faces outward is around this one's. */
+static int has_outer(const bvxi_part *pieces, uint64_t count, const bvxi_part *in)
+{
+    for (uint64_t m = 0; m < count; m++)
+        if (pieces[m].volume6 > 0 && is_within_box(in, &pieces[m])) return 1;
+    return 0;
+}
+
+int bvxi_is_inside_out(const bvxi_part *pieces, uint64_t count, uint64_t n)
+{
+    return !(pieces[n].volume6 > 0) && !has_outer(pieces, count, &pieces[n]);
+}
+
+int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count)
+{
+    for (uint64_t n = 0; n < count; n++)
+        if (bvxi_is_inside_out(pieces, count, n)) return 0;
+    return 1;
+}
+
+int bvxi_bodies_may_nest(const bvxi_part *pieces, uint64_t count)
+{
+    if (count > MOST_PAIRED) return 1;
+    for (uint64_t n = 0; n < count; n++)
+        if (pieces[n].volume6 > 0 && has_outer(pieces, count, &pieces[n])) return 1;
+    return 0;
+}
+
+bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                            int *agree)
+{
+    static const int32_t rule[2] = {BVX_FILL_PARITY, BVX_FILL_NONZERO};
+    uint64_t const bytes = bvx_grid_bound(lattice, NULL) * 8;
+    bvx_voxelize_options o;
+    bvx_grid grid[2];
+    bvx_status status = BVX_OK;
+
+    /* Both rules on one lattice; equal bits say that no piece hides another. */
+    memset(grid, 0, sizeof grid);
+    bvx_voxelize_options_init(&o, sizeof o);
+    for (int i = 0; i < 2 && status == BVX_OK; i++) {
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the parts' solids", &grid[i].words);
+        grid[i].word_capacity = bytes / 8;
+        o.fill = rule[i];
+        if (status == BVX_OK)
+            status = BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1),
+                                bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid[i]));
+    }
+    if (status == BVX_OK) *agree = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
+    for (int i = 2; i-- > 0;) bvxi_drop(ctx, grid[i].words);
+    return status;
+}
