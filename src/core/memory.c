@@ -32,6 +32,10 @@ bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *wha
         ctx->free(ctx->alloc_user, p, (size_t)want, BVXI_ALIGN);
         p = NULL;
     }
+    if (p == NULL && ctx->arena.memory != NULL)
+        return bvxi_fail(ctx, BVX_ERR_MEMORY,
+                         "%s: no memory for %u bytes in the arena of %u bytes, %u are in use", what, want,
+                         (uint64_t)ctx->arena.size, ctx->memory_used);
     if (p == NULL)
         return bvxi_fail(ctx, BVX_ERR_MEMORY, "%s: no memory for %u bytes, %u are in use", what, want,
                          ctx->memory_used);
