@@ -1086,7 +1086,7 @@ typedef struct bvx_repair_report {
     uint64_t crumbs;          /**< small parts and pockets that are not in the mesh: dropped and filled,
                                    also counted in parts_dropped and cavities_dropped */
     uint64_t turned;          /**< AUTO: triangles that faced the other way than their neighbours, or of
-                                   pieces inside out beside others, and were turned */
+                                   bodies inside out beside others (of up to 4,096), and were turned */
     uint64_t thin_voxels;     /**< voxels at walls that the lattice loses: thinner than 1.5 voxels, with no
                                    centre inside to show them */
     uint64_t thin_components; /**< of the input, that have such walls */

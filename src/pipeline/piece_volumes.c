@@ -10,8 +10,9 @@
 #include "pipeline/repair.h"
 
 enum {
-    MOST_PAIRED = 1000
-}; /* pieces whose boxes are compared in pairs; of more the voxels are asked at once */
+    MOST_PAIRED = 1000, /* pieces whose boxes are compared in pairs; of more the voxels are asked at once */
+    MOST_TURNED = 4096  /* pieces beyond which none is turned: pairs of boxes would take long */
+};
 
 static void add_to_piece(bvxi_part *s, const double p[3][3])
 {
@@ -102,15 +103,35 @@ static int has_outer(const bvxi_part *pieces, uint64_t count, const bvxi_part *i
     return 0;
 }
 
-int bvxi_is_inside_out(const bvxi_part *pieces, uint64_t count, uint64_t n)
+/* 1: the piece faces inward, and no box of another is around its own. */
+static int is_inverted_root(const bvxi_part *pieces, uint64_t count, uint64_t n)
 {
-    return !(pieces[n].volume6 > 0) && !has_outer(pieces, count, &pieces[n]);
+    if (!(pieces[n].volume6 < 0)) return 0;
+    for (uint64_t m = 0; m < count; m++)
+        if (is_within_box(&pieces[n], &pieces[m])) return 0;
+    return 1;
+}
+
+uint64_t bvxi_mark_inside_out(bvxi_part *pieces, uint64_t count)
+{
+    uint64_t marked = 0;
+
+    if (count > MOST_TURNED) return 0;
+    /* What lies in an inverted body is turned with it, so that its cavities stay cavities. */
+    for (uint64_t n = 0; n < count; n++) {
+        if (!is_inverted_root(pieces, count, n)) continue;
+        pieces[n].turned = 1;
+        for (uint64_t m = 0; m < count; m++)
+            if (is_within_box(&pieces[m], &pieces[n])) pieces[m].turned = 1;
+    }
+    for (uint64_t n = 0; n < count; n++) marked += pieces[n].turned;
+    return marked;
 }
 
 int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count)
 {
     for (uint64_t n = 0; n < count; n++)
-        if (bvxi_is_inside_out(pieces, count, n)) return 0;
+        if (!(pieces[n].volume6 > 0) && !has_outer(pieces, count, &pieces[n])) return 0;
     return 1;
 }
 

@@ -116,19 +116,19 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
     return BVX_OK;
 }
 
-/* Turn the pieces that face inward and are nobody's cavities. */
-static bvx_status turn_inside_out(bvxi_repair_job *job, const bvxi_part *parts, uint64_t count)
+/* Turn the pieces that face inward and are nobody's cavities, with all that lies in them. */
+static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_part *parts, uint64_t count)
 {
     uint64_t const triangles = job->mesh.triangle_count;
     bvx_mesh_view const mesh = job->mesh;
-    uint64_t found = 0;
     uint8_t *turn; /* of the least vertex of each piece */
 
-    for (uint64_t n = 0; n < count; n++) found += (uint64_t)bvxi_is_inside_out(parts, count, n);
-    if (found == 0) return BVX_OK;
+    /* All that is turned as a whole has the same solid: nothing need be done. */
+    uint64_t const found = bvxi_mark_inside_out(parts, count);
+    if (found == 0 || found == count) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->given->vertex_count, "the turned pieces", &turn));
-    for (uint64_t n = 0; n < count; n++) turn[parts[n].least] = (uint8_t)bvxi_is_inside_out(parts, count, n);
+    for (uint64_t n = 0; n < count; n++) turn[parts[n].least] = (uint8_t)parts[n].turned;
     /* Triangles may be listed there already: each is read before it is written. */
     if (job->corner == NULL)
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles",
