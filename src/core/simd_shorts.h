@@ -10,7 +10,7 @@
 
 #if defined(__GNUC__) && defined(__SSE2__) && !defined(BVX_SIMD_ARRAYS)
 #define BVXI_SIMD_SHORTS 1
-#include <emmintrin.h>
+#include <immintrin.h>
 #else
 #define BVXI_SIMD_SHORTS BVXI_SIMD_HALVES
 #endif
