@@ -146,7 +146,7 @@ $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
 $(folder)/src/core/threads.o $(folder)/src/core/processors.o: flags = $(workers) $(CORE_FLAGS)
 # The program's own code waits for files and the library: not worth a slow build.
-$(cli_objects): flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(if $(filter -O3,$(CFLAGS)),-O1)
+$(cli_objects): flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(brisk)
 
 $(folder)/%.o: %.c
 	@mkdir -p $(@D)
@@ -154,10 +154,13 @@ $(folder)/%.o: %.c
 
 # ---- Test programs (linked with the static library, so that they reach internal functions too) ----
 
+# They run once: what a slow build of them would save, it costs three times over.
 unity_defines := -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
-$(folder)/tests/%: flags = -Itests
-$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines)
-$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN
+brisk := $(if $(filter -O3,$(CFLAGS)),-O1)
+$(folder)/tests/%: flags = -Itests $(brisk)
+$(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk)
+$(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk)
+$(folder)/tests/bench/%: flags = -Itests
 $(folder)/tests/fault/%: test_libs = -lcmocka
 
 test-programs: $(call built,,$(unit_tests) $(golden_tests) $(examples))

@@ -38,14 +38,11 @@ as_one_unit() {
 }
 
 # The core asks for nothing but these when there is no operating system; the compiler's own helpers come from libgcc.
-freestanding() {
+freestanding() { # after amalgamation, which leaves one source of all
     needs nm
-    mkdir -p "$work/free"
-    for f in $core; do
-        $CC -std=c99 -O2 -ffreestanding -DBVX_FREESTANDING -ffp-contract=off -fno-stack-protector -U_FORTIFY_SOURCE \
-            -Iinclude -Isrc -c "$f" -o "$work/free/$(basename "$f" .c).o" || return 1
-    done
-    $CC -nostdlib -r "$work"/free/*.o -lgcc -o "$work/free.o" || return 1
+    $CC -std=c99 -O1 -ffreestanding -DBVX_FREESTANDING -ffp-contract=off -fno-stack-protector -U_FORTIFY_SOURCE \
+        -c "$work/one/bitvox.c" -o "$work/free-core.o" || return 1
+    $CC -nostdlib -r "$work/free-core.o" -lgcc -o "$work/free.o" || return 1
     nm -u "$work/free.o" | awk '{ print $NF }' |
         grep -v -x -E 'memcpy|memset|memmove|memcmp|sqrt|floor|_GLOBAL_OFFSET_TABLE_' >"$work/wanted.txt"
     empty "$work/wanted.txt" 'the core needs'
@@ -164,11 +161,12 @@ includes() {
     empty "$work/includes.txt" 'forbidden include'
 }
 
-# One file of all sources, without warnings, and a program that uses it through its header as C++.
+# One file of all sources, without warnings, and a program that uses it through its header as C++. At -O1, as warnings of -O3
+# come from the rows that compile file by file.
 amalgamation() {
     sh src/amalgamate.sh "$work/one" || return 1
     # shellcheck disable=SC2086
-    $CC -std=c99 -O2 $strict -ffp-contract=off -c "$work/one/bitvox.c" -o "$work/one/bitvox.o" || return 1
+    $CC -std=c99 -O1 $strict -ffp-contract=off -c "$work/one/bitvox.c" -o "$work/one/bitvox.o" || return 1
     cat >"$work/one/use.c" <<'END'
 #include "bitvox.h"
 int main(void)
@@ -188,7 +186,7 @@ END
 # Contracted products would change results: such a build says so and does nothing.
 contraction_is_refused() {
     grep -q -w fma /proc/cpuinfo 2>/dev/null || { echo "no processor with fused products" && exit 77; }
-    $CC -std=gnu99 -O2 -mfma -ffp-contract=fast -c "$work/one/bitvox.c" -o "$work/one/fused.o" || return 1
+    $CC -std=gnu99 -O1 -fexpensive-optimizations -mfma -ffp-contract=fast -c "$work/one/bitvox.c" -o "$work/one/fused.o" || return 1
     $CC -std=c99 "$work/one/use.c" "$work/one/fused.o" -lm -o "$work/one/fused" || return 1
     ! "$work/one/fused"
 }

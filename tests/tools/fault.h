@@ -190,11 +190,13 @@ static inline const char *fault_at(uint64_t n, const char *place, int again, con
     return text;
 }
 
-/* Is the context to do its work once more after failure n? It is after each, and with BVX_QUICK, which is for
- * rows that are several times slower, after the first few and each eighth. */
+/* Is the context to do its work once more after failure n? It is after the first few and then after each
+ * fourth, with BVX_QUICK, which is for rows that are several times slower, after each eighth, and with
+ * BITVOX_LARGE after each. */
 static inline int fault_works_again(uint64_t n)
 {
-    return getenv("BVX_QUICK") == NULL || n <= 8 || n % 8 == 0;
+    uint64_t const every = getenv("BVX_QUICK") != NULL ? 8 : getenv("BITVOX_LARGE") != NULL ? 1 : 4;
+    return n <= 2 * every || n % every == 0;
 }
 
 /* One run with allocation n failing, alone or with all that follow. *failed: there is such an allocation. */

@@ -43,7 +43,8 @@ long_tests='test_below test_cast test_collapse test_field test_field_dense test_
     test_render_cut test_render_paint test_seeds test_sharp test_solid_exact test_solid_same test_vote test_winding
     test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify
     test_simplify_cells test_repair_many test_repair_order test_repair_sharp test_repair_thin test_boolean_thin
-    test_level_memory test_oblique'
+    test_level_memory test_oblique test_distance test_progress test_sheets test_simplify_colours test_reuse test_crossings
+    test_closest_query test_section_blend test_simplify_parts test_cross test_section_mend'
 left_out=
 
 # ---- Rows: each is make with its settings ----
@@ -198,8 +199,6 @@ run_examples() {
 # Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status. They run beside each other,
 # on a copy of the program, since one of them makes and installs it anew.
 run_program() {
-    mkdir -p "$BUILD/tested"
-    cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
     BITVOX=$BUILD/tested/bitvox
     export BITVOX
     for script in tests/program/*.sh tests/program/*.py; do
@@ -238,16 +237,21 @@ count_script() { # NAME
 
 # The Python package, built and installed in a clean virtual environment; most of the time goes into pip.
 run_python() {
-    BITVOX=$(cd "$BUILD" && pwd)/bitvox
+    BITVOX=$(cd "$BUILD/tested" && pwd)/bitvox
     export BITVOX
     python_log=$(log_of python)
     start=$(date +%s)
     sh tests/tools/limited.sh "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh >"$python_log" 2>&1 </dev/null
-    status=$?
-    if [ $status = 77 ]; then
+    echo "$? $(($(date +%s) - start))" >"$python_log.end"
+}
+
+count_python() {
+    python_log=$(log_of python)
+    read -r status seconds <"$python_log.end"
+    if [ "$status" = 77 ]; then
         skip python "$(tail -n 1 "$python_log")"
     elif [ -n "$(counts_of "$python_log")" ]; then
-        add_counts python "$python_log" $status $(($(date +%s) - start))
+        add_counts python "$python_log" "$status" "$seconds"
     else
         fail python "$python_log"
     fi
@@ -262,9 +266,14 @@ make_locale() {
 
 # ---- Tiers ----
 
-tests_here() {
+build_here() {
     build native all test-programs
     native=$folder
+    mkdir -p "$BUILD/tested"
+    cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
+}
+
+tests_here() {
     run_kind native unit ''
     run_fault native
     run_golden native ''
@@ -382,19 +391,22 @@ fi
 
 case $tier in
 quick)
+    build_here
     tests_here
     checks_of_house
     add_script checks "$(log_of checks)" $?
     ;;
 here)
+    build_here
+    # The package's lane beside all others: it waits for downloads first, and is one process later.
+    run_python &
+    beside=$!
+    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     tests_here
-    # Most of the checks compile, most of the package's time is spent waiting for downloads.
-    checks_of_house &
-    checks=$!
-    trap 'kill $checks 2>/dev/null; exit 130' INT TERM
-    run_python
-    wait $checks
+    checks_of_house
     add_script checks "$(log_of checks)" $?
+    wait $beside
+    count_python
     ;;
 other)
     # Emulated machines run beside the sanitizers and the other compilers; their lines come when they have ended.
@@ -409,6 +421,7 @@ other)
     run_fault san
     run_fuzz san ''
     check 'projects that use CMake' sh tests/tools/packaging.sh quick
+    check "Python's source distribution" $limit sh tests/tools/test_python.sh sdist
     tests_of_windows brief
     unset BVX_QUICK
     tests_of_other_compilers

@@ -1,13 +1,14 @@
 #!/bin/sh
-# test_python.sh - build the Python package, install it in a clean virtual environment and run its tests there.
-# Called by run_tests.sh. The wheel is built from the sources; a source distribution is built too, and from it a second wheel
-# under flags of the environment that would change results if they won.
+# test_python.sh [sdist] - build the Python package, install it in a clean virtual environment and run its tests there.
+# Called by run_tests.sh. sdist: a source distribution is built instead, and from it a wheel under flags of the environment that
+# would change results if they won.
 #     PYTHON=PROGRAM  the interpreter [python3]
 # Ends with "N passed, N failed, N skipped"; status 77 when there is nothing to build with.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 : "${BUILD:=build}" "${PYTHON:=python3}"
-work=$BUILD/python
+what=${1:-package}
+work=$BUILD/python${1:+-$1}
 rm -rf "$work"
 mkdir -p "$work"
 work=$(cd "$work" && pwd)
@@ -22,12 +23,14 @@ python=$work/venv/bin/python
 get() { "$python" -m pip install --quiet --disable-pip-version-check "$@"; }
 
 get 'setuptools>=77' 'cffi>=1.15' 'pcpp>=1.30' 'numpy>=1.22' pytest hypothesis || { echo "pip cannot install what the build needs" && exit 77; }
-set -- scipy scikit-image trimesh rtree networkx lxml tqdm meshio pyvista nibabel pydicom highdicom SimpleITK xarray Pillow ezdxf laspy lazrs pye57 pypcd4 npe2 'dask[array,distributed]' 'zarr>=3' numpydoc mkdocs-material 'mkdocstrings[python]' nbclient nbformat ipykernel mypy pyright
-get "$@" || for package; do # all at once is quicker
-    get "$package" || echo "pip could not install $package: its tests are skipped"
-done
+if [ "$what" = package ]; then
+    set -- scipy scikit-image trimesh rtree networkx lxml tqdm meshio pyvista nibabel pydicom highdicom SimpleITK xarray Pillow ezdxf laspy lazrs pye57 pypcd4 npe2 'dask[array,distributed]' 'zarr>=3' numpydoc mkdocs-material 'mkdocstrings[python]' nbclient nbformat ipykernel mypy pyright
+    get "$@" || for package; do # all at once is quicker
+        get "$package" || echo "pip could not install $package: its tests are skipped"
+    done
+fi
 
-passed=0 failed=0
+passed=0 failed=0 p= s=
 check() { # NAME, COMMAND...
     name=$1
     shift
@@ -38,25 +41,35 @@ report='import bitvox
 v = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 f = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
 solid = bitvox.voxelize((v, f), resolution=97)
-print(bitvox.__version__, solid.content_hash(), [m.content_hash() for m in bitvox.lod(solid, levels=(31, 7))])'
-
-check 'wheel from the sources' wheel "$work/wheel" "$project"
-check 'wheel is for every Python from 3.10' test -n "$(find "$work/wheel" -name '*-cp310-abi3-*.whl' 2>/dev/null)"
-check 'install' get --no-deps --force-reinstall "$work"/wheel/*.whl
-"$python" -c "$report" >"$work/ours.txt" || failed=$((failed + 1))
-
-wheels() { BUILD=$work PYTHON=$python sh tests/tools/wheels.sh "$work"/wheel/*.whl; }
-check 'wheel for other machines, and without a compiler' wheels
+print(solid.content_hash(), [m.content_hash() for m in bitvox.lod(solid, levels=(31, 7))])'
+echo '11904595649893092191 [11858389553578467053, 185406162864918682]' >"$work/golden.txt" # everywhere the same
+finish() {
+    echo "$((passed + ${p:-0})) passed, $failed failed, ${s:-0} skipped"
+    [ $failed = 0 ]
+    exit
+}
 
 sdist() { (cd "$project" && "$python" setup.py --quiet sdist --dist-dir "$work/sdist" 2>"$work/sdist.log" || { cat "$work/sdist.log"; false; }); }
 hostile() {
     mkdir -p "$work/alone" && tar -xzf "$work"/sdist/bitvox-*.tar.gz -C "$work/alone" --strip-components 1 || return 1
     CFLAGS='-std=gnu17 -O1 -march=native -ffast-math' wheel "$work/hostile" "$work/alone" || return 1
     "$python" -m pip install --quiet --no-deps --target "$work/other" "$work"/hostile/*.whl || return 1
-    (cd "$work" && PYTHONPATH=$work/other "$python" -c "$report") | diff "$work/ours.txt" -
+    (cd "$work" && PYTHONPATH=$work/other "$python" -c "$report") | diff "$work/golden.txt" -
 }
-check 'source distribution' sdist
-check 'wheel from it under fast-math gives the same bits' hostile
+if [ "$what" = sdist ]; then
+    check 'source distribution' sdist
+    check 'wheel from it under fast-math gives the same bits' hostile
+    finish
+fi
+
+same_bits() { "$python" -c "$report" | diff "$work/golden.txt" -; }
+check 'wheel from the sources' wheel "$work/wheel" "$project"
+check 'wheel is for every Python from 3.10' test -n "$(find "$work/wheel" -name '*-cp310-abi3-*.whl' 2>/dev/null)"
+check 'install' get --no-deps --force-reinstall "$work"/wheel/*.whl
+check 'the bits of every other build' same_bits
+
+wheels() { BUILD=$work PYTHON=$python sh tests/tools/wheels.sh "$work"/wheel/*.whl; }
+check 'wheel for other machines, and without a compiler' wheels
 
 (cd "$work" && BITVOX_SHARED=$shared "$python" -m pytest -q -rs -p no:cacheprovider "$project/tests") >"$work/pytest.txt" 2>&1
 status=$?
@@ -65,5 +78,4 @@ counted() { tail -n 1 "$work/pytest.txt" | grep -o "[0-9]* $1" | cut -d ' ' -f 1
 p=$(counted passed) f=$(counted failed) e=$(counted error) s=$(counted skipped)
 failed=$((failed + ${f:-0} + ${e:-0}))
 [ $status = 0 ] || [ $failed -gt 0 ] || failed=1
-echo "$((passed + ${p:-0})) passed, $failed failed, ${s:-0} skipped"
-[ $failed = 0 ]
+finish

@@ -65,17 +65,26 @@ static double share_of_stated(const char *name, const bvx_mesh_view *view, const
     return share;
 }
 
+/* On the finer lattices, which take most of the time, some of the ways; BITVOX_LARGE=1: all. */
+static int is_tried(int resolution, int way)
+{
+    if (getenv("BITVOX_LARGE") != NULL || resolution == 64) return 1;
+    return resolution == 128 ? way == 2 : way == 1 || way == 4;
+}
+
 static void test_memory_is_as_the_header_says(void)
 {
     static const int32_t resolutions[3] = {64, 128, 256};
+    static const char *const name[5] = {"small", "large", "with holes", "half", "with sharp edges"};
     double largest = 0;
 
     for (int r = 0; r < (quick ? 1 : 3); r++)
         for (int way = 0; way < 5; way++) {
-            static const char *const name[5] = {"small", "large", "with holes", "half", "with sharp edges"};
             bvx_levels_options o = options_at(resolutions[r]);
             bvx_mesh_view view;
             double share;
+
+            if (!is_tried(resolutions[r], way)) continue;
             if (way == 0) make_star(40, 40);
             else make_star(200, 200);
             if (way == 2 || way == 3) open_star(way == 3);

@@ -99,15 +99,22 @@ static void make_ball(uint64_t seed, int planes, double cavity)
     }
 }
 
+/* On emulated machines: the longest trials are left out. */
+static int is_quick(void)
+{
+    return getenv("BVX_QUICK") != NULL;
+}
+
 /* ---- bodies ---- */
 
 static void test_a_ball_through_planes_of_any_direction(void)
 {
     static const int planes[] = {3, 6, 12, 24};
     double const volume = 4.0 / 3.0 * pi, radius[1] = {1.0};
+    int const sets = is_quick() ? 3 : 4;
     double worst[4];
 
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < sets; i++) {
         double sum = 0.0;
         for (uint64_t seed = 1; seed <= 3; seed++) {
             uint64_t places = seed;
@@ -128,7 +135,7 @@ static void test_a_ball_through_planes_of_any_direction(void)
         if (i > 0) TEST_ASSERT_TRUE(worst[i] < worst[i - 1]);
     }
     /* a blend of the planes' distances alone is 0.06, 0.028 and 0.014 off */
-    TEST_ASSERT_TRUE(worst[1] < 0.02 && worst[2] < 0.006 && worst[3] < 0.003);
+    TEST_ASSERT_TRUE(worst[1] < 0.02 && worst[2] < 0.006 && (sets < 4 || worst[3] < 0.003));
     TEST_ASSERT_TRUE(fabs(volume - certificate.volume) < 0.02 * volume);
 }
 
@@ -158,7 +165,7 @@ static void test_near_tangent_crossings_make_no_handle(void)
         int32_t cells;
     } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
 
-    for (size_t i = 0; i < sizeof set / sizeof *set; i++) {
+    for (size_t i = 0; i < sizeof set / sizeof *set; i += is_quick() ? 3 : 1) {
         int const shells = set[i].cavity > 0.0 ? 2 : 1;
         make_ball(set[i].seed, 30, set[i].cavity);
         o.cells = set[i].cells;
@@ -270,7 +277,7 @@ static void test_two_balls_that_merge(void)
     static const int planes[] = {6, 12, 24, 60};
     double last = 1e300;
 
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < (is_quick() ? 2 : 4); i++) {
         uint64_t seed = 7;
         double off = 0.0;
         stack_oblique(&stack);
@@ -494,7 +501,7 @@ static void test_damaged_contours_make_no_open_body(void)
 /* As the header has it, of balls. */
 static void test_oblique_bodies_take_no_more_memory_than_said(void)
 {
-    for (uint64_t cells = 32; cells <= 64; cells *= 2)
+    for (uint64_t cells = 32; cells <= (is_quick() ? 32 : 64); cells *= 2)
         for (uint64_t planes = 5; planes <= 20; planes *= 4) {
             uint64_t const most = 10000000 + 3500 * cells * cells + 15000 * cells * planes +
                                   38000 * planes * planes;

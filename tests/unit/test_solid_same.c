@@ -97,11 +97,13 @@ static void test_windows_are_cut_out_of_the_whole(void)
 /* 1 to 8 threads, portable code and the fastest: bits and counts. */
 static void assert_all_contexts_agree(const bvx_lattice *l)
 {
+    static const int32_t threads[5] = {1, 2, 3, 5, 8};
+
     for (int32_t fill = 0; fill < 2; fill++) {
         bvx_solid_report r, s;
         bvx_grid a = solid_by(ctx, l, NULL, fill, &r);
-        for (int32_t n = 1; n <= 10; n++) {
-            bvx_context *const c = context_with(n <= 8 ? n : n - 8, n <= 8 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+        for (int32_t n = 0; n < 7; n++) {
+            bvx_context *const c = context_with(threads[n % 5], n < 5 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             bvx_grid b = solid_by(c, l, NULL, fill, &s);
             assert_same_bits(&a, &b, "threads or code path");
             TEST_ASSERT_EQUAL_MEMORY(&r, &s, sizeof r);
