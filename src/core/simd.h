@@ -1,4 +1,4 @@
-/* simd.h - vectors of 4 doubles and 8 floats with one set of names, over whatever the machine has. Not
+/* simd.h - vectors of 4 doubles, 8 floats and 32 bytes with one set of names, over whatever the machine has. Not
  * installed.
  *
  * A kernel is written once, in a file named ..._body.h, with the names at the end of this file. Its source
@@ -129,6 +129,18 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
     BVXI_SIMD(        \
         bvxi_eight_columns) /* (const floats8 row[8], void *to, size_t stride): lane k of the rows, in their
                                                        order, as eight floats k * stride bytes after to */
+
+#define bytes32       BVXI_SIMD(bvxi_bytes) /* without signs */
+#define bytes_all     BVXI_SIMD(bvxi_bytes_all)
+#define bytes_load    BVXI_SIMD(bvxi_bytes_load)
+#define bytes_add     BVXI_SIMD(bvxi_bytes_add) /* modulo 256 */
+#define bytes_sub     BVXI_SIMD(bvxi_bytes_sub)
+#define bytes_and     BVXI_SIMD(bvxi_bytes_and)
+#define bytes_or      BVXI_SIMD(bvxi_bytes_or)
+#define bytes_at_most BVXI_SIMD(bvxi_bytes_at_most) /* (x, y): 255 where x <= y, else 0 */
+#define bytes_words \
+    BVXI_SIMD(      \
+        bvxi_bytes_words) /* (const bytes32 row[8], uint64_t to[32]): byte r of word i is byte i of row r */
 
 /* ---- Coordinates: a, b and n are arrays of three vectors, n not one of the others ---- */
 

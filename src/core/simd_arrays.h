@@ -126,4 +126,29 @@ BVXI_VECTOR_INLINE void bvxi_eight_columns_base(const bvxi_eight_base row[8], vo
     }
 }
 
+/* ---- Bytes ---- */
+
+typedef struct bvxi_bytes_base {
+    uint8_t v[32];
+} bvxi_bytes_base;
+
+#define BVXI_BYTES_EACH(name, parameters, expression) \
+    BVXI_SIMD_EACH(bvxi_bytes_##name##_base, 32, bvxi_bytes_base, v, parameters, (uint8_t)(expression))
+
+BVXI_BYTES_EACH(all, (uint8_t x), x)
+BVXI_BYTES_EACH(load, (const uint8_t *from), from[i])
+BVXI_BYTES_EACH(add, (bvxi_bytes_base x, bvxi_bytes_base y), x.v[i] + y.v[i])
+BVXI_BYTES_EACH(sub, (bvxi_bytes_base x, bvxi_bytes_base y), x.v[i] - y.v[i])
+BVXI_BYTES_EACH(and, (bvxi_bytes_base x, bvxi_bytes_base y), x.v[i] & y.v[i])
+BVXI_BYTES_EACH(or, (bvxi_bytes_base x, bvxi_bytes_base y), x.v[i] | y.v[i])
+BVXI_BYTES_EACH(at_most, (bvxi_bytes_base x, bvxi_bytes_base y), x.v[i] <= y.v[i] ? 255 : 0)
+
+BVXI_VECTOR_INLINE void bvxi_bytes_words_base(const bvxi_bytes_base row[8], uint64_t *to)
+{
+    for (int i = 0; i < 32; i++) {
+        to[i] = 0;
+        for (int r = 0; r < 8; r++) to[i] |= (uint64_t)row[r].v[i] << 8 * r;
+    }
+}
+
 #endif

@@ -9,6 +9,7 @@
 
 typedef __m256d bvxi_four_avx2, bvxi_four_mask_avx2;
 typedef __m256 bvxi_eight_avx2, bvxi_eight_mask_avx2;
+typedef __m256i bvxi_bytes_avx2;
 
 #define BVXI_AVX2_IS(name, type, parameters, expression) \
     BVXI_AVX2 BVXI_VECTOR_INLINE type name parameters    \
@@ -122,6 +123,44 @@ BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_eight_columns_avx2(const __m256 row[8], v
         _mm256_storeu_ps((float *)(void *)column, _mm256_permute2f128_ps(half[0][k], half[1][k], 0x20));
         _mm256_storeu_ps((float *)(void *)(column + 4 * stride),
                          _mm256_permute2f128_ps(half[0][k], half[1][k], 0x31));
+    }
+}
+
+/* ---- Bytes ---- */
+
+BVXI_AVX2_IS(bvxi_bytes_all_avx2, __m256i, (uint8_t x), _mm256_set1_epi8((char)x))
+BVXI_AVX2_IS(bvxi_bytes_load_avx2, __m256i, (const uint8_t *from),
+             _mm256_loadu_si256((const __m256i *)(const void *)from))
+BVXI_AVX2_IS(bvxi_bytes_add_avx2, __m256i, (__m256i x, __m256i y), _mm256_add_epi8(x, y))
+BVXI_AVX2_IS(bvxi_bytes_sub_avx2, __m256i, (__m256i x, __m256i y), _mm256_sub_epi8(x, y))
+BVXI_AVX2_IS(bvxi_bytes_and_avx2, __m256i, (__m256i x, __m256i y), _mm256_and_si256(x, y))
+BVXI_AVX2_IS(bvxi_bytes_or_avx2, __m256i, (__m256i x, __m256i y), _mm256_or_si256(x, y))
+BVXI_AVX2_IS(bvxi_bytes_at_most_avx2, __m256i, (__m256i x, __m256i y),
+             _mm256_cmpeq_epi8(_mm256_min_epu8(x, y), x))
+
+BVXI_AVX2 BVXI_VECTOR_INLINE void bvxi_bytes_words_avx2(const __m256i row[8], uint64_t *to)
+{
+    __m256i pair[8], four[8];
+
+    /* Bytes of two rows side by side, then of four, then of eight: a word. */
+    for (int32_t i = 0; i < 4; i++) {
+        pair[2 * i] = _mm256_unpacklo_epi8(row[2 * i], row[2 * i + 1]);
+        pair[2 * i + 1] = _mm256_unpackhi_epi8(row[2 * i], row[2 * i + 1]);
+    }
+    for (int32_t i = 0; i < 2; i++)
+        for (int32_t h = 0; h < 2; h++) {
+            four[4 * i + 2 * h] = _mm256_unpacklo_epi16(pair[4 * i + h], pair[4 * i + 2 + h]);
+            four[4 * i + 2 * h + 1] = _mm256_unpackhi_epi16(pair[4 * i + h], pair[4 * i + 2 + h]);
+        }
+    for (int32_t i = 0; i < 4; i++) {
+        __m256i const low = _mm256_unpacklo_epi32(four[i], four[4 + i]);
+        __m256i const high = _mm256_unpackhi_epi32(four[i], four[4 + i]);
+
+        /* Each half of a vector was unpacked by itself: the upper ones hold words 16 further. */
+        _mm_storeu_si128((__m128i *)(void *)(to + 4 * i), _mm256_castsi256_si128(low));
+        _mm_storeu_si128((__m128i *)(void *)(to + 4 * i + 2), _mm256_castsi256_si128(high));
+        _mm_storeu_si128((__m128i *)(void *)(to + 16 + 4 * i), _mm256_extracti128_si256(low, 1));
+        _mm_storeu_si128((__m128i *)(void *)(to + 16 + 4 * i + 2), _mm256_extracti128_si256(high, 1));
     }
 }
 

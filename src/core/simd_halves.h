@@ -11,7 +11,7 @@
 #if defined(__wasm_simd128__)
 #include <wasm_simd128.h>
 
-typedef v128_t bvxi_half_f64, bvxi_half_f32, bvxi_half_m64, bvxi_half_m32;
+typedef v128_t bvxi_half_f64, bvxi_half_f32, bvxi_half_m64, bvxi_half_m32, bvxi_half_u8;
 
 /* Names of one operation on two doubles and on four floats. */
 #define BVXI_HALF_all_f64       wasm_f64x2_splat
@@ -62,6 +62,23 @@ typedef v128_t bvxi_half_f64, bvxi_half_f32, bvxi_half_m64, bvxi_half_m32;
 #define BVXI_HALF_first_f64(x)           wasm_f64x2_extract_lane(x, 0)
 #define BVXI_HALF_load_bytes             wasm_v128_load
 
+/* Bytes; of two vectors by turns: bytes, pairs and fours of the low and of the high half. */
+#define BVXI_HALF_all_u8(x)   wasm_i8x16_splat((int8_t)(x))
+#define BVXI_HALF_load_u8     wasm_v128_load
+#define BVXI_HALF_store_u64   wasm_v128_store
+#define BVXI_HALF_add_u8      wasm_i8x16_add
+#define BVXI_HALF_sub_u8      wasm_i8x16_sub
+#define BVXI_HALF_and_u8      wasm_v128_and
+#define BVXI_HALF_or_u8       wasm_v128_or
+#define BVXI_HALF_at_most_u8  wasm_u8x16_le
+#define BVXI_HALF_low_8(x, y) wasm_i8x16_shuffle(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23)
+#define BVXI_HALF_high_8(x, y) \
+    wasm_i8x16_shuffle(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31)
+#define BVXI_HALF_low_16(x, y)  wasm_i16x8_shuffle(x, y, 0, 8, 1, 9, 2, 10, 3, 11)
+#define BVXI_HALF_high_16(x, y) wasm_i16x8_shuffle(x, y, 4, 12, 5, 13, 6, 14, 7, 15)
+#define BVXI_HALF_low_32(x, y)  wasm_i32x4_shuffle(x, y, 0, 4, 1, 5)
+#define BVXI_HALF_high_32(x, y) wasm_i32x4_shuffle(x, y, 2, 6, 3, 7)
+
 #else
 #include <arm_neon.h>
 
@@ -69,6 +86,7 @@ typedef float64x2_t bvxi_half_f64;
 typedef float32x4_t bvxi_half_f32;
 typedef uint64x2_t bvxi_half_m64;
 typedef uint32x4_t bvxi_half_m32;
+typedef uint8x16_t bvxi_half_u8;
 
 #define BVXI_HALF_all_f64                 vdupq_n_f64
 #define BVXI_HALF_all_f32                 vdupq_n_f32
@@ -115,6 +133,25 @@ typedef uint32x4_t bvxi_half_m32;
 #define BVXI_HALF_bits_f32(m)             bvxi_half_bits(m)
 #define BVXI_HALF_first_f64(x)            vgetq_lane_f64(x, 0)
 #define BVXI_HALF_load_bytes(from)        vreinterpretq_f32_u8(vld1q_u8(from))
+
+#define BVXI_HALF_all_u8           vdupq_n_u8
+#define BVXI_HALF_load_u8          vld1q_u8
+#define BVXI_HALF_store_u64(to, x) vst1q_u64(to, vreinterpretq_u64_u8(x))
+#define BVXI_HALF_add_u8           vaddq_u8
+#define BVXI_HALF_sub_u8           vsubq_u8
+#define BVXI_HALF_and_u8           vandq_u8
+#define BVXI_HALF_or_u8            vorrq_u8
+#define BVXI_HALF_at_most_u8       vcleq_u8
+#define BVXI_HALF_low_8            vzip1q_u8
+#define BVXI_HALF_high_8           vzip2q_u8
+#define BVXI_HALF_low_16(x, y) \
+    vreinterpretq_u8_u16(vzip1q_u16(vreinterpretq_u16_u8(x), vreinterpretq_u16_u8(y)))
+#define BVXI_HALF_high_16(x, y) \
+    vreinterpretq_u8_u16(vzip2q_u16(vreinterpretq_u16_u8(x), vreinterpretq_u16_u8(y)))
+#define BVXI_HALF_low_32(x, y) \
+    vreinterpretq_u8_u32(vzip1q_u32(vreinterpretq_u32_u8(x), vreinterpretq_u32_u8(y)))
+#define BVXI_HALF_high_32(x, y) \
+    vreinterpretq_u8_u32(vzip2q_u32(vreinterpretq_u32_u8(x), vreinterpretq_u32_u8(y)))
 
 BVXI_VECTOR_INLINE uint32_t bvxi_half_bits(uint32x4_t m)
 {
@@ -254,6 +291,61 @@ BVXI_VECTOR_INLINE void bvxi_eight_columns_base(const bvxi_eight_base row[8], vo
         for (size_t i = 0; i < 8; i++) column[i] = lane[i][k];
         memcpy((char *)to + k * stride, column, sizeof column);
     }
+}
+
+/* ---- Bytes ---- */
+
+typedef struct bvxi_bytes_base {
+    bvxi_half_u8 low, high;
+} bvxi_bytes_base;
+
+BVXI_HALVES_TWO(bvxi_bytes_base, bvxi_bytes_add, bvxi_bytes_base, bvxi_bytes_base, BVXI_HALF_add_u8)
+BVXI_HALVES_TWO(bvxi_bytes_base, bvxi_bytes_sub, bvxi_bytes_base, bvxi_bytes_base, BVXI_HALF_sub_u8)
+BVXI_HALVES_TWO(bvxi_bytes_base, bvxi_bytes_and, bvxi_bytes_base, bvxi_bytes_base, BVXI_HALF_and_u8)
+BVXI_HALVES_TWO(bvxi_bytes_base, bvxi_bytes_or, bvxi_bytes_base, bvxi_bytes_base, BVXI_HALF_or_u8)
+BVXI_HALVES_TWO(bvxi_bytes_base, bvxi_bytes_at_most, bvxi_bytes_base, bvxi_bytes_base, BVXI_HALF_at_most_u8)
+
+BVXI_VECTOR_INLINE bvxi_bytes_base bvxi_bytes_all_base(uint8_t x)
+{
+    bvxi_bytes_base const r = {BVXI_HALF_all_u8(x), BVXI_HALF_all_u8(x)};
+    return r;
+}
+
+BVXI_VECTOR_INLINE bvxi_bytes_base bvxi_bytes_load_base(const uint8_t *from)
+{
+    bvxi_bytes_base const r = {BVXI_HALF_load_u8(from), BVXI_HALF_load_u8(from + 16)};
+    return r;
+}
+
+/* Word i of 16 is byte i of each of eight rows. */
+BVXI_VECTOR_INLINE void bvxi_half_words(const bvxi_half_u8 row[8], uint64_t *to)
+{
+    bvxi_half_u8 pair[8], four[8];
+
+    /* Bytes of two rows side by side, then of four, then of eight: a word. */
+    for (int i = 0; i < 4; i++) {
+        pair[2 * i] = BVXI_HALF_low_8(row[2 * i], row[2 * i + 1]);
+        pair[2 * i + 1] = BVXI_HALF_high_8(row[2 * i], row[2 * i + 1]);
+    }
+    for (int i = 0; i < 2; i++)
+        for (int h = 0; h < 2; h++) {
+            four[4 * i + 2 * h] = BVXI_HALF_low_16(pair[4 * i + h], pair[4 * i + 2 + h]);
+            four[4 * i + 2 * h + 1] = BVXI_HALF_high_16(pair[4 * i + h], pair[4 * i + 2 + h]);
+        }
+    for (int i = 0; i < 4; i++) {
+        BVXI_HALF_store_u64(to + 4 * i, BVXI_HALF_low_32(four[i], four[4 + i]));
+        BVXI_HALF_store_u64(to + 4 * i + 2, BVXI_HALF_high_32(four[i], four[4 + i]));
+    }
+}
+
+BVXI_VECTOR_INLINE void bvxi_bytes_words_base(const bvxi_bytes_base row[8], uint64_t *to)
+{
+    bvxi_half_u8 half[8];
+
+    for (int i = 0; i < 8; i++) half[i] = row[i].low;
+    bvxi_half_words(half, to);
+    for (int i = 0; i < 8; i++) half[i] = row[i].high;
+    bvxi_half_words(half, to + 16);
 }
 
 #endif

@@ -128,3 +128,37 @@ BVXI_SIMD_CODE static void BVXI_SIMD(check_columns)(void)
         EXPECT_FOURS(from_doubles[k], d[i][k]);
     }
 }
+
+/* Bytes of 32 lanes, and words of eight rows of them. */
+BVXI_SIMD_CODE static void BVXI_SIMD(check_bytes)(void)
+{
+    uint8_t x[8][32], got[4][32];
+    uint64_t words[32], turned[32];
+    bytes32 row[8], half[8];
+
+    for (int r = 0; r < 8; r++) {
+        for (int i = 0; i < 32; i++) x[r][i] = (uint8_t)(maker_random(&seed) >> 20);
+        x[r][r] = x[0][r];
+        row[r] = bytes_load(x[r]);
+    }
+    bytes32 const made[4] = {bytes_add(row[0], row[1]), bytes_sub(row[2], row[3]),
+                             bytes_or(bytes_and(row[4], row[5]), bytes_all(x[6][7])),
+                             bytes_at_most(row[7], row[0])};
+
+    /* What lies in a vector is seen by its words: of eight rows alike. */
+    for (int k = 0; k < 4; k++) {
+        for (int r = 0; r < 8; r++) half[r] = made[k];
+        bytes_words(half, words);
+        for (int i = 0; i < 32; i++) got[k][i] = (uint8_t)words[i];
+        for (int i = 0; i < 32; i++)
+            TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x0101010101010101) * got[k][i], words[i]);
+    }
+    bytes_words(row, turned);
+    for (int i = 0; i < 32; i++) {
+        TEST_ASSERT_EQUAL_HEX8(x[0][i] + x[1][i], got[0][i]);
+        TEST_ASSERT_EQUAL_HEX8(x[2][i] - x[3][i], got[1][i]);
+        TEST_ASSERT_EQUAL_HEX8((x[4][i] & x[5][i]) | x[6][7], got[2][i]);
+        TEST_ASSERT_EQUAL_HEX8(x[7][i] <= x[0][i] ? 255 : 0, got[3][i]);
+        for (int r = 0; r < 8; r++) TEST_ASSERT_EQUAL_HEX8(x[r][i], (uint8_t)(turned[i] >> 8 * r));
+    }
+}

@@ -85,6 +85,14 @@ static void test_floats_are_those_of_plain_c(void)
 #endif
 }
 
+static void test_bytes_are_those_of_plain_c(void)
+{
+    for (int i = 0; i < ROUNDS; i++) check_bytes_base();
+#if BVXI_HAVE_AVX2
+    for (int i = 0; avx2_may_run() && i < ROUNDS; i++) check_bytes_avx2();
+#endif
+}
+
 static void test_columns_are_rows_turned(void)
 {
     check_columns_base();
@@ -148,6 +156,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_doubles_are_those_of_plain_c);
     RUN_TEST(test_floats_are_those_of_plain_c);
+    RUN_TEST(test_bytes_are_those_of_plain_c);
     RUN_TEST(test_columns_are_rows_turned);
     RUN_TEST(test_shorts_are_those_of_plain_c);
     return UNITY_END();

@@ -1,6 +1,14 @@
 /* test_threshold.c - ranges of volumes to bits, held against a comparison
  * of every sample by itself; label lists. */
+#include "core/simd.h"
+#include "volume/room.h"
 #include "volume_support.h"
+
+/* The kernel for columns once more, at the level without choice: arrays where there are no vectors. */
+enum { COLUMN_BYTES = 64 };
+#define BVXI_SIMD_LEVEL _base
+#include "volume/threshold_columns_body.h"
+#undef BVXI_SIMD_LEVEL
 
 static const int x_first[3] = {0, 1, 2}, z_first[3] = {2, 1, 0}, y_first[3] = {1, 2, 0};
 
@@ -84,6 +92,35 @@ static void test_threshold_is_the_same_on_all_paths_and_threads(void)
     check_type(BVX_SAMPLE_F32, -9, 9);
     check_type(BVX_SAMPLE_U16, 0, 65535);
     check_type(BVX_SAMPLE_I8, -128, 127);
+}
+
+/* Every length up to three times 64 and every number of columns, with bytes around them that must not matter. */
+static void test_columns_of_every_length_are_rows(void)
+{
+    static uint8_t bytes[64 * 201];
+
+    seed = 11;
+    for (size_t i = 0; i < sizeof bytes; i++) bytes[i] = (uint8_t)(maker_random(&seed) >> 30);
+    for (int32_t n = 1; n <= 200; n++) {
+        int32_t const columns = n % 64 + 1;
+        int const is_signed = n % 2, low = is_signed ? -n % 100 : n % 100, high = low + n;
+        uint64_t rows[201];
+        bvxi_range range;
+
+        bvxi_range_make(is_signed ? BVX_SAMPLE_I8 : BVX_SAMPLE_U8, low, high, &range);
+        rows[n] = 7;
+        range_columns_base(&range, bytes, 201, columns, n, n % 3, rows);
+        TEST_ASSERT_EQUAL_UINT64(7, rows[n]);
+        for (int32_t i = 0; i < n; i++) {
+            uint64_t wanted = 0;
+
+            for (int32_t c = 0; c < columns; c++) {
+                int const byte = bytes[201 * c + i], v = is_signed && byte > 127 ? byte - 256 : byte;
+                wanted |= (uint64_t)(v >= low && v <= high) << c;
+            }
+            TEST_ASSERT_EQUAL_HEX64(wanted, rows[i]);
+        }
+    }
 }
 
 /* Ends that are no floats must not move to a neighbour that is outside. */
@@ -332,6 +369,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_threshold_of_every_type_order_and_direction);
+    RUN_TEST(test_columns_of_every_length_are_rows);
     RUN_TEST(test_threshold_is_the_same_on_all_paths_and_threads);
     RUN_TEST(test_threshold_ends_between_floats);
     RUN_TEST(test_threshold_of_64_bit_ends);
