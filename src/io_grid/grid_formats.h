@@ -92,7 +92,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense);
 BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size,
                                            const char *at);
 
-/* read_dense.c: the voxels whose sample is not 0. */
+/* dense_file.c: the voxels whose sample is not 0. */
 bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense *dense, bvx_grid *grid);
 /* Packed samples of encodings other than RAW and TEXT, dense->size bytes in the file's byte order. */
 bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *dense, uint8_t *bytes);

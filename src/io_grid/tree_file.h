@@ -88,7 +88,7 @@ static inline uint64_t bvxi_tree_arrays(uint32_t kind)
     return kind == BVXI_SPLIT_SOME ? 3 : 2;
 }
 
-/* ---- write_tree.c ---- */
+/* ---- tree_file.c, written ---- */
 
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file);
 

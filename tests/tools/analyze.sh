@@ -30,8 +30,8 @@ tidy bugprone-integer-division src/refine/children.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
 tidy bugprone-not-null-terminated-result src/io/png.c bytes of a file, no text
 tidy bugprone-not-null-terminated-result src/io_mesh/write_glb.c bytes of a file, no text
-tidy bugprone-not-null-terminated-result src/io_grid/write_vox.c bytes of a file, no text
-tidy bugprone-signed-char-misuse src/io_mesh/read_ply.c a small number, no character
+tidy bugprone-not-null-terminated-result src/io_grid/vox.c bytes of a file, no text
+tidy bugprone-signed-char-misuse src/io_mesh/ply.c a small number, no character
 clang core.BitwiseShift src/mesh/orient.c no exponent lies below the lowest of its axis
 clang core.BitwiseShift src/surface/cells.h at least one word is looked at
 clang core.BitwiseShift src/surface/face_rectangles.c a word is asked for only where the run meets it

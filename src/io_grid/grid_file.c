@@ -1,5 +1,11 @@
-/* read_grid.c - a grid from the bytes of a file: the checks around the readers. */
+/* grid_file.c - grids from and to the bytes of files: the checks around readers and writers, and which of
+ * them a format has. */
 #include "io_grid/grid_formats.h"
+#include "io/formats.h"
+
+/* ---- Read ---- */
+
+/* A grid from the bytes of a file: the checks around the readers. */
 
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
@@ -62,4 +68,34 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
                          const bvx_window *window, bvx_grid *grid)
 {
     return BVXI_CALL(context, run_read_grid(context, bytes, size, format, window, grid));
+}
+
+/* ---- Written ---- */
+
+/* A grid to the bytes of a file: the checks around the
+ * writers, and what those of one byte a voxel share. */
+
+static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
+{
+    static const char *const function = "bvx_write_grid";
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(bvxi_renew_buffer(context, function, file));
+    BVXI_TRY(bvxi_grid_check(context, function, grid));
+    /* Each writer checks what its format cannot hold. */
+    switch (format) {
+    case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);
+    case BVX_FORMAT_BINVOX: return bvxi_write_binvox(context, grid, file);
+    case BVX_FORMAT_VOX: return bvxi_write_vox(context, grid, file);
+    case BVX_FORMAT_NRRD: return bvxi_write_nrrd(context, grid, file);
+    case BVX_FORMAT_VTI: return bvxi_write_vti(context, grid, file);
+    case BVX_FORMAT_BVX: return bvxi_write_bvx(context, grid, file);
+    default:
+        return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "grid", format, BVX_GRIDS_WRITTEN);
+    }
+}
+
+bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, run_write_grid(context, grid, format, file));
 }

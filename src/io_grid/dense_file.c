@@ -1,0 +1,236 @@
+/* dense_file.c - what files of a number for each voxel share: their lattice, numbers to a grid, a grid to
+ * bytes. */
+#include "io_grid/grid_formats.h"
+#include "io/formats.h"
+
+/* ---- The lattice ---- */
+
+/* The lattice that a file of voxels says it has, and the grid for the part of it that is
+ * wanted. */
+
+bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
+                         const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    bvx_lattice made = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, BVXI_MIN_FRACTION};
+    int32_t longest = 1;
+
+    for (int a = 0; a < 3; a++) {
+        if (dims[a] == 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s: the file has no voxels along %s", format,
+                             axis_name[a]);
+        if (dims[a] > BVXI_MAX_SIDE)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: the file has %u voxels along %s; 1 to %d are possible", format, dims[a],
+                                 axis_name[a], (int64_t)BVXI_MAX_SIDE);
+        /* x - x is 0 for every finite number, and NaN for the others. */
+        if (!(origin[a] - origin[a] == 0.0))
+            return bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_NOT_FINITE,
+                                 "%s: the origin is not finite along %s", format, axis_name[a]);
+        if (!(spacing[a] - spacing[a] == 0.0) || !(spacing[a] > 0.0))
+            return bvxi_fail(ctx, BVX_ERR_FORMAT,
+                             "%s: the spacing along %s is %g; it must be above 0 and finite", format,
+                             axis_name[a], spacing[a]);
+        made.origin[a] = origin[a];
+        made.spacing[a] = spacing[a];
+        made.dims[a] = (int32_t)dims[a];
+        if (made.dims[a] > longest) longest = made.dims[a];
+    }
+
+    /* The most fraction bits that a box of this size leaves: files have none of their own. */
+    made.fraction_bits = bvxi_fraction_bits(longest);
+    *box = made;
+    return BVX_OK;
+}
+
+/* What is wanted of a file, counted from its first voxel; NULL or all zero stands for all of it. */
+static bvx_status take_file_part(const bvxi_grid_source *source, const char *format, const int32_t size[3],
+                                 bvx_window *part)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
+    const bvx_window *const w = source->window;
+
+    memset(part, 0, sizeof *part);
+    if (w == NULL || memcmp(w, &none, sizeof none) == 0) {
+        memcpy(part->size, size, sizeof part->size);
+        return BVX_OK;
+    }
+
+    /* Written as low > size - wanted, as low + wanted might overflow. */
+    for (int a = 0; a < 3; a++)
+        if (w->low[a] < 0 || w->size[a] < 1 || w->low[a] > size[a] - w->size[a])
+            return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: the window's voxels %d to %d along %s are not inside the file's %d",
+                                 format, (int64_t)w->low[a], (int64_t)w->low[a] + w->size[a] - 1,
+                                 axis_name[a], (int64_t)size[a]);
+    *part = *w;
+    return BVX_OK;
+}
+
+bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *format, const bvx_lattice *lattice,
+                               const bvx_window *file_window, bvx_window *part, bvx_grid *grid)
+{
+    bvx_window whole, wanted;
+
+    /* The lattice and the file's own window are what the
+     * file says; only the part of it comes from the caller. */
+    BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
+    BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
+    BVXI_TRY(take_file_part(source, format, whole.size, part));
+    for (int a = 0; a < 3; a++) {
+        wanted.low[a] = whole.low[a] + part->low[a];
+        wanted.size[a] = part->size[a];
+    }
+    bvxi_grid_renew(source->ctx, lattice, &wanted, grid);
+    BVXI_TRY(bvxi_grid_open(source->ctx, "bvx_read_grid", lattice, &wanted, grid));
+    /* Readers only set bits, so what they pass over must be 0. */
+    memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
+    return BVX_OK;
+}
+
+void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_t end, int64_t y, int64_t z)
+{
+    int64_t const j = y - part->low[1], k = z - part->low[2];
+    int64_t const first = x - part->low[0] < 0 ? 0 : x - part->low[0];
+    int64_t const stop = end - part->low[0] > part->size[0] ? part->size[0] : end - part->low[0];
+    if (j < 0 || j >= part->size[1] || k < 0 || k >= part->size[2] || first >= stop) return;
+    bvxi_set_run(grid->words + ((size_t)k * (size_t)grid->size[1] + (size_t)j) * (size_t)grid->words_per_row,
+                 (int32_t)first, (int32_t)stop);
+}
+
+/* ---- Read ---- */
+
+/* Samples of a file, however it holds them, to a grid: every number other than 0 is a
+ * voxel. */
+
+enum { TEXT_ASK_BYTES = 1 << 20 };
+
+bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at)
+{
+    return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                     "%s: line %u: the array's %u bytes are not all there (byte %u)", source->format,
+                     bvxi_source_line(source, array), size, bvxi_source_byte(source, at));
+}
+
+bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *d, uint8_t *bytes)
+{
+    const bvx_read_volume_options *const o = source->volume;
+    bvxi_base64 b = d->base64;
+
+    /* The unpacker is the caller's, as the library brings none. */
+    if (d->encoding == BVXI_DENSE_GZIP) {
+        if (o->inflate(o->inflate_user, d->begin, (uint64_t)(d->end - d->begin), bytes, d->size) == 0)
+            return BVX_OK;
+        return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
+                         "%s: the packed samples are damaged or do not make %u bytes", d->format, d->size);
+    }
+    if (!bvxi_base64_take(&b, bytes, d->size))
+        return bvxi_fail_short_array(&d->source, d->array, d->size, b.p);
+    /* An array in a tag must end where its text does; appended data goes on with other arrays. */
+    if (d->behind != NULL && (b.held_count != 0 || bvxi_skip_space(b.p, b.end) != b.end))
+        return bvxi_fail_expected(&d->source, b.p, d->behind);
+    return BVX_OK;
+}
+
+/* x fastest, one for each voxel of the file; white space is between them. */
+static bvx_status read_text_grid(const bvxi_grid_source *source, const bvxi_dense *d, const bvx_window *part,
+                                 bvx_grid *grid)
+{
+    const int32_t *const n = d->box.dims;
+    const char *p = d->begin, *ask = d->begin;
+    uint64_t done = 0;
+
+    for (int32_t z = 0; z < n[2]; z++)
+        for (int32_t y = 0; y < n[1]; y++)
+            for (int32_t x = 0; x < n[0]; x++) {
+                double v;
+                /* Progress follows the bytes, not the samples: their number is what the file says only. */
+                if (p >= ask) {
+                    double const all = (double)(d->end - d->begin);
+                    BVXI_TRY(
+                        bvxi_progress(source->ctx, "read", all > 0.0 ? (double)(p - d->begin) / all : 0.0));
+                    ask = d->end - p > TEXT_ASK_BYTES ? p + TEXT_ASK_BYTES : d->end;
+                }
+                /* Each sample is parsed, also outside the part:
+                 * where the next one begins is not known otherwise. */
+                BVXI_TRY(bvxi_take_sample(&d->source, n, done++, &p, &v));
+                if (v != 0.0) bvxi_set_file_run(grid, part, x, (int64_t)x + 1, y, z); /* NaN is not 0 */
+            }
+    p = bvxi_skip_space(p, d->end);
+    return p == d->end ? BVX_OK : bvxi_fail_expected(&d->source, p, d->behind);
+}
+
+bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense *dense, bvx_grid *grid)
+{
+    bvxi_samples samples = dense->samples;
+    uint8_t *bytes = NULL;
+    bvx_window part;
+    bvx_status status = BVX_OK;
+
+    /* Raw samples and text are read where they stand, straight into the grid. */
+    if (dense->encoding == BVXI_DENSE_RAW || dense->encoding == BVXI_DENSE_TEXT) {
+        BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
+        return dense->encoding == BVXI_DENSE_TEXT ? read_text_grid(source, dense, &part, grid)
+                                                  : bvxi_pack_samples(source->ctx, &samples, &part, grid);
+    }
+
+    /* Packed ones are unpacked whole first: a part of them cannot be found before. */
+    BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, dense->size, "the unpacked samples", &bytes));
+    samples.first = bytes;
+    status = bvxi_unpack_dense(source, dense, bytes);
+    if (status == BVX_OK) status = bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid);
+    if (status == BVX_OK) status = bvxi_pack_samples(source->ctx, &samples, &part, grid);
+    bvxi_drop(source->ctx, bytes);
+    return status;
+}
+
+/* ---- Written ---- */
+
+/* Files of a head, a byte for each voxel and a tail. */
+
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
+                            bvx_buffer *file)
+{
+    uint64_t const tail = bvxi_text_length(kind->tail);
+    bvx_buffer made = {0};
+    bvxi_output head = {0};
+    bvx_status status;
+    int fits = 1;
+
+    /* The head is made twice, to learn its length and to write it. */
+    kind->put_head(grid, &head);
+    uint64_t const voxels = bvxi_mul(bvxi_grid_rows(grid), (uint64_t)grid->size[0], &fits);
+    uint64_t const size = bvxi_add(voxels, head.size + tail, &fits);
+    if (!fits)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "bvx_write_grid: the grid has 2^64 voxels or more");
+    BVXI_TRY(bvxi_make_buffer(ctx, size, kind->what, &made));
+    head.bytes = made.bytes;
+    head.size = 0;
+    kind->put_head(grid, &head);
+
+    /* The voxels lie between head and tail, and nothing else is in the file. */
+    memcpy(made.bytes + size - tail, kind->tail, (size_t)tail);
+    status = bvxi_unpack_grid(ctx, grid, made.bytes + head.size);
+    if (status != BVX_OK) bvx_buffer_free(ctx, &made);
+    else *file = made;
+    return status;
+}
+
+bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+    double corner[3];
+
+    bvxi_grid_corner(grid, corner);
+    for (int a = 0; a < 3; a++) {
+        /* Both are checked: formats keep the corner, the centre, or both. */
+        double const centre = corner[a] + 0.5 * grid->lattice.spacing[a];
+        if (!(corner[a] - corner[a] == 0.0) || !(centre - centre == 0.0))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: the window's first voxel has no finite place along %s", format,
+                                 axis_name[a]);
+    }
+    return BVX_OK;
+}
