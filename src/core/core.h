@@ -120,7 +120,7 @@ int32_t bvxi_threads(const bvx_context *ctx);
 /* BVX_CPU_PORTABLE or the fast path that may run. */
 int32_t bvxi_cpu(const bvx_context *ctx);
 
-/* ---- progress.c ---- */
+/* ---- parallel.c ---- */
 
 /* The work of a public function, with one rise of progress around it;
  * inside another public function it is a part of that. */

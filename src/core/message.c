@@ -1,7 +1,43 @@
-/* message.c - what went wrong, in parts and in one line, formatted without stdio and without a locale. */
+/* message.c - statuses and reasons, their texts, and what went wrong in parts and in one line. */
 #include "context.h"
+#include "core.h"
 
 #include <stdarg.h>
+
+/* ---- Texts of statuses, and the version ---- */
+
+/* Statuses and reasons, their texts, and the version. */
+
+const char *bvx_status_text(bvx_status status)
+{
+    switch (status) {
+#define BVXI_STATUS_TEXT(name, value, text) \
+    case value: return text;
+        BVX_STATUS_LIST(BVXI_STATUS_TEXT)
+#undef BVXI_STATUS_TEXT
+    default: return "unknown status";
+    }
+}
+
+const char *bvx_reason_text(int32_t reason)
+{
+    switch (reason) {
+#define BVXI_REASON_TEXT(name, value, text) \
+    case value: return text;
+        BVX_REASON_LIST(BVXI_REASON_TEXT)
+#undef BVXI_REASON_TEXT
+    default: return "unknown reason";
+    }
+}
+
+int32_t bvx_version(void)
+{
+    return BVX_VERSION;
+}
+
+/* ---- Messages ---- */
+
+/* What went wrong, in parts and in one line, formatted without stdio and without a locale. */
 
 typedef struct message_line {
     char *text;

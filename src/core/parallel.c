@@ -1,8 +1,88 @@
-/* parallel.c - tasks in batches, with progress and cancellation asked on the calling thread between them.
+/* parallel.c - tasks in batches, and the one fraction of a public call that they report. */
+#include "context.h"
+
+/* ---- Progress ---- */
+
+/* One fraction for a whole public call, which rises from 0 to 1, made of what its works report
+ * of themselves.
+ *
+ * Works report fractions of their own, from 0 to 1, and know nothing of each other. The context holds the
+ * share of the call that the present work has, as a stack: a call made of several works gives each its share,
+ * which may be shared again. Whatever is reported is kept from falling, so a work without a share of its own,
+ * or one that begins anew, costs only evenness. Public functions called by others change nothing but the
+ * share that they report in; the outermost one reports 1 when it succeeds, and only then is it reached. */
+
+#define BEFORE_END (1023.0 / 1024.0) /* what works report at most */
+
+/* Shares deeper than the stack report as the last one that it holds. */
+static const bvxi_share *present_share(const bvx_context *ctx)
+{
+    return &ctx->share[ctx->shares < BVXI_SHARES ? ctx->shares : BVXI_SHARES - 1];
+}
+
+void bvxi_call_begin(bvx_context *ctx, const char *function)
+{
+    if (ctx == NULL || ctx->calls++ != 0) return;
+
+    ctx->mark = bvxi_scratch_begin(ctx);
+    ctx->shares = 0;
+    ctx->share[0].low = 0.0;
+    ctx->share[0].high = BEFORE_END;
+    ctx->reached = 0.0;
+    ctx->stage = ctx->function = function;
+}
+
+bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
+{
+    if (ctx == NULL || --ctx->calls != 0) return status;
+
+    /* What fails leaves its scratch where it is. */
+    (void)bvxi_scratch_end(ctx, ctx->mark, status);
+
+    /* The results are there and stay: what the callback answers is not heard. */
+    if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);
+    return status;
+}
+
+void bvxi_share_begin(bvx_context *ctx, double from, double to)
+{
+    bvxi_share const outer = *present_share(ctx);
+
+    if (++ctx->shares >= BVXI_SHARES) return;
+    ctx->share[ctx->shares].low = outer.low + (outer.high - outer.low) * from;
+    ctx->share[ctx->shares].high = outer.low + (outer.high - outer.low) * to;
+}
+
+bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
+{
+    ctx->shares--;
+    return status;
+}
+
+bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
+{
+    const bvxi_share *const share = present_share(ctx);
+    double at = share->low + (share->high - share->low) * fraction;
+
+    if (ctx->progress == NULL) return BVX_OK;
+
+    /* Tests call works without a public function around them; there is no whole then. */
+    if (ctx->calls != 0) {
+        if (!(at <= share->high)) at = share->high;
+        if (!(at >= ctx->reached)) at = ctx->reached;
+        ctx->reached = at;
+        ctx->stage = stage;
+    }
+    if (ctx->progress(ctx->progress_user, stage, at) == 0) return BVX_OK;
+    return bvxi_fail(ctx, BVX_CANCELLED, "%s: cancelled by the progress callback", stage);
+}
+
+/* ---- Tasks ---- */
+
+/* Tasks in batches, with progress and cancellation asked on the calling thread between them.
  *
  * What a task computes depends on its index only; the number of tasks follows from the work's shape. So
  * neither the threads nor the batches show in any result. */
-#include "context.h"
 
 enum { BATCHES = 8, TASKS_PER_WORKER = 16 };
 

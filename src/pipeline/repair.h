@@ -44,13 +44,13 @@ void bvxi_repair_let_go(bvxi_repair_job *job);
 void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count,
                       bvx_mesh_view *view);
 
-/* repair_lattice.c: the lattice of a resolution, or the one that was given. */
+/* repair_input.c: the lattice of a resolution, or the one that was given. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
 
 /* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
 bvx_status bvxi_repair_inside(bvxi_repair_job *job);
 
-/* repair_enclosed.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become
+/* repair_sheets.c: of the triangles of job->mesh that are ASKED, those that job->body encloses become
  * ENCLOSED. Only for fill rules with winding numbers. job->holes are those of job->mesh. Scratch: as
  * bvxi_winding_open, and the body's holes. */
 enum { BVXI_TRIANGLE_ASKED = 1, BVXI_TRIANGLE_ENCLOSED = 2 };
@@ -66,7 +66,7 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job);
  * hold. */
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job);
 
-/* repair_parts.c: drop small parts of inside and fill small cavities; count all. */
+/* small_parts.c: drop small parts of inside and fill small cavities; count all. */
 bvx_status bvxi_repair_clean(bvxi_repair_job *job);
 
 /* repair_surface.c: the surface of inside. */

@@ -1,10 +1,34 @@
-/* repair_input.c - a mesh made ready for repair: what it is, its triangles once each, the pieces that hang
- * together.
- *
- * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
+/* repair_input.c - what repair starts from: the mesh made ready, and its lattice. */
 #include "mesh/topology.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
+
+/* ---- The lattice ---- */
+
+/* The lattice that a mesh is repaired on: fitted to it
+ * with room for shells, or the caller's. */
+
+bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
+{
+    bvx_lattice_options o;
+
+    job->resolution = resolution;
+    if (job->options->lattice != NULL) {
+        job->lattice = *job->options->lattice;
+        return BVX_OK;
+    }
+    bvx_lattice_options_init(&o, sizeof o);
+    o.resolution = resolution;
+    o.padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5);
+    return bvx_lattice_fit_with(job->ctx, &job->mesh, &o, &job->lattice);
+}
+
+/* ---- The mesh ---- */
+
+/* A mesh made ready for repair: what it is, its triangles once each, the pieces that hang
+ * together.
+ *
+ * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
 
 const char bvxi_repair_name[] = "bvx_repair";
 

@@ -1,7 +1,7 @@
 /* field_surface.c - the surface of a distance field: bvx_extract_field_surface.
  *
  * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013, section 2.3
- * (edge_vector.c says how its formula is mended).
+ * (edge_cut.c says how its formula is mended).
  *
  * Marching cubes between inside and outside centres, then each vertex is put where the field's closest points
  * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the

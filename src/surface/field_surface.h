@@ -96,7 +96,7 @@ typedef struct bvxi_cuts {
 void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker);
 
 struct bvxi_cut_edge;
-/* facet_plane.c: the cut of an edge both of whose ends have values, from the ratio that their vectors
+/* edge_cut.c: the cut of an edge both of whose ends have values, from the ratio that their vectors
  * gave it; centre is the low end [Units: world]. planes[0] is that of the facet nearer to the cut, planes[1]
  * that of the other end's; both are zero before. */
 double bvxi_facet_cut(const bvxi_cuts *cuts, const bvxi_cut_rule *values, const struct bvxi_cut_edge *edge,

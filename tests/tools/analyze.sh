@@ -40,7 +40,7 @@ clang core.CallAndMessage src/section/section_field.c a place without an ending 
 clang core.UndefinedBinaryOperatorResult src/section/section_field.c as above
 clang core.uninitialized.Assign src/section/section_field.c as above
 clang core.UndefinedBinaryOperatorResult src/surface/cell_loops.c the corners of a triangle are three that were just set
-clang core.UndefinedBinaryOperatorResult src/surface/facet_plane.c an end without a triangle has a normal of size 0, which is looked at first
+clang core.UndefinedBinaryOperatorResult src/surface/edge_cut.c an end without a triangle has a normal of size 0, which is looked at first
 clang core.UndefinedBinaryOperatorResult src/winding/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there
 clang core.NullDereference src/winding/sheet_lanes_body.h edges and triangles are kept only where reach is above 0, which goes with a place to look
 clang core.uninitialized.Assign src/winding/sheet.c as above

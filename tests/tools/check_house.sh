@@ -217,8 +217,8 @@ file_names_unique() {
 refuses_fast_math() {
     "$MAKE_COMMAND" BUILD="$work/fast" CFLAGS='-O2 -ffast-math' library >"$work/fast.txt" 2>&1 && return 1
     grep -q 'would change results' "$work/fast.txt" || return 1
-    ! $CC -std=c99 -ffast-math -Iinclude -Isrc -c src/core/status.c -o "$work/fast.o" || return 1
-    ! $CC -std=c99 -ffinite-math-only -Iinclude -Isrc -c src/core/status.c -o "$work/fast.o" || return 1
+    ! $CC -std=c99 -ffast-math -Iinclude -Isrc -c src/core/message.c -o "$work/fast.o" || return 1
+    ! $CC -std=c99 -ffinite-math-only -Iinclude -Isrc -c src/core/message.c -o "$work/fast.o" || return 1
     printf '%s\n' '#include "bitvox.h"' 'int main(void) { return bvx_arithmetic_fault() == NULL; }' >"$work/fast.c"
     for part in -funsafe-math-optimizations -freciprocal-math; do # these have no macro: a look at the arithmetic tells
         $CC -std=c99 -O2 -ffp-contract=off $part -Iinclude -Isrc "$work/fast.c" src/core/exact.c -o "$work/fast-part" || return 1
