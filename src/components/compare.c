@@ -4,7 +4,7 @@
  * and their sums are whole numbers, so threads never show. Then the runs of what only one grid has go through
  * union-find (components.c), and once more for the sizes of the pieces found. Where nothing differs the first
  * pass is all. */
-#include "components/components.h"
+#include "components/room.h"
 #include "grid/grid.h"
 
 enum { COMPARE_GRAIN = 2048 /* least words a piece */ };

@@ -1,7 +1,6 @@
 /* components.c - connected components of rows of voxels by union-find over runs, the pairs that touch
  * found 64 voxels at a time; runs of empty or set voxels joined to spaces (components.c), and handed out
  * again with their numbers. */
-#include "components/components.h"
 #include "components/room.h"
 
 /* ---- Connected components of rows of voxels by union-find over runs, the pairs that touch found 64

@@ -11,7 +11,7 @@
  * That is right only for a hole that goes on: one that overlaps a hole of the next section. Others end or
  * open between the two sections, and what they do depends on the outline that they may open into. They stay
  * in the level of the loop around them, with all that lies in them, and are blended as they always were. */
-#include "section/nesting.h"
+#include "section/slab.h"
 
 #include "mesh/mesh.h"
 

@@ -4,7 +4,7 @@
  * then triangles of one level can reach through those of another. A triangle lies in one cell of the grid, so
  * only cells with triangles of several levels are looked at: with walls that are wider than cells there are
  * hardly any. All pairs of these are tested exactly. */
-#include "section/nesting.h"
+#include "section/slab.h"
 
 #include <math.h>
 

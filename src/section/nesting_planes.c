@@ -5,7 +5,7 @@
  * cell, grid points inside, the tree for distances. A level of holes is turned: what its loops enclose is
  * outside. Then its loops run with the inside on their left as they do in the section, and the triangles
  * between two such levels face the way that the body's surface does. */
-#include "section/nesting.h"
+#include "section/slab.h"
 
 typedef struct nest_sizes {
     uint32_t segments;

@@ -2,7 +2,7 @@
  * of each loop one after the other, crossings of subdivided cells from above and below included, so an arc's
  * vertices are a stretch of it whatever cells it was cut for. Rings are the first vertices of the mesh, plane
  * by plane; planes are gone over side by side, once to count and once to place. */
-#include "section/nesting.h"
+#include "section/slab.h"
 
 enum { RINGS_GRAIN = 4096 };
 

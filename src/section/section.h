@@ -89,7 +89,7 @@ typedef struct bvxi_plane {
     double area;
     int lines;       /* of a cap: points are vertices, and their segments cross nothing */
     uint8_t ends[2]; /* some part ends below, above */
-    /* of a nesting level (nesting.h): the section that it is a part of; else NULL */
+    /* of a nesting level (slab.h): the section that it is a part of; else NULL */
     struct bvxi_plane *whole;
     /* the segments that distances and inside tests are taken from, ascending; NULL: all */
     const uint32_t *segment;
@@ -221,7 +221,7 @@ int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, con
 /* box: scratch, one a loop. */
 bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box)[4]);
 
-/* ---- simple.c, simple_quick.c ---- */
+/* ---- simple.c, simple.c ---- */
 
 /* Refuse loops that cross or touch themselves or others. */
 bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);

@@ -88,7 +88,7 @@ static inline uint32_t bvxi_line_number(const bvxi_field *f, int32_t i, int32_t 
 
 double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q);
 
-/* ---- vertex_map.c ---- */
+/* ---- section_mesh.c ---- */
 
 bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
 /* Room for the first of them. */

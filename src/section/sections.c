@@ -11,7 +11,7 @@
  * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
 #include "section/mend.h"
-#include "section/nesting.h"
+#include "section/slab.h"
 #include "section/oblique.h"
 
 #include "mesh/mesh.h"

@@ -3,8 +3,7 @@
  *
  * A cell is subdivided for both of its planes, and the crossings that this makes go to each plane's ring, so
  * the cells on the plane's other side get them as vertices too. */
-#include "section/nesting.h"
-#include "section/split.h"
+#include "section/slab.h"
 
 #include "mesh/mesh.h"
 

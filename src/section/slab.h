@@ -70,4 +70,62 @@ static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t cou
     return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
 }
 
+/* ---- split_cell.c: cells as they are subdivided ---- */
+
+typedef struct bvxi_split_cell {
+    int32_t low[2], size, depth;
+    uint8_t inside[2];
+    uint32_t arc[2], arc_count[2]; /* in the pool */
+} bvxi_split_cell;
+
+typedef struct bvxi_split_piece {
+    bvxi_arc arc;
+    uint32_t quadrant;
+} bvxi_split_piece;
+
+typedef struct bvxi_split_work {
+    bvxi_stack *s;
+    bvxi_slab *slab;
+    bvxi_slab grown; /* what a slab's cells become, in arrays that the slabs have in turn */
+    int is_last;     /* 1: in the last slab */
+    uint64_t *key;   /* of its hanging corners */
+    uint32_t *order;
+    bvxi_hanging *sorted;
+    uint32_t key_room, order_room, sorted_room;
+    bvxi_arc *pool;
+    uint32_t pool_count, pool_room;
+    bvxi_split_piece *piece;
+    uint32_t piece_count, piece_room;
+    /* of the cell being split, on one plane */
+    int32_t middle[2];
+    /* crossings of the low and high half of the line of the middle u, of the middle v */
+    uint32_t odd_u[2], odd_v[2];
+} bvxi_split_work;
+
+/* Subdivide a cell of the grid where its contours require it: leaves, arcs and corners go to the slab. */
+bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
+
+/* ---- nesting.c: loops that lie in others, blended level by level ---- */
+
+/* Scratch of a stack; close it also after a failure. */
+bvx_status bvxi_nesting_open(bvxi_stack *stack);
+void bvxi_nesting_close(bvxi_stack *stack);
+
+/* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
+bvx_status bvxi_nesting_find(bvxi_stack *stack);
+
+/* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring  */
+
+/* The levels of all slabs. */
+bvx_status bvxi_nesting_make(bvxi_stack *stack);
+/* What has changed in the section since: crossings, or the ring. */
+void bvxi_nesting_refresh(bvxi_plane *level);
+/* Return the levels' arrays. */
+void bvxi_nesting_drop(bvxi_stack *stack);
+
+/* ---- nesting_cross.c ---- */
+
+/* Find levels of one slab that cross, and mark it to be blended as a whole: *found such slabs. */
+bvx_status bvxi_nesting_crossed(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, uint32_t *found);
+
 #endif

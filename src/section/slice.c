@@ -1,16 +1,37 @@
-/* slice.c - the contours of a mesh on parallel planes.
- *
- * A triangle that a plane parts gives one piece of contour, from the edge that its boundary comes down by to
- * the one that it goes up by. Pieces are joined by their edges, the two numbers of their ends, so that no
- * comparison of coordinates decides; vertices on a plane count as above it, so no plane meets a vertex. On a
- * closed and oriented mesh every piece has one before and one behind. */
+/* slice.c - stacks of contours made from a mesh, and freed. */
 #include "section/section.h"
-
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "mesh/topology.h"
 
 #include <math.h>
+
+/* ---- Freed ---- */
+
+/* Contour stacks that the library made. */
+
+void bvx_sections_free(bvx_context *context, bvx_sections *sections)
+{
+    if (context == NULL || sections == NULL) return;
+    /* What the caller brought is the caller's to free. */
+    if (sections->owned) {
+        bvxi_free(context, sections->normals,
+                  sections->normals == NULL ? 0 : sections->section_capacity * 24);
+        bvxi_free(context, sections->positions, sections->section_capacity * 8);
+        bvxi_free(context, sections->loops, sections->loop_capacity * sizeof *sections->loops);
+        bvxi_free(context, sections->points, sections->point_capacity * 24);
+    }
+    memset(sections, 0, sizeof *sections);
+}
+
+/* ---- Made ---- */
+
+/* The contours of a mesh on parallel planes.
+ *
+ * A triangle that a plane parts gives one piece of contour, from the edge that its boundary comes down by to
+ * the one that it goes up by. Pieces are joined by their edges, the two numbers of their ends, so that no
+ * comparison of coordinates decides; vertices on a plane count as above it, so no plane meets a vertex. On a
+ * closed and oriented mesh every piece has one before and one behind. */
 
 static const char slice_name[] = "bvx_slice_mesh";
 

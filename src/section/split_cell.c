@@ -5,7 +5,7 @@
  * same from the cells on both of its sides, so neighbours agree on every edge that matters; a coarser
  * neighbour has the corners of finer cells on its side as points between the ends. Whether a new corner is
  * inside follows from a known one by the crossings between them. */
-#include "section/split.h"
+#include "section/slab.h"
 
 enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
 

@@ -100,7 +100,7 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
 void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
 /* 1 when triangles of the cell cross. */
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
-/* uncross.c: 1 when triangles from a number on cross. */
+/* trace_loops.c: 1 when triangles from a number on cross. */
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
 void bvxi_trace_free(bvxi_trace *t);
 /* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */

@@ -32,8 +32,8 @@ src/io_mesh/off.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io_mesh/ply.c | triangles > INT32_MAX | a file of 2^31 triangles
 src/io_mesh/read_points.c | count > UINT32_MAX | a file of 2^32 points
 src/io_grid/tree_file.c | octets >= (uint64_t)1 << 28 | a file of 2^28 octets
-src/io_mesh/weld_triangles.c | vertex_count == UINT32_MAX | 2^32 vertices
-src/io_mesh/weld_triangles.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
+src/io_mesh/stl.c | vertex_count == UINT32_MAX | 2^32 vertices
+src/io_mesh/stl.c | triangle_count + s->waiting > INT32_MAX | 2^31 triangles
 src/io_mesh/ply.c | vertex_count > INT32_MAX | 2^31 vertices
 src/io_grid/write_vtu.c | v.count >= (uint64_t)1 << 28 | 2^28 leaves
 src/lattice/lattice.c | log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked

@@ -20,7 +20,7 @@ echo 'int main(void) { return 0; }' | clang-19 -fprofile-instr-generate -x c - -
 files='src/core/exact.c src/lattice/lattice.c src/lattice/lattice.h src/lattice/wide.h
     src/mesh/polygon.c src/mesh/polygon.h src/mesh/topology.c
     src/refine/children.c src/refine/cubes.h
-    src/section/section.h src/section/simple.c src/section/simple_quick.c
+    src/section/section.h src/section/simple.c
     src/surface/disjoint_triangles.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
     src/touch/conservative.c src/solid/covered_rows.h src/solid/crossings.c src/touch/sampled.c
     src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_cells.h src/touch/touch_cells.h src/touch/touch_rows.c'

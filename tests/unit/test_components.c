@@ -1,5 +1,5 @@
 /* test_components.c - components of runs against a flood over single voxels, for all three connectivities. */
-#include "components/components.h"
+#include "components/room.h"
 #include "tools/mesh_maker.h"
 #include "unity.h"
 

@@ -300,7 +300,7 @@ static uint64_t inverse_of(uint64_t odd)
     return x;
 }
 
-/* A file whose corners x, y, 0 have hashes (of weld_triangles.c) with 24 equal bits at their end, all
+/* A file whose corners x, y, 0 have hashes (of stl.c) with 24 equal bits at their end, all
  * different, n triangles and then the same n again; to be freed. */
 static uint8_t *make_flood(uint32_t n, size_t *size)
 {
