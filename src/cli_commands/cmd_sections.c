@@ -30,6 +30,7 @@ static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
 static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
 static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
 static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
+static const char *const label_names[] = {"all", NULL};
 
 static const cli_argument sections_rows[] = {
     {.also = cli_takes_output},
@@ -67,8 +68,9 @@ static const cli_argument sections_rows[] = {
            "marching cubes [exact]"),
     WHOLE("--subdivide", "N", OWN(body.depth), 0, 8,
           "halve cells that a contour crosses twice on a side, N times at most [5]"),
-    WHOLE("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0,
-          "the body, where the file holds several"),
+    WHOLE_OR("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0, label_names, BVX_LABEL_ONLY,
+             "the body, where the file holds several; all: each in a file of its own,\n"
+             "whose name has its label for %d"),
     WHOLE("--parts", "N", OWN(parts), 1, 2147483647.0,
           "a wish: surfaces in one piece each, those around cavities too; a warning\n"
           "says when the body has more or fewer"),
@@ -95,10 +97,12 @@ typedef struct sections_job {
     bvx_sections_report report;
     bvx_mesh mesh;
     double seconds, block_seconds, block_volume;
-    double volume; /* of the body as it is made */
     uint64_t blocks;
-    uint64_t parts; /* of the body as it is made */
+    /* Of the body as it is made. */
+    double volume;
+    uint64_t parts;
     int64_t genus;
+    int n; /* its number among those that are written */
     cli_reduction reduction;
     cli_text text; /* of the block model */
 } sections_job;
@@ -109,8 +113,18 @@ enum {
     READS_CSV = 2 << CLI_FIRST_FACT,
     STAYS_OPEN = 4 << CLI_FIRST_FACT,   /* --caps open */
     MODEL_IS_CSV = 8 << CLI_FIRST_FACT, /* --block-model */
-    HAS_BLOCKS = 16 << CLI_FIRST_FACT   /* --block with sides above 0 */
+    HAS_BLOCKS = 16 << CLI_FIRST_FACT,  /* --block with sides above 0 */
+    ALL_LABELS = 32 << CLI_FIRST_FACT,  /* --label all */
+    HAS_NUMBER = 64 << CLI_FIRST_FACT,  /* %d in the output's name */
+    HAS_NUMBERS = 128 << CLI_FIRST_FACT /* two */
 };
+
+static int wants_all_labels(const cli_run *run)
+{
+    const sections_options *const own = run->own;
+
+    return cli_given(run, "--label") && own->body.label == BVX_LABEL_ONLY;
+}
 
 static uint32_t facts_of_sections(const cli_run *run)
 {
@@ -121,6 +135,9 @@ static uint32_t facts_of_sections(const cli_run *run)
     if (cli_is_contours(run, o->input[0])) facts |= READS_CONTOURS;
     if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
     if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
+    if (wants_all_labels(run)) facts |= ALL_LABELS;
+    if (cli_has_number(o->output)) facts |= HAS_NUMBER;
+    if (cli_has_two_numbers(o->output)) facts |= HAS_NUMBERS;
     if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
         facts |= MODEL_IS_CSV;
     /* One side that is not above 0 spoils all three. */
@@ -142,6 +159,14 @@ static const cli_rule sections_rules[] = {
     {.when = STAYS_OPEN,
      .given = "--triangles --error --error-kind --parts --genus",
      .message = "%o needs a closed body, not --caps open"},
+    {.when = ALL_LABELS,
+     .given = "--block-model --block --parts --genus",
+     .message = "%o is for one body; choose it by its label, not by --label all"},
+    {.when = ALL_LABELS,
+     .unless = HAS_NUMBER,
+     .message = "--label all writes a mesh for each label: %f needs %d in its name"},
+    {.when = HAS_NUMBERS, .message = "%f: the name has two %d"},
+    {.when = HAS_NUMBER, .unless = ALL_LABELS, .message = "%f: %d is for --label all"},
     {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
     {.given = "--cells", .beside = "--spacing", .message = "%o and %b contradict each other"},
     {.given = "--block-model", .lacking = "--block", .message = "--block-model and --block go together"},
@@ -151,7 +176,8 @@ static const cli_rule sections_rules[] = {
     {.unless = HAS_BLOCKS, .given = "--block", .message = "%o: sides must be above 0"},
     {0}};
 
-static int build_body(cli_run *run, sections_job *job)
+/* The body of this label, checked as what goes to this file. */
+static int build_body(cli_run *run, sections_job *job, int32_t label, const char *path)
 {
     const sections_options *const own = run->own;
     const cli_options *const o = run->options;
@@ -162,6 +188,7 @@ static int build_body(cli_run *run, sections_job *job)
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
+    s.label = label;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
@@ -169,15 +196,15 @@ static int build_body(cli_run *run, sections_job *job)
     /* Two failures have a remedy that an option names. */
     reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
-        return cli_fail(run, "%s: the sections hold several bodies; choose one by --label",
+        return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
                         cli_input_name(o->input[0]));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
-    result = cli_check_mesh(run, &job->mesh, 0, o->output, "check");
-    job->volume = run->report.mesh[0].certificate.volume;
-    job->parts = run->report.mesh[0].certificate.components;
-    job->genus = cli_count_handles(&run->report.mesh[0].certificate);
+    result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
+    job->volume = run->report.mesh[job->n].certificate.volume;
+    job->parts = run->report.mesh[job->n].certificate.components;
+    job->genus = cli_count_handles(&run->report.mesh[job->n].certificate);
     return result;
 }
 
@@ -187,7 +214,7 @@ static int reduce_body(cli_run *run, sections_job *job)
     int const result = cli_reduce(run, &job->mesh, &job->reduction);
 
     if (result == CLI_DONE && job->reduction.done)
-        run->report.mesh[0].certificate = job->reduction.level.certificate;
+        run->report.mesh[job->n].certificate = job->reduction.level.certificate;
     return result;
 }
 
@@ -298,7 +325,7 @@ static const char *verdict(const bvx_certificate *c)
 static void tell_planes(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const bvx_sections_report *const r = &job->report;
-    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+    const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
 
     cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
     cli_tell(made,
@@ -317,7 +344,7 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
 {
     const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
-    const bvx_certificate *const c = &run->report.mesh[0].certificate;
+    const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
 
     cli_tell(made, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
              r->sections, r->loops, r->holes, r->points);
@@ -487,6 +514,81 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
     cli_tell(made, "\n");
 }
 
+/* ---- every body ---- */
+
+/* Labels ascending, each once; NULL without memory. */
+static int32_t *list_labels(const bvx_sections *s, int *count)
+{
+    int32_t *const label = calloc((size_t)s->loop_count + 1, sizeof *label);
+
+    *count = 0;
+    for (uint64_t i = 0; label != NULL && i < s->loop_count && *count <= CLI_MAX_OUTPUTS; i++) {
+        int at = *count;
+        while (at > 0 && label[at - 1] > s->loops[i].label) at--;
+        if (at > 0 && label[at - 1] == s->loops[i].label) continue;
+        memmove(label + at + 1, label + at, (size_t)(*count - at) * sizeof *label);
+        label[at] = s->loops[i].label;
+        ++*count;
+    }
+    return label;
+}
+
+/* What is told and reported of one body, with its label before it. */
+static void tell_labelled(const cli_run *run, const sections_job *job, int32_t label, cli_made *made)
+{
+    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
+    warn_of_body(run, job, made);
+    tell_body(run, job, made);
+    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
+    report_body(run, job, made);
+    cli_text_add(&made->members, "}}");
+}
+
+static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_made *made)
+{
+    char *const path = cli_numbered_path(run->options->output, label); /* the report keeps it */
+
+    if (path == NULL) return cli_fail(run, "no memory for a file's name");
+    memset(&job->report, 0, sizeof job->report);
+    memset(&job->reduction, 0, sizeof job->reduction);
+    CLI_TRY(cli_open_output(run, path));
+    CLI_TRY(build_body(run, job, label, path));
+    CLI_TRY(reduce_body(run, job));
+    CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
+    tell_labelled(run, job, label, made);
+    return CLI_DONE;
+}
+
+/* Files are kept when all of them are written. */
+static int keep_bodies(cli_run *run, void *work)
+{
+    (void)work;
+    return cli_keep_outputs(run);
+}
+
+static int make_all_labels(cli_run *run, sections_job *job, cli_made *made)
+{
+    int count, result = CLI_DONE;
+    int32_t *const label = list_labels(&job->sections, &count);
+
+    made->write = keep_bodies;
+    made->untitled = 1;
+    if (label == NULL) return cli_fail(run, "no memory for labels");
+    if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
+    if (count > CLI_MAX_OUTPUTS)
+        result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
+                          cli_input_name(run->options->input[0]), CLI_MAX_OUTPUTS);
+    cli_text_add(&made->members, ", \"bodies\": [");
+    for (int i = 0; i < count && result == CLI_DONE; i++) {
+        job->n = i;
+        result = make_labelled(run, job, label[i], made);
+        if (result == CLI_DONE && cli_interrupted()) result = cli_fail_interrupted(run);
+    }
+    cli_text_add(&made->members, "]");
+    free(label);
+    return result;
+}
+
 static int make_sections(cli_run *run, void *work, cli_made *made)
 {
     const sections_options *const own = run->own;
@@ -495,10 +597,11 @@ static int make_sections(cli_run *run, void *work, cli_made *made)
 
     made->write = write_body;
     CLI_TRY(cli_check_rules(run, sections_rules, facts_of_sections(run), model));
-    CLI_TRY(cli_open_output(run, run->options->output));
+    if (!wants_all_labels(run)) CLI_TRY(cli_open_output(run, run->options->output));
     if (model != NULL) CLI_TRY(cli_open_output(run, model));
     CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
-    CLI_TRY(build_body(run, job));
+    if (wants_all_labels(run)) return make_all_labels(run, job, made);
+    CLI_TRY(build_body(run, job, own->body.label, run->options->output));
     if (model != NULL) CLI_TRY(make_blocks(run, job));
     return reduce_body(run, job);
 }
@@ -507,6 +610,7 @@ static void tell_sections(const cli_run *run, const void *work, cli_made *made)
 {
     const sections_job *const job = work;
 
+    if (wants_all_labels(run)) return; /* told body by body */
     warn_of_body(run, job, made);
     if (job->report.repeated_points != 0)
         cli_advise(made, "%" PRIu64 " repeated points were left out", job->report.repeated_points);

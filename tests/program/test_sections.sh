@@ -181,6 +181,26 @@ done
 run info two.csv --json
 is 'info: the report' "$(field sections) $(field empty_sections) $(field first_position) $(field last_position) $(field mean_distance)" '3 0 0 3 1.5'
 gives 'info: labels in the report' 0 '"labels": [{"label": 1, "loops": 3, "points": 12}, {"label": 7, "loops": 2, "points": 6}]' info two.csv --json
+
+# --label all: a file for each body, the same as one by one.
+gives 'all labels' 0 'label 7: body_7.ply' sections two.csv -o body_%d.ply --label all
+for l in 1 7; do
+    gives "label $l alone" 0 '' sections two.csv -o alone_$l.ply --label $l
+    is "label $l of all is label $l alone" "$(cksum <body_$l.ply)" "$(cksum <alone_$l.ply)"
+done
+gives 'all labels in the report' 0 '"bodies": [{"label": 1, "sections": {"grid": [' sections two.csv -o body_%d.ply --label all --json
+gives 'all labels, one name' 2 '--label all writes a mesh for each label: body.ply needs %d in its name' sections two.csv -o body.ply --label all
+gives 'a number without labels' 2 'b_%d.ply: %d is for --label all' sections two.csv -o b_%d.ply --label 1
+gives 'two numbers' 2 'b_%d_%d.ply: the name has two %d' sections two.csv -o b_%d_%d.ply --label all
+gives 'all labels and one wish' 2 '--parts is for one body; choose it by its label, not by --label all' sections two.csv -o b_%d.ply --label all --parts 1
+gives 'a label that is no number' 2 '--label takes a whole number from -2147483647 to 2147483647 or all' sections two.csv -o b.ply --label al
+rm -f body_*.ply
+awk 'BEGIN { print "section,position,loop,label,x,y"; for (s = 0; s < 2; s++) {
+    split("0 0 2 0 2 2 0 2", a); split("3 0 5 2 5 0 3 2", b)
+    for (i = 1; i < 8; i += 2) print s "," s ",0,1," a[i] "," a[i + 1]
+    for (i = 1; i < 8; i += 2) print s "," s ",1,2," b[i] "," b[i + 1] } }' >crossing.csv
+gives 'the second body fails' 1 '' sections crossing.csv -o body_%d.ply --label all
+is 'no body is left when one fails' "$(ls | grep -c '^body_.*ply')" 0
 gives 'info: no crossings of contours' 2 '--crossings is used with meshes' info two.csv --crossings
 gives 'info: bad contours' 1 'two.csl' info two.csl
 if [ -e "$contours/orex_eight_15.csl.gz" ]; then

@@ -210,3 +210,15 @@ def test_wishes_about_topology_need_closed_bodies_and_numbers():
     for wish in ({"parts": 0}, {"genus": -1}):
         with pytest.raises(ValueError):
             bitvox.from_sections(tube(), **wish)
+
+
+def test_bodies_of_all_labels_are_those_one_by_one():
+    square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], float)
+    loops = [bitvox.Loop(square + [3 * i, 0, z], name) for i, name in enumerate(("a", "b", "c")) for z in (0, 1, 3)]
+    stack = bitvox.Sections(loops)
+    bodies = stack.bodies(spacing=0.5)
+    assert list(bodies) == ["a", "b", "c"]
+    for name, body in bodies.items():
+        assert body.content_hash() == bitvox.from_sections(stack, label=name, spacing=0.5).content_hash()
+    with pytest.raises(TypeError):
+        stack.bodies(label="a")

@@ -121,6 +121,28 @@ class Sections:
         made.section_of = [self.section_of[i] for i in chosen]
         return made
 
+    def bodies(self, **options: Any) -> dict[str, Mesh]:
+        """The body of each label: what `from_sections` makes of it with these options.
+
+        Parameters
+        ----------
+        **options
+            those of `from_sections`, but for ``label``. ``progress`` rises once for each body.
+
+        Returns
+        -------
+        dict
+            a `Mesh` for each label, in the order of ``labels``.
+
+        Examples
+        --------
+        >>> square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+        >>> loops = [bitvox.Loop(square + [x, 0, z], name) for x, name in ((0, 'left'), (3, 'right')) for z in (0, 2)]
+        >>> {name: round(body.check().volume, 6) for name, body in bitvox.Sections(loops).bodies().items()}
+        {'left': 2.0, 'right': 2.0}
+        """
+        return {label: from_sections(self, label=label, **options) for label in self.labels}
+
     def on(self, section: int) -> list[Loop]:
         """The loops on one plane; ``section`` is its number in ``positions``.
 
@@ -318,7 +340,7 @@ def from_sections(
     subdivide
         a cell that a contour crosses twice on a side is halved at most this often. Default 5.
     label
-        which body, when there are several.
+        which body, when there are several; `Sections.bodies` makes all of them.
     parts, genus
         wishes: surfaces in one piece each (those around cavities too), and handles of all of them together. A warning says
         when the body has another number.
@@ -340,7 +362,7 @@ def from_sections(
     EmptyError
         no loop, or sections at one position alone.
     ArgumentError
-        several bodies and no ``label``; options that contradict each other.
+        several bodies and no ``label`` (`Sections.bodies` makes all of them); options that contradict each other.
     RangeError, MemoryLimitError
 
     Examples
