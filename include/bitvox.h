@@ -2406,6 +2406,9 @@ typedef struct bvx_sections_options {
     double agree;  /**< planes that are not parallel: contours that are at most so far apart where two planes
                         cross are moved to agree there [Units: world] [Limit: >= 0] [Default: 0: a hundredth
                         of that longest side] */
+    double thickness; /**< of a body with one section alone, which is refused without: half to either side of
+                           it, a slab with flat caps, with tapered ones a lens. Bodies with several sections
+                           take no notice of it [Units: world] [Limit: >= 0] [Default: 0] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
@@ -2420,7 +2423,7 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  Points off their plane keep their coordinates; the surface takes them as lying on it. [Limit: 1/1000 of
  *  the contours' extent and a quarter of the way to the next plane]
  *  mesh  as for bvx_extract_surface
- *  Returns BVX_ERR_EMPTY (no loop, only one section, a loop with fewer than three different points),
+ *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop with fewer than three different points),
  *  BVX_ERR_FORMAT (a loop that crosses or touches itself or another; two sections at one position; points
  *  off their plane; crossing planes that contradict each other by more than agree: sections, loop, point or
  *  place are named), BVX_ERR_RANGE (not finite, an index beyond its array or the limits), BVX_ERR_ARGUMENT

@@ -55,6 +55,9 @@ static const cli_argument sections_rows[] = {
     CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper: each part to a\n"
            "ridge half a spacing beyond, also those that end in between; open [flat]"),
+    BETWEEN("--thickness", "T", OWN(body.thickness), 0, 1e300,
+            "a body of one section alone, refused without: half of T to either side,\n"
+            "a slab with flat caps, a lens with --caps taper"),
     CHOICE("--nesting", "HOW", OWN(body.nesting), nesting_names, BVX_NESTING_LEVELS,
            "loops in loops between two sections: levels, outlines and holes each\n"
            "for themselves, so that walls have no windows; whole, both at\n"
@@ -448,6 +451,8 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
     const bvx_sections_report *const r = &job->report;
     int32_t const depth = own->body.depth;
 
+    if (own->body.thickness > 0.0 && r->sections > 1 && !wants_all_labels(run))
+        cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
     if (r->planes != 0) {
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
             cli_advise(
@@ -643,8 +648,8 @@ const cli_command cli_sections = {
         "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for "
         "the\n"
         "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
-        "second section at one position and a single section are refused; sections, loops and points are\n"
-        "counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the "
+        "second section at one position and, without --thickness, a single section are refused; sections, loops\n"
+        "and points are counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the "
         "body's\n"
         "edges collapse in the end, and points of contours are no longer vertices.",
     .example =

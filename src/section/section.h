@@ -142,7 +142,8 @@ typedef struct bvxi_stack {
     int32_t words;          /* a row of grid points */
     bvxi_plane *plane;      /* ascending in w */
     uint32_t plane_count;
-    bvxi_plane all;                                    /* arrays that the planes have stretches of */
+    double reach[2]; /* of tapered ends beyond the first and the last plane */
+    bvxi_plane all;  /* arrays that the planes have stretches of */
     uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
     bvxi_plane nothing;                                /* a plane without loops: only its bits are there */
     bvxi_nesting nesting;

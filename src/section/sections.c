@@ -10,6 +10,7 @@
  * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
  * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
+#include "section/lone_section.h"
 #include "section/mend.h"
 #include "section/slab.h"
 #include "section/oblique.h"
@@ -44,6 +45,7 @@ static const bvxi_option sections_rows[] = {
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_sections_options, thickness, 0.0, BVXI_FINITE),
 };
 
 static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
@@ -85,8 +87,8 @@ static void measure_prismoids(bvxi_stack *s)
     }
     /* Tapered ends reach half a slab beyond the first and the last section. */
     if (s->options.caps == BVX_CAPS_TAPER) {
-        sum += p[0].area * (0.5 * (p[1].w - p[0].w)) / 3.0;
-        sum += p[n - 1].area * (0.5 * (p[n - 1].w - p[n - 2].w)) / 3.0;
+        sum += p[0].area * s->reach[0] / 3.0;
+        sum += p[n - 1].area * s->reach[1] / 3.0;
     }
     s->report.prismoid_volume = sum;
 }
@@ -321,6 +323,23 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     return status;
 }
 
+static bvx_status build_any(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *o,
+                            bvx_sections_report *report, bvx_mesh *mesh)
+{
+    bvxi_lone lone;
+    bvx_status status = bvxi_lone_open(context, sections_name, sections, o, &lone);
+
+    if (status == BVX_OK && lone.times != 0) {
+        status = build_stack(context, &lone.sections, o, report, mesh);
+        bvxi_lone_report(&lone, report);
+    } else if (status == BVX_OK) {
+        status = sections->normals == NULL ? build_stack(context, sections, o, report, mesh)
+                                           : build_normals(context, sections, o, report, mesh);
+    }
+    bvxi_lone_close(context, &lone);
+    return status;
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
@@ -337,8 +356,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);
-    BVXI_TRY(sections->normals == NULL ? build_stack(context, sections, &o, &report, mesh)
-                                       : build_normals(context, sections, &o, &report, mesh));
+    BVXI_TRY(build_any(context, sections, &o, &report, mesh));
     if (o.report != NULL) *o.report = report;
     return BVX_OK;
 }

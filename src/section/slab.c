@@ -231,7 +231,7 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
     int const taper = s->options.caps == BVX_CAPS_TAPER;
 
     slabs[0].below = BVXI_NONE;
-    if (taper) set_slab(&slabs[count++], nothing, &p[0], p[0].w - 0.5 * (p[1].w - p[0].w), p[0].w);
+    if (taper) set_slab(&slabs[count++], nothing, &p[0], p[0].w - s->reach[0], p[0].w);
     for (uint32_t i = 0; i + 1 < n; i++) {
         int const here = p[i].contour_count != 0, there = p[i + 1].contour_count != 0;
         double const half = p[i].w + 0.5 * (p[i + 1].w - p[i].w);
@@ -249,9 +249,7 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);
     }
     slabs[count].below = n - 1;
-    if (taper)
-        set_slab(&slabs[count++], &p[n - 1], nothing, p[n - 1].w,
-                 p[n - 1].w + 0.5 * (p[n - 1].w - p[n - 2].w));
+    if (taper) set_slab(&slabs[count++], &p[n - 1], nothing, p[n - 1].w, p[n - 1].w + s->reach[1]);
     return count;
 }
 

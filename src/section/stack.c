@@ -65,9 +65,10 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
         if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g",
                              s->function, (uint64_t)order[i - 1], (uint64_t)order[i], g->positions[order[i]]);
-    if (end - first < 2)
+    if (end - first < 2 && s->options.thickness == 0.0)
         return bvxi_fail(s->ctx, BVX_ERR_EMPTY,
-                         "%s: the body has loops in only one section (index %u, at %g); it needs two",
+                         "%s: the body has loops in only one section (index %u, at %g); it needs two, or a "
+                         "thickness",
                          s->function, (uint64_t)order[first], g->positions[order[first]]);
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body",
                              &s->plane));
@@ -77,6 +78,16 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
         s->plane[i].w = g->positions[order[first + i]];
     }
     return BVX_OK;
+}
+
+/* Half a spacing beyond the ends; of a plane alone, half the thickness. */
+static void find_reach(bvxi_stack *s)
+{
+    const bvxi_plane *const p = s->plane;
+    uint32_t const n = s->plane_count;
+
+    s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
+    s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);
 }
 
 /* ---- points of a plane ---- */
@@ -250,6 +261,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
     BVXI_TRY(choose_label(s));
     BVXI_TRY(gather_planes(s));
+    find_reach(s);
     for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
     return bvxi_stack_grid(s);
 }

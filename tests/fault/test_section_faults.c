@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed, oblique;
+static section_maker stack, walls, crossed, oblique, lone;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -41,6 +41,9 @@ static int make_inputs(void **state)
         stack_round(&crossed, k, 7, 2, 1, 1, 12, 0, 0, 0);
         stack_round(&crossed, k, 8, 2, 1, 1, 12, 0, 0, 0);
     }
+    stack_clear(&lone);
+    stack_round(&lone, stack_section(&lone, 1.0), 0, 0, 2, 1, 16, 0.3, 0, 0);
+    stack_round(&lone, 0, 0, 0, 0.5, 0.3, 8, 0, 0, 0);
     stack_oblique(&oblique);
     for (int i = 0; i < 3; i++)
         stack_ball_cut(&oblique, stack_plane(&oblique, i == 0, i == 1, 0.3 + 0.2 * i, 0.1 * i), 0, 0, 0, 1.0,
@@ -66,6 +69,8 @@ enum {
     RUN_JOINED,
     RUN_MENDED,
     RUN_OBLIQUE,
+    RUN_SLAB,
+    RUN_LENS,
     RUN_FILES,
     RUN_SLICE,
     RUNS
@@ -88,15 +93,17 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     o.grid[1] = 5;
     o.cells = 8;
     o.agree = 0.5;
-    if (run->kind == RUN_TAPER) o.caps = BVX_CAPS_TAPER;
+    if (run->kind == RUN_TAPER || run->kind == RUN_LENS) o.caps = BVX_CAPS_TAPER;
     if (run->kind == RUN_PAPER) o.crossings = BVX_CROSSINGS_PAPER;
     if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.layers = 3;
     if (run->kind == RUN_CUBIC) o.blend = BVX_BLEND_CUBIC;
+    if (run->kind == RUN_SLAB || run->kind == RUN_LENS) o.thickness = 0.5;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,
                                            run->kind == RUN_JOINED    ? &walls.s
                                            : run->kind == RUN_OBLIQUE ? &oblique.s
+                                           : o.thickness > 0.0        ? &lone.s
                                            : o.mend                   ? &crossed.s
                                                                       : &stack.s,
                                            &o, &mesh);

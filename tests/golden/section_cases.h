@@ -179,6 +179,26 @@ static void oblique_values(golden *g)
     golden_end(g);
 }
 
+/* One section alone: a slab, a lens, a wall. */
+static void lone_values(golden *g)
+{
+    static const char *const key[] = {"slab", "lens", "wall"};
+
+    stack_clear(&golden_stack);
+    stack_round(&golden_stack, stack_section(&golden_stack, 2.0), 0, 0, 3, 2, 60, 0.2, 0, 0);
+    stack_round(&golden_stack, 0, 0.5, 0, 1, 1, 30, 0, 0, 1);
+    golden_begin(g, "lone");
+    for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
+        bvx_sections_options o;
+        bvx_mesh mesh = {0};
+        bvx_sections_options_init(&o, sizeof o);
+        o.caps = caps;
+        o.thickness = 0.75;
+        mesh_value(g, key[caps], bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
+    }
+    golden_end(g);
+}
+
 static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3",
@@ -203,6 +223,7 @@ static void section_cases(golden *g)
     wall_values(g);
     mended_values(g);
     oblique_values(g);
+    lone_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);

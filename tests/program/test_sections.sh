@@ -182,6 +182,15 @@ run info two.csv --json
 is 'info: the report' "$(field sections) $(field empty_sections) $(field first_position) $(field last_position) $(field mean_distance)" '3 0 0 3 1.5'
 gives 'info: labels in the report' 0 '"labels": [{"label": 1, "loops": 3, "points": 12}, {"label": 7, "loops": 2, "points": 6}]' info two.csv --json
 
+# One section alone: a slab or a lens of a thickness.
+awk -F, 'NR == 1 || $1 == 1' prism.csv >alone.csv
+gives 'one section is too few' 1 'it needs two, or a thickness' sections alone.csv -o alone.ply
+gives 'a slab' 0 '"closed": true, "manifold": true' sections alone.csv -o alone.ply --thickness 0.5 --json
+near 'of its thickness' "$(field volume)" 37 1e-9
+gives 'a lens' 0 'closed, manifold, oriented' sections alone.csv -o alone.ply --thickness 0.5 --caps taper
+gives 'no thickness' 2 '--thickness takes a number above 0' sections alone.csv -o alone.ply --thickness 0
+gives 'thickness of several sections' 0 'warning: --thickness is for one section alone; the body has' sections prism.csv -o x.ply --thickness 2
+
 # --label all: a file for each body, the same as one by one.
 gives 'all labels' 0 'label 7: body_7.ply' sections two.csv -o body_%d.ply --label all
 for l in 1 7; do

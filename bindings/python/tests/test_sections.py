@@ -222,3 +222,15 @@ def test_bodies_of_all_labels_are_those_one_by_one():
         assert body.content_hash() == bitvox.from_sections(stack, label=name, spacing=0.5).content_hash()
     with pytest.raises(TypeError):
         stack.bodies(label="a")
+
+
+def test_one_section_alone_is_a_slab_or_a_lens():
+    square = np.array([[0, 0, 5], [2, 0, 5], [2, 2, 5], [0, 2, 5]], float)
+    with pytest.raises(bitvox.EmptyError, match="or a thickness"):
+        bitvox.from_sections([square])
+    slab = bitvox.from_sections([square], thickness=0.5).check()
+    assert slab.closed and slab.volume == pytest.approx(2.0) and (slab.low[2], slab.high[2]) == (4.75, 5.25)
+    lens = bitvox.from_sections([square], thickness=0.5, caps="taper", layers=8).check()
+    assert lens.closed and lens.volume == pytest.approx(2.0 / 3, rel=0.05)
+    with pytest.raises(bitvox.ArgumentError):
+        bitvox.from_sections([square], thickness=-1)

@@ -290,6 +290,7 @@ def from_sections(
     agree: float | None = None,
     layers: int = 1,
     caps: Caps = "flat",
+    thickness: float | None = None,
     blend: Blend = "linear",
     nesting: Nesting = "levels",
     mend: bool = False,
@@ -326,6 +327,9 @@ def from_sections(
         cells from section to section.
     caps
         how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
+    thickness
+        of a body with one section alone, which is refused without: half to either side of it, a slab with flat caps, with
+        tapered ones a lens [world]. Bodies with several sections take no notice of it.
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
     nesting
@@ -360,7 +364,7 @@ def from_sections(
     FormatError
         loops that cross or touch, points off their plane: section, loop and point are named.
     EmptyError
-        no loop, or sections at one position alone.
+        no loop, or one section alone and no ``thickness``.
     ArgumentError
         several bodies and no ``label`` (`Sections.bodies` makes all of them); options that contradict each other.
     RangeError, MemoryLimitError
@@ -400,6 +404,8 @@ def from_sections(
         options.agree = float(agree)
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
+    if thickness is not None:
+        options.thickness = float(thickness)
     options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
     options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
     options.mend = int(bool(mend))
