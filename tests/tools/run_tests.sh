@@ -398,15 +398,15 @@ quick)
     ;;
 here)
     build_here
-    # The package's lane beside all others: it waits for downloads first, and is one process later.
-    run_python &
+    # The package and the checks are a lane beside all others: they wait for downloads first, and are one process later.
+    { run_python; checks_of_house; } &
     beside=$!
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     tests_here
-    checks_of_house
-    add_script checks "$(log_of checks)" $?
     wait $beside
+    checks=$?
     count_python
+    add_script checks "$(log_of checks)" $checks
     ;;
 other)
     # Emulated machines run beside the sanitizers and the other compilers; their lines come when they have ended.
