@@ -2893,15 +2893,16 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *  BVX_FORMAT_CSL  planes with their equation, points and loops with labels; normals are set unless all
  *                  planes are parallel within 1e-4 rad, points lie within 1/1000 of the largest coordinate
  *  BVX_FORMAT_CSV  a head line and lines of section, position, loop, x, y (any order, others are ignored;
- *                  also label); comma, semicolon or tab. Planes are z = position; a first point that is
- *                  repeated at the end is left out
+ *                  also label); comma, semicolon or tab. Planes are z = position, or with the columns z,
+ *                  nx, ny, nz of any direction (normals are set, position as in bvx_sections); a first
+ *                  point that is repeated at the end is left out
  *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (no contour
  *  format), BVX_ERR_EMPTY, BVX_ERR_RANGE.
  *  [Memory, the stack included: at most 40 times size and 32 KiB] [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);
 
-/** Write section contours: BVX_FORMAT_CSL, BVX_FORMAT_CSV (planes z = position only) or BVX_FORMAT_SVG (a
+/** Write section contours: BVX_FORMAT_CSL, BVX_FORMAT_CSV (planes z = position, or normals) or BVX_FORMAT_SVG (a
  *  drawing: sections side by side, filled by even-odd, y up). Numbers of CSL and CSV read back to the same
  *  ones.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_UNSUPPORTED.

@@ -1,7 +1,7 @@
 /* read_contour_table.c - contours as a table (CSV): a head line that names columns, a line for each point.
  *
- * Columns section, position, loop, x and y, in any order; label too where there are several bodies; others
- * are left alone. Words are parted by commas, semicolons or tabs, whichever the head line has. Lines of one
+ * Columns section, position, loop, x and y, in any order; label too where there are several bodies; z, nx,
+ * ny and nz where planes have normals of their own; others are left alone. Words are parted by commas, semicolons or tabs, whichever the head line has. Lines of one
  * loop follow each other. Sections and loops are known by what stands in their columns, so they may be
  * numbers or names. */
 #include "core/key_tree.h"
@@ -9,7 +9,21 @@
 
 #include "mesh/mesh.h"
 
-enum { TABLE_SECTION, TABLE_POSITION, TABLE_LOOP, TABLE_X, TABLE_Y, TABLE_LABEL, TABLE_COLUMNS };
+#include <math.h>
+
+enum {
+    TABLE_SECTION,
+    TABLE_POSITION,
+    TABLE_LOOP,
+    TABLE_X,
+    TABLE_Y,
+    TABLE_LABEL, /* the first that may be missing */
+    TABLE_Z,
+    TABLE_NX,
+    TABLE_NY,
+    TABLE_NZ,
+    TABLE_COLUMNS
+};
 
 typedef struct table_word {
     const char *at;
@@ -28,6 +42,7 @@ typedef struct table_reader {
     uint64_t *loop_hash;    /* of each loop's words */
     uint64_t section_room, loop_room;
     bvxi_key_tree sections; /* by these hashes */
+    int planes;             /* each has a normal of its own, and points have a z */
 } table_reader;
 
 static const char *table_line_end(const bvxi_contour_file *f, const char *p)
@@ -64,7 +79,8 @@ static int same_word(table_word a, table_word b)
 
 static bvx_status read_table_head(table_reader *r, const char *p, const char *end)
 {
-    static const char *const name[TABLE_COLUMNS] = {"section", "position", "loop", "x", "y", "label"};
+    static const char *const name[TABLE_COLUMNS] = {"section", "position", "loop", "x",  "y",
+                                                    "label",   "z",        "nx",   "ny", "nz"};
     int32_t number = 0;
 
     /* The first separator in the head line is the file's: a name holds none of them. */
@@ -95,13 +111,19 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
         p = stop + 1;
     }
 
-    /* label is the last of the names, and the only one that may be missing. */
     for (int i = 0; i < TABLE_LABEL; i++)
         if (r->column[i] < 0)
             return bvxi_fail(
                 r->f->ctx, BVX_ERR_FORMAT,
                 "%s: line 1: the head line has no column %s (section, position, loop, x, y are needed)",
                 r->f->format, name[i]);
+    /* A z without normals was always left alone; a part of a normal is a mistake. */
+    r->planes = r->column[TABLE_NX] >= 0 || r->column[TABLE_NY] >= 0 || r->column[TABLE_NZ] >= 0;
+    for (int i = TABLE_Z; i <= TABLE_NZ && r->planes; i++)
+        if (r->column[i] < 0)
+            return bvxi_fail(r->f->ctx, BVX_ERR_FORMAT,
+                             "%s: line 1: the head line has no column %s (normals need z, nx, ny, nz)",
+                             r->f->format, name[i]);
     return BVX_OK;
 }
 
@@ -145,7 +167,7 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
     bvx_sections *const s = &r->f->sections;
     bvx_section_loop *l;
     const double *first, *last;
-    double x, y;
+    double x, y, z, square;
 
     /* Loops of the library are closed without a repeated point; tables often repeat it. */
     if (s->loop_count == 0) return BVX_OK;
@@ -154,10 +176,12 @@ static bvx_status end_table_loop(table_reader *r, const char *at)
     last = s->points + 3 * (s->point_count - 1);
     x = last[0] - first[0];
     y = last[1] - first[1];
-    if (l->point_count > 1 && x == 0.0 && y == 0.0) {
+    z = last[2] - first[2];
+    square = (x * x + y * y) + z * z;
+    if (l->point_count > 1 && x == 0.0 && y == 0.0 && z == 0.0) {
         l->point_count--;
         s->point_count--;
-    } else if (r->close_gap > 0.0 && x * x + y * y > r->close_gap * r->close_gap) {
+    } else if (r->close_gap > 0.0 && square > r->close_gap * r->close_gap) {
         /* Without a limit any loop closes; with one, a gap is taken for lines that are missing. */
         return bvxi_contour_fail(
             r->f, at, BVX_ERR_FORMAT,
@@ -190,8 +214,24 @@ static void section_key(const void *user, uint64_t number, uint32_t key[BVXI_KEY
     key[1] = (uint32_t)(r->section_hash[number] >> 32);
 }
 
+/* Lines of one section have one plane. */
+static bvx_status compare_plane(table_reader *r, uint32_t section, double position, const double normal[3])
+{
+    const bvx_sections *const s = &r->f->sections;
+
+    if (s->positions[section] != position)
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                 "the section has another position on an earlier line");
+    for (int i = 0; i < 3 && r->planes; i++)
+        if (s->normals[3 * (uint64_t)section + (uint64_t)i] != normal[i])
+            return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
+                                     "the section has another normal on an earlier line");
+    return BVX_OK;
+}
+
 /* The section of the line's word. */
-static bvx_status find_table_section(table_reader *r, double position, uint32_t *section)
+static bvx_status find_table_section(table_reader *r, double position, const double normal[3],
+                                     uint32_t *section)
 {
     bvx_sections *const s = &r->f->sections;
     uint64_t const next = s->section_count, room = r->section_room;
@@ -204,19 +244,30 @@ static bvx_status find_table_section(table_reader *r, double position, uint32_t 
     *section = (uint32_t)bvxi_key_tree_find(&r->sections, next);
 
     /* A name that is known must lie where it lay: a second position is a mistake in the table. */
-    if (*section != next) {
-        if (s->positions[*section] != position)
-            return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
-                                     "the section has another position on an earlier line");
-        return BVX_OK;
-    }
-    return bvxi_contour_add_section(r->f, position);
+    if (*section != next) return compare_plane(r, *section, position, normal);
+    return r->planes ? bvxi_contour_add_plane(r->f, position, normal)
+                     : bvxi_contour_add_section(r->f, position);
+}
+
+/* What a line says of its section's plane, and the height of its point. */
+static bvx_status read_plane(table_reader *r, double *z, double normal[3])
+{
+    double length;
+
+    BVXI_TRY(table_number(r, TABLE_Z, "expected a number as z", z));
+    BVXI_TRY(table_number(r, TABLE_NX, "expected a number as nx", &normal[0]));
+    BVXI_TRY(table_number(r, TABLE_NY, "expected a number as ny", &normal[1]));
+    BVXI_TRY(table_number(r, TABLE_NZ, "expected a number as nz", &normal[2]));
+    length = sqrt((normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2]);
+    if (!(length > 0.0) || !(length < 1e300))
+        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the plane's normal has no length");
+    return BVX_OK;
 }
 
 static bvx_status read_table_line(table_reader *r, const char *p, const char *end)
 {
     bvx_sections *const s = &r->f->sections;
-    double position, point[3], label = 1.0;
+    double position, point[3], normal[3] = {0.0, 0.0, 1.0}, label = 1.0;
 
     BVXI_TRY(split_table_line(r, p, end));
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
@@ -229,13 +280,14 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is not a whole number");
     point[2] = position;
+    if (r->planes) BVXI_TRY(read_plane(r, &point[2], normal));
 
     /* A new loop begins where the name of the loop or of its section changes. */
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
         !same_word(r->section, r->word[TABLE_SECTION])) {
         uint32_t section = 0;
         BVXI_TRY(end_table_loop(r, r->line));
-        BVXI_TRY(find_table_section(r, position, &section));
+        BVXI_TRY(find_table_section(r, position, normal, &section));
         BVXI_TRY(remember(r, &r->loop_hash, s->loop_count, &r->loop_room,
                           word_hash(r->word[TABLE_LOOP], word_hash(r->word[TABLE_SECTION], 1))));
         BVXI_TRY(bvxi_contour_add_loop(r->f, section, (int32_t)label));
@@ -244,9 +296,7 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     }
 
     /* Lines of a loop agree with its first one. */
-    if (s->positions[s->loops[s->loop_count - 1].section] != position)
-        return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
-                                 "the section has another position on an earlier line");
+    BVXI_TRY(compare_plane(r, s->loops[s->loop_count - 1].section, position, normal));
     if (s->loops[s->loop_count - 1].label != (int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT,
                                  "the loop has another label on an earlier line");

@@ -131,9 +131,21 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
 
 /* ---- CSV ---- */
 
+/* The rest of a line where planes have normals of their own: as they were given, whatever their length. */
+static void put_plane(const double normal[3], double z, bvxi_output *o)
+{
+    bvxi_output_text(o, ",");
+    put_real(o, z);
+    for (int k = 0; k < 3; k++) {
+        bvxi_output_text(o, ",");
+        put_real(o, normal[k]);
+    }
+}
+
 static void put_table(const bvx_sections *s, bvxi_output *o)
 {
-    bvxi_output_text(o, "section,position,loop,label,x,y\n");
+    bvxi_output_text(o, "section,position,loop,label,x,y");
+    bvxi_output_text(o, s->normals != NULL ? ",z,nx,ny,nz\n" : "\n");
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
 
@@ -152,6 +164,7 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
             put_real(o, p[0]);
             bvxi_output_text(o, ",");
             put_real(o, p[1]);
+            if (s->normals != NULL) put_plane(s->normals + 3 * (uint64_t)l->section, p[2], o);
             bvxi_output_text(o, "\n");
         }
     }
@@ -250,21 +263,22 @@ static void put_sections(const bvx_sections *s, int32_t format, const double axi
     else put_drawing(s, axis, o);
 }
 
-/* CSV keeps x and y, so planes have to be z = position; CSL's labels are not negative. */
+/* CSV of one normal keeps x and y, so planes have to be z = position; CSL's labels are not negative. */
 static bvx_status check_section_format(bvx_context *ctx, const char *function, const bvx_sections *s,
                                        int32_t format, const double axis[3][3])
 {
     /* A stack whose planes differ has its frames checked here, as there is no common one. */
     for (uint64_t i = 0; i < s->section_count && s->normals != NULL; i++) {
         double frame[3][3];
-        if (format == BVX_FORMAT_CSV || format == BVX_FORMAT_SVG)
+        if (format == BVX_FORMAT_SVG)
             return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
-                                 "%s: only CSL holds planes that each have a normal", function);
+                                 "%s: only CSL and CSV hold planes that each have a normal", function);
         BVXI_TRY(bvxi_section_frame(ctx, function, s->normals + 3 * i, frame));
     }
 
-    /* CSV has no column for z, so it must be the position. */
+    /* Without normals CSV has no column for z, so it must be the position. */
     if (format == BVX_FORMAT_CSV) {
+        if (s->normals != NULL) return BVX_OK;
         if (!(axis[2][2] == 1.0))
             return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_UNSUPPORTED,
                                  "%s: CSV holds planes z = position only; take CSL", function);

@@ -117,14 +117,15 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 
 static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG, BVX_FORMAT_CSL};
+    static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG, BVX_FORMAT_CSL,
+                                      BVX_FORMAT_CSV};
     bvx_status status = BVX_OK;
 
-    for (int i = 0; i < 4 && status == BVX_OK; i++) {
+    for (int i = 0; i < 5 && status == BVX_OK; i++) {
         bvx_buffer file = {0};
         bvx_sections read;
         memset(&read, 0, sizeof read);
-        status = bvx_write_sections(ctx, i == 3 ? &oblique.s : &stack.s, formats[i], &file);
+        status = bvx_write_sections(ctx, i >= 3 ? &oblique.s : &stack.s, formats[i], &file);
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
         bvx_read_sections_options o;
         bvx_read_sections_options_init(&o, sizeof o);

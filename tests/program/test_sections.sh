@@ -191,6 +191,15 @@ gives 'a lens' 0 'closed, manifold, oriented' sections alone.csv -o alone.ply --
 gives 'no thickness' 2 '--thickness takes a number above 0' sections alone.csv -o alone.ply --thickness 0
 gives 'thickness of several sections' 0 'warning: --thickness is for one section alone; the body has' sections prism.csv -o x.ply --thickness 2
 
+# Planes of any direction in a table: three squares across the axes, which agree where they cross.
+awk 'BEGIN { print "section,position,loop,x,y,z,nx,ny,nz"; split("-1 -1 1 -1 1 1 -1 1", p)
+    for (k = 0; k < 3; k++) for (i = 1; i < 8; i += 2) { c[0] = c[1] = c[2] = 0; c[(k + 1) % 3] = p[i]; c[(k + 2) % 3] = p[i + 1]
+        print k ",0,0," c[0] "," c[1] "," c[2] "," (k == 0) "," (k == 1) "," (k == 2) } }' >cross.csv
+gives 'a table of planes' 0 '  planes      3 of any direction' sections cross.csv -o cross.ply --cells 16
+gives 'info of a table of planes' 0 'planes' info cross.csv
+sed 's/^2,0,0,1,1,0,0,0,1/2,0,0,1,1,0,0,0,2/' cross.csv >turned.csv
+gives 'a plane with two normals' 1 'the section has another normal on an earlier line' sections turned.csv -o x.ply
+
 # --label all: a file for each body, the same as one by one.
 gives 'all labels' 0 'label 7: body_7.ply' sections two.csv -o body_%d.ply --label all
 for l in 1 7; do

@@ -118,8 +118,7 @@ static void test_csl_has_planes_of_any_direction(void)
     TEST_ASSERT_EQUAL_DOUBLE(-0.5, s.positions[1]);
     TEST_ASSERT_EQUAL_DOUBLE(2.0, s.positions[2]);
 
-    /* and out and in again; the other formats have one normal */
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_sections(ctx, &s, BVX_FORMAT_CSV, &file));
+    /* and out and in again; a drawing has one normal */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_sections(ctx, &s, BVX_FORMAT_SVG, &file));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_sections(ctx, &s, BVX_FORMAT_CSL, &file));
     TEST_ASSERT_EQUAL_INT32(BVX_OK,
@@ -189,7 +188,47 @@ static void test_csv_by_hand(void)
     TEST_ASSERT_EQUAL_UINT64(3, s.point_count);
 }
 
-#define HEAD "section,position,loop,x,y\n"
+#define HEAD   "section,position,loop,x,y\n"
+#define PLANES "section,position,loop,x,y,z,nx,ny,nz\n"
+
+/* Planes of any direction: normals as they stand, of any length, and points of the world. */
+static void test_csv_of_planes(void)
+{
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK,
+        read_text("nz;ny;nx;z;y;x;loop;position;section\n0;0;-2;0;0;.5;a;-.5;P\n0;0;-2;0;1;.5;a;-.5;P\n"
+                  "0;0;-2;1;1;.5;a;-.5;P\n0;0;-2;0;0;.5;a;-.5;P\n4;3;0;2.5;0;0;a;2;Q\n4;3;0;2.5;0;1;a;2;Q\n"
+                  "4;3;0;1.75;1;1;a;2;Q\n",
+                  BVX_FORMAT_CSV));
+    TEST_ASSERT_EQUAL_UINT64(2, s.section_count);
+    TEST_ASSERT_EQUAL_UINT64(6, s.point_count); /* the first point came again at the end */
+    TEST_ASSERT_NOT_NULL(s.normals);
+    TEST_ASSERT_EQUAL_DOUBLE(-2.0, s.normals[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, s.normals[5]);
+    TEST_ASSERT_EQUAL_DOUBLE(-0.5, s.positions[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, s.points[11]);
+
+    /* A z without normals is a column like any other. */
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK,
+        read_text("section,position,loop,x,y,z\n1,0,1,0,0,9\n1,0,1,1,0,9\n1,0,1,1,1,9\n", BVX_FORMAT_CSV));
+    TEST_ASSERT_NULL(s.normals);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, s.points[2]);
+
+    refuse("section,position,loop,x,y,nx,ny,nz\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 1: the head line has no column z (normals need z, nx, ny, nz)");
+    refuse("section,position,loop,x,y,z,ny,nz\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "no column nx");
+    refuse(PLANES "1,0,1,0,0,0,0,0,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 2: the plane's normal has no length");
+    refuse(PLANES "1,0,1,0,0,0,1e200,1e200,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "normal has no length");
+    refuse(PLANES "1,0,1,0,0,0,x,0,1\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 2: expected a number as nx");
+    refuse(PLANES "1,0,1,0,0,inf,0,0,1\n", BVX_FORMAT_CSV, BVX_ERR_RANGE, "line 2: a number is not finite");
+    refuse(PLANES "1,0,1,0,0,0,0,0,1\n1,0,1,1,0,0,0,0,2\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 3: the section has another normal on an earlier line");
+    refuse(PLANES "1,0,1,0,0,0,0,0,1\n2,0,1,1,0,0,0,1,0\n1,0,2,0,0,0,0,1,1\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
+           "line 4: the section has another normal on an earlier line");
+    refuse(PLANES "1,0,1,0,0,0,0,0\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT, "line 2: the line has fewer columns");
+}
 
 /* Two rounds over very many sections: each loop finds its own, in a time
  * that does not grow with their square. */
@@ -282,6 +321,30 @@ static void test_round_trips(void)
             bvx_buffer_free(ctx, &file);
         }
     }
+}
+
+/* Written and read again: the same planes to the last bit, and the same body. */
+static void test_csv_of_planes_round_trip(void)
+{
+    uint64_t seed = 5, hash[2];
+
+    stack_oblique(&made);
+    for (int i = 0; i < 7; i++) stack_ball_cut(&made, stack_any_plane(&made, &seed, 0.7), 0.1, 0, 0, 1.0, 24);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_sections(ctx, &made.s, BVX_FORMAT_CSV, &file));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, file.bytes, file.size, BVX_FORMAT_CSV, NULL, &t));
+    TEST_ASSERT_EQUAL_UINT64(made.s.section_count, t.section_count);
+    assert_same(&made.s, &t);
+    TEST_ASSERT_EQUAL_MEMORY(made.s.normals, t.normals, (size_t)t.section_count * 24);
+    TEST_ASSERT_EQUAL_MEMORY(made.s.positions, t.positions, (size_t)t.section_count * 8);
+    for (int i = 0; i < 2; i++) {
+        bvx_mesh mesh = {0};
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_sections(ctx, i == 0 ? &made.s : &t, NULL, &mesh));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash[i]));
+        bvx_mesh_free(ctx, &mesh);
+    }
+    TEST_ASSERT_EQUAL_HEX64(hash[0], hash[1]);
+    bvx_sections_free(ctx, &t);
+    bvx_buffer_free(ctx, &file);
 }
 
 /* A file that is cut short is an error or, where whole lines were lost, a
@@ -447,6 +510,8 @@ int main(void)
     RUN_TEST(test_csl_refusals);
     RUN_TEST(test_csv_by_hand);
     RUN_TEST(test_csv_of_many_sections);
+    RUN_TEST(test_csv_of_planes);
+    RUN_TEST(test_csv_of_planes_round_trip);
     RUN_TEST(test_csv_refusals);
     RUN_TEST(test_round_trips);
     RUN_TEST(test_every_cut);

@@ -234,3 +234,17 @@ def test_one_section_alone_is_a_slab_or_a_lens():
     assert lens.closed and lens.volume == pytest.approx(2.0 / 3, rel=0.05)
     with pytest.raises(bitvox.ArgumentError):
         bitvox.from_sections([square], thickness=-1)
+
+
+def test_tables_hold_planes_of_any_direction(tmp_path):
+    square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
+    table = ["section,position,loop,x,y,z,nx,ny,nz"]
+    for axis in range(3):
+        normal = ",".join(str(int(i == axis)) for i in range(3))
+        table += [f"{axis},0,0,{x:g},{y:g},{z:g},{normal}" for x, y, z in np.roll(square, axis + 1, axis=1)]
+    (tmp_path / "cross.csv").write_text("\n".join(table))
+    stack = bitvox.read(tmp_path / "cross.csv")
+    assert np.allclose(stack.normals, np.eye(3)) and len(stack.loops) == 3
+    assert bitvox.from_sections(stack, cells=16).check().closed
+    stack.save(tmp_path / "again.csv")
+    assert bitvox.read(tmp_path / "again.csv") == stack
