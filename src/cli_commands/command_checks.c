@@ -41,6 +41,7 @@ int cli_check_line(cli_run *run)
     if (o->output_dir != NULL) return check_batch(run);
     if (o->output == NULL && run->command->bit != CLI_COMPONENTS && cli_takes(run, "-o"))
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
+    CLI_TRY(cli_check_pattern(run));
     if (writes && cli_take_standard_output(run) != CLI_DONE) return CLI_USAGE;
     return cli_check_options(run);
 }

@@ -53,6 +53,26 @@ char *cli_numbered_path(const char *pattern, int64_t number)
     return path;
 }
 
+int cli_check_pattern(cli_run *run)
+{
+    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_RENDER | CLI_SECTIONS | CLI_VOXELIZE;
+    const char *const out = run->options->output;
+
+    for (const char *p = out; p != NULL && (p = strchr(p, '%')) != NULL; p++) {
+        const char *end = p + 1;
+        while (*end >= '0' && *end <= '9') end++;
+        /* 50%scaled.ply is a name like any other. */
+        if (*end == 0 || (end[1] >= 'a' && end[1] <= 'z')) continue;
+        if (strchr("sifuxg", *end) != NULL)
+            return cli_usage(run, "%s: %.*s is not replaced in a name; %%d is, by the number of each file",
+                             out, (int)(end + 1 - p), p);
+        if (*end == 'd' && (run->command->bit & numbering) == 0)
+            return cli_usage(run, "%s: %.*s is for the numbers of several files; %s writes one", out,
+                             (int)(end + 1 - p), p, run->command->name);
+    }
+    return CLI_DONE;
+}
+
 int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options->output;

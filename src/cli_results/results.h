@@ -100,6 +100,9 @@ int cli_has_number(const char *pattern);
 int cli_has_two_numbers(const char *pattern);
 /* A pattern with its %d or %03d replaced, to be freed; NULL without memory. */
 char *cli_numbered_path(const char *pattern, int64_t number);
+/* Refuse %s and its like, which other programs take, and %d where a command writes one file: a file of that
+ * name is not what was meant. */
+int cli_check_pattern(cli_run *run);
 /* Refuse a name without %d for several levels (count 0: several in any
  * case), but for one .glb, which may hold them. */
 int cli_check_level_names(cli_run *run, int count);

@@ -132,7 +132,7 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
 /* ---- CSV ---- */
 
 /* The rest of a line where planes have normals of their own: as they were given, whatever their length. */
-static void put_plane(const double normal[3], double z, bvxi_output *o)
+static void put_table_plane(const double normal[3], double z, bvxi_output *o)
 {
     bvxi_output_text(o, ",");
     put_real(o, z);
@@ -164,7 +164,7 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
             put_real(o, p[0]);
             bvxi_output_text(o, ",");
             put_real(o, p[1]);
-            if (s->normals != NULL) put_plane(s->normals + 3 * (uint64_t)l->section, p[2], o);
+            if (s->normals != NULL) put_table_plane(s->normals + 3 * (uint64_t)l->section, p[2], o);
             bvxi_output_text(o, "\n");
         }
     }

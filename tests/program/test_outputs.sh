@@ -222,4 +222,11 @@ refuses 2 'lod has no use for --output-dir' lod in/a_stl.stl --output-dir some
 refuses 1 'cannot be made a folder' repair in/a_stl.stl --output-dir in/bad.stl
 refuses 2 'lacks its input' repair --output-dir some
 
+# Names with the marks of other programs, or with a number where one file is written.
+refuses 2 'out_%s.stl: %s is not replaced in a name; %d is, by the number of each file' lod in/a_stl.stl -o out_%s.stl --triangles 100
+refuses 2 'out_%03i.stl: %03i is not replaced' simplify in/a_stl.stl -o out_%03i.stl --triangles 100
+refuses 2 'out_%d.stl: %d is for the numbers of several files; repair writes one' repair in/a_stl.stl -o out_%d.stl
+run convert in/a_stl.stl -o 50%scaled.ply
+if [ "$status" = 0 ] && [ -e 50%scaled.ply ]; then ok 'a percent sign in a name'; else not_ok 'a percent sign in a name'; fi
+
 counts
