@@ -248,3 +248,43 @@ def test_tables_hold_planes_of_any_direction(tmp_path):
     assert bitvox.from_sections(stack, cells=16).check().closed
     stack.save(tmp_path / "again.csv")
     assert bitvox.read(tmp_path / "again.csv") == stack
+
+
+def crossing_circles():
+    turn = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    return [circle, np.roll(circle, 1, axis=1), np.roll(circle, 2, axis=1), 0.8 * circle + [0, 0, 0.6]]
+
+
+def test_loops_on_planes_of_any_direction():
+    loops = crossing_circles() + [0.3 * crossing_circles()[0] + [0, 3, 0]]
+    stack = bitvox.Sections.on_planes(loops)
+    assert len(stack.positions) == 4 and stack.section_of == [0, 1, 2, 3, 0]
+    assert np.allclose(stack.normals, [[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) and np.allclose(stack.positions, [0, 0, 0, 0.6])
+    assert bitvox.from_sections(bitvox.Sections.on_planes(crossing_circles()), cells=24).check().closed
+    turned = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    parallel = bitvox.Sections.on_planes([loops[0] @ turned, loops[3] @ turned])
+    assert parallel.normals is None and len(parallel.positions) == 2
+    with pytest.raises(bitvox.ArgumentError, match="loop 0 does not lie in a plane"):
+        bitvox.Sections.on_planes([np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0]], float)])
+    with pytest.raises(bitvox.ArgumentError, match="loop 1 has no area"):
+        bitvox.Sections.on_planes([loops[0], np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], float)])
+
+
+def test_drawings_and_structures_keep_planes_of_any_direction(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing = ezdxf.new()
+    for loop in crossing_circles():
+        drawing.modelspace().add_polyline3d(loop.tolist(), close=True)
+    drawing.saveas(tmp_path / "cross.dxf")
+    stack = bitvox.read(tmp_path / "cross.dxf")
+    assert len(stack.normals) == 4
+    body = bitvox.from_sections(stack, cells=24).check()
+    assert body.closed and body.volume == pytest.approx(4 * np.pi / 3, rel=0.15)
+    with pytest.raises(bitvox.ArgumentError, match="across the normal"):
+        bitvox.formats.read_dxf(tmp_path / "cross.dxf", normal=(0, 0, 1))
+
+    pytest.importorskip("pydicom")
+    bitvox.formats.write_rtstruct(stack, tmp_path / "cross.dcm")
+    again = bitvox.read(tmp_path / "cross.dcm")
+    assert np.allclose(again.normals, stack.normals, atol=1e-6) and again.section_of == stack.section_of

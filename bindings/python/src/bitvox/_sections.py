@@ -85,17 +85,12 @@ class Sections:
         self.loops: list[Loop] = []
         heights = []
         for i, loop in enumerate(loops):
-            found = loop if isinstance(loop, Loop) else Loop(loop)
-            points = arrays.exact_floats(arrays.as_numpy(found.points, f"loop {i}"), f"loop {i}").astype(np.float64)
-            if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:
-                raise ArgumentError(f"loop {i} has shape {points.shape}; it must be (n, 3), n at least 3")
-            if not np.isfinite(points).all():
-                raise ArgumentError(f"loop {i} holds a coordinate that is not finite")
-            along = points @ direction / length
+            found = _checked(i, loop)
+            along = found.points @ direction / length
             if along.max() - along.min() > 2 * tolerance + 1e-12 * np.abs(along).max():
                 raise ArgumentError(f"loop {i} does not lie in a plane across the normal: it reaches from {along.min()} to {along.max()}")
             heights.append(float(along.mean()))
-            self.loops.append(Loop(points, found.label))
+            self.loops.append(found)
         self.positions, self.section_of = _planes(heights, tolerance)
 
     @property
@@ -119,6 +114,60 @@ class Sections:
         made.loops, made.normal, made.positions = [self.loops[i] for i in chosen], self.normal, self.positions
         made.normals = self.normals
         made.section_of = [self.section_of[i] for i in chosen]
+        return made
+
+    @classmethod
+    def on_planes(cls, loops: Iterable[Any], *, tolerance: float = 1e-6) -> Sections:
+        """Loops that each lie in a plane of some direction: those of one plane become one section.
+
+        Parameters
+        ----------
+        loops
+            `Loop` tuples or arrays (n, 3) [world].
+        tolerance
+            how far a point may lie off its loop's plane, and loops off a plane that they have in common [world].
+
+        Returns
+        -------
+        Sections
+            With ``normals`` unless all planes are parallel. Normals point to the positive side of their main axis.
+
+        Raises
+        ------
+        ArgumentError
+            a loop of fewer than three points, one without an area, or one that does not lie in a plane.
+
+        Examples
+        --------
+        >>> square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
+        >>> cross = bitvox.Sections.on_planes([square, np.roll(square, 1, axis=1)])
+        >>> cross.normals
+        ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+        >>> bitvox.from_sections(cross, cells=16).check().closed
+        True
+        """
+        np = arrays.numpy("Sections")
+        given = [_checked(i, loop) for i, loop in enumerate(loops)]
+        normals: list[Any] = []
+        positions: list[float] = []
+        section_of = []
+        for i, loop in enumerate(given):
+            direction, height = _plane_of(i, loop.points, tolerance)
+            for k, (normal, position) in enumerate(zip(normals, positions)):
+                turned = float(np.linalg.norm(np.cross(normal, direction)))
+                if turned < _SAME_DIRECTION and float(np.abs(loop.points @ normal - position).max()) <= 2 * tolerance:
+                    section_of.append(k)
+                    break
+            else:
+                section_of.append(len(normals))
+                normals.append(direction)
+                positions.append(height)
+        if all(float(np.linalg.norm(np.cross(normal, normals[0]))) <= _PARALLEL for normal in normals):
+            return cls(given, normals[0].tolist() if normals else (0.0, 0.0, 1.0), tolerance=max(tolerance, _spread(given, normals)))
+        made = cls.__new__(cls)
+        made.loops, made.positions, made.section_of = given, positions, section_of
+        made.normals = tuple((float(x), float(y), float(z)) for x, y, z in normals)
+        made.normal = made.normals[0]
         return made
 
     def bodies(self, **options: Any) -> dict[str, Mesh]:
@@ -242,6 +291,53 @@ class Sections:
 
     def __repr__(self) -> str:
         return f"Sections({len(self.positions)} planes, {len(self.loops)} loops, {len(self.labels)} bodies)"
+
+
+_PARALLEL = 1e-4  # rad, as the library takes planes for parallel
+_SAME_DIRECTION = 1e-3  # rad, of loops in one plane: the direction of a small loop is known less well
+
+
+def _checked(i: int, loop: Any) -> Loop:
+    """A loop over finite doubles."""
+    np = arrays.numpy("Sections")
+    found = loop if isinstance(loop, Loop) else Loop(loop)
+    points = arrays.exact_floats(arrays.as_numpy(found.points, f"loop {i}"), f"loop {i}").astype(np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 3:
+        raise ArgumentError(f"loop {i} has shape {points.shape}; it must be (n, 3), n at least 3")
+    if not np.isfinite(points).all():
+        raise ArgumentError(f"loop {i} holds a coordinate that is not finite")
+    return Loop(points, found.label)
+
+
+def _plane_of(i: int, points: Any, tolerance: float) -> tuple[Any, float]:
+    """The unit normal of a loop's plane, by its area, and the plane's distance from the origin."""
+    np = arrays.numpy("Sections")
+    middle = points.mean(0)
+    around = points - middle
+    area = np.cross(around, np.roll(around, -1, axis=0)).sum(0)
+    size = float(np.linalg.norm(area))
+    if not size > 1e-12 * float((around * around).sum()):
+        raise ArgumentError(f"loop {i} has no area, so it has no plane")
+    normal = area / size
+    normal = (-normal if normal[int(np.abs(normal).argmax())] < 0 else normal) + 0.0
+    off = float(np.abs(around @ normal).max())
+    if off > tolerance + 1e-12 * float(np.abs(points).max()):
+        raise ArgumentError(f"loop {i} does not lie in a plane: points lie up to {off} off it")
+    return normal, float(middle @ normal)
+
+
+def stacked(loops: list[Loop], normal: Any, tolerance: float) -> Sections:
+    """Across the normal where all loops are, else each in its own plane."""
+    np = arrays.numpy("Sections")
+    direction = np.asarray(normal, float) / np.linalg.norm(normal)
+    flat = all(float(np.ptp(loop.points @ direction)) <= 2 * tolerance for loop in loops)
+    return Sections(loops, normal, tolerance=tolerance) if flat else Sections.on_planes(loops, tolerance=tolerance)
+
+
+def _spread(loops: list[Loop], normals: list[Any]) -> float:
+    """How far loops reach along the first of normals that are almost one."""
+    np = arrays.numpy("Sections")
+    return max((float(np.ptp(loop.points @ normals[0])) for loop in loops), default=0.0)
 
 
 def _planes(heights: list[float], tolerance: float) -> tuple[list[float], list[int]]:

@@ -8,7 +8,7 @@ from typing import Any, Sequence
 from .. import _arrays as arrays
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._grid import Grid
-from .._sections import Loop, Sections
+from .._sections import Loop, Sections, stacked
 from .._volume import Volume
 from ._values import choose
 
@@ -155,7 +155,7 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
     Returns
     -------
     Sections
-        `Sections` whose loops carry the structures' names as labels. Points and open lines are left out. Contours that reach
+        `Sections` whose loops carry the structures' names as labels, in planes of any direction. Points and open lines are left out. Contours that reach
         their holes by a line there and back ("keyholes") become an outer and an inner loop.
 
     Raises
@@ -165,7 +165,7 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
     EmptyError
         no closed contour of these structures.
     ArgumentError
-        contours that do not lie in parallel planes.
+        a contour that does not lie in a plane.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
                 loops += [Loop(part, name) for part in _without_bridges(points, np)]
     if not loops:
         raise EmptyError(f"{os.fspath(path)} holds no closed contour of these structures")
-    return Sections(loops, _normal_of(loops, np), tolerance=tolerance)
+    return stacked(loops, _normal_of(loops, np), tolerance)
 
 
 def _without_bridges(points: Any, np: Any) -> list[Any]:

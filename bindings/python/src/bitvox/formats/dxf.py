@@ -7,11 +7,11 @@ from typing import Any, Sequence
 
 from .. import _arrays as arrays
 from .._errors import ArgumentError, EmptyError, FormatError, need
-from .._sections import Loop, Sections
+from .._sections import Loop, Sections, stacked
 
 
 def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Sequence[str] | None = None,
-             normal: Sequence[float] = (0.0, 0.0, 1.0), close: bool = False, sagitta: float | None = None,
+             normal: Sequence[float] | None = None, close: bool = False, sagitta: float | None = None,
              tolerance: float = 1e-6) -> Sections:
     """Closed polylines of DXF drawings as sections; labels are the layers' names.
 
@@ -24,7 +24,7 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
     layers
         only these; a name that no drawing has is an error.
     normal
-        of the sections' planes.
+        of the sections' planes. Default: across z where all polylines are, else each polyline's own plane.
     close
         join the ends of open polylines too; otherwise they are left out.
     sagitta
@@ -44,7 +44,7 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
     FormatError
         no drawing, or a damaged one.
     ArgumentError
-        a polyline that does not lie in a plane across the normal.
+        a polyline that does not lie in a plane, or not across ``normal``.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
         loops += found
     if not loops:
         raise EmptyError(f"{', '.join(names)}: there is no closed polyline" + ("" if close else "; close=True joins the ends of open ones"))
-    return Sections(loops, normal, tolerance=tolerance)
+    return stacked(loops, (0.0, 0.0, 1.0), tolerance) if normal is None else Sections(loops, normal, tolerance=tolerance)
 
 
 def _drawing(name: str) -> Any:
