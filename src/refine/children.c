@@ -30,9 +30,13 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
     *reach = half;
     for (int a = 0; a < 3; a++) {
         int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
+
+        /* Least and most without branches: this runs once for each triangle of each voxel. */
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
         int64_t const far = (int64_t)most > -(int64_t)least ? (int64_t)most : -(int64_t)least;
+
+        /* A box that touches the middle plane meets the octants on both sides: boxes are closed. */
         mask &= (least <= 0 ? (uint32_t)child_half[a][0] : 0) | (most >= 0 ? (uint32_t)child_half[a][1] : 0);
         inside &= least >= -half && most <= half;
         if ((int64_t)most - least > *spread) *spread = (int64_t)most - least;
@@ -47,12 +51,16 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
 static inline uint32_t child_edge_misses(const int64_t a[2], const int64_t b[2], int64_t turn, int64_t half,
                                          const uint8_t *hu, const uint8_t *hv)
 {
+    /* The edge function at the centre, turned so that the triangle is where it is not negative. */
     int64_t const at = (a[0] * b[1] - a[1] * b[0]) * turn;
 
+    /* The centre is a corner of all eight octants, so none lies outside of an edge that has it inside. */
     if (at >= 0) return 0;
     int64_t const du = (a[1] - b[1]) * turn, dv = (b[0] - a[0]) * turn;
     int64_t const su = (du < 0 ? -du : du) * half, sv = (dv < 0 ? -dv : dv) * half;
     uint32_t const u = hu[du > 0], v = hv[dv > 0]; /* octants on the growing side */
+
+    /* Octants that grow along neither axis keep the value at the centre, which is negative here. */
     uint32_t missed = 255 & ~u & ~v;
     if (at + su < 0) missed |= u & ~v;
     if (at + sv < 0) missed |= v & ~u;
@@ -66,6 +74,8 @@ static inline uint32_t child_projection_misses(const int32_t (*p)[3], int u, int
     const uint8_t *const hu = child_half[u], *const hv = child_half[v];
     uint32_t missed = 0;
 
+    /* Without an area both turns are asked: what is outside by either is missed, which is right for a
+     * segment. */
     if (area >= 0)
         missed |= child_edge_misses(a, b, 1, half, hu, hv) | child_edge_misses(b, c, 1, half, hu, hv) |
                   child_edge_misses(c, a, 1, half, hu, hv);
@@ -82,10 +92,13 @@ static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uin
     int64_t sum[8];
     uint32_t missed = 0;
 
+    /* What each set of growing axes adds to the value at the centre. */
     sum[0] = 0;
     for (uint32_t k = 1; k < 8; k++)
         sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
     for (uint32_t o = 0; o < 8; o++) {
+        /* The best corner goes with the growing axes, the worst against them: both on one side, and the
+         * octant is beside. */
         uint32_t const with = ~(o ^ grows) & 7;
         missed |= (uint32_t)((at + sum[with] < 0) | (at - sum[7 ^ with] > 0)) << o;
     }
@@ -97,6 +110,7 @@ static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], 
     bvxi_wide at = bvxi_wide_mul(-n[0], p[0]);
     uint32_t missed = 0;
 
+    /* 128 bits, since products of a far corner with the normal of a large triangle do not fit 64. */
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[1], p[1]));
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[2], p[2]));
     for (uint32_t o = 0; o < 8; o++) {
@@ -138,9 +152,12 @@ uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
     int held;
     uint32_t mask = children_of_box(p, half, &held, &spread, &reach);
 
+    /* Most triangles end here: of a voxel's list few reach over more than one middle plane. */
     if ((mask & (mask - 1)) == 0) return mask; /* the only octant left, and the cube is touched */
     /* it reaches over one middle plane and lies in the two octants */
     if (held && bvxi_children_are_pair(mask)) return mask;
+
+    /* Projections first: they are cheaper than the plane, and often leave one octant. */
     mask &= ~child_projection_misses(p, 0, 1, half);
     mask &= ~child_projection_misses(p, 0, 2, half);
     mask &= ~child_projection_misses(p, 1, 2, half);
@@ -211,6 +228,8 @@ BVXI_VECTOR_INLINE void judge_batch_projection(bvxi_children_batch *b, uint32_t 
     int64_t *BVXI_RESTRICT const missed = b->missed, *BVXI_RESTRICT const unsure = b->unsure;
     for (uint32_t i = 0; i < n; i++) {
         double const au = qau[i], av = qav[i], bu = qbu[i], bv = qbv[i], cu = qcu[i], cv = qcv[i];
+
+        /* The greatest coordinate decides how far the rounding of a product may reach. */
         double const m0 = (au < 0 ? -au : au) > (av < 0 ? -av : av) ? (au < 0 ? -au : au)
                                                                     : (av < 0 ? -av : av);
         double const m1 = (bu < 0 ? -bu : bu) > (bv < 0 ? -bv : bv) ? (bu < 0 ? -bu : bu)
@@ -220,6 +239,8 @@ BVXI_VECTOR_INLINE void judge_batch_projection(bvxi_children_batch *b, uint32_t 
         double const m01 = m0 > m1 ? m0 : m1, m2h = m2 > half ? m2 : half, m = m01 > m2h ? m01 : m2h;
         double const slack = m > EDGE_EXACT ? m * m * EDGE_SLACK : 0.0;
         double const area = (bu - au) * (cv - av) - (bv - av) * (cu - au), turn = area < 0 ? -1.0 : 1.0;
+
+        /* An area that may be 0 has no turn that is sure. */
         int64_t near = (area <= slack ? (area >= -slack ? 1 : 0) : 0), outside;
         outside = batch_edge_misses(au, av, bu, bv, turn, half, slack, u1, v1, &near);
         outside |= batch_edge_misses(bu, bv, cu, cv, turn, half, slack, u1, v1, &near);
@@ -264,6 +285,8 @@ BVXI_VECTOR_INLINE void judge_batch_plane(bvxi_children_batch *b, uint32_t n, do
         double const by = b->q[4][i];
         double const bz = b->q[5][i];
         double const cx = b->q[6][i], cy = b->q[7][i], cz = b->q[8][i];
+
+        /* As for edges, by the cube of the greatest coordinate: the plane's value is a product of three. */
         double m = half, slack;
         for (int k = 0; k < 9; k++) {
             double const c = b->q[k][i] < 0 ? -b->q[k][i] : b->q[k][i];
@@ -273,6 +296,8 @@ BVXI_VECTOR_INLINE void judge_batch_plane(bvxi_children_batch *b, uint32_t n, do
         double const nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
         double const ny = (bz - az) * (cx - ax) - (bx - ax) * (cz - az);
         double const nz = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax), at = -(nx * ax + ny * ay + nz * az);
+
+        /* What half a side along each axis adds, whichever way the normal points. */
         double const sx = (nx < 0 ? -nx : nx) * half;
         double const sy = (ny < 0 ? -ny : ny) * half;
         double const sz = (nz < 0 ? -nz : nz) * half;
@@ -298,6 +323,8 @@ BVXI_VECTOR_INLINE void touch_batch_children(bvxi_children_batch *b, uint32_t co
         b->open[n] = (uint16_t)i;
         n += decided ? 0 : 1;
     }
+
+    /* Only those that boxes do not decide, packed, so that the loops below have no gaps. */
     for (int k = 0; k < 9; k++)
         for (uint32_t i = 0; i < n; i++) b->q[k][i] = (double)b->p[k / 3][k % 3][b->open[i]];
     memset(b->missed, 0, n * sizeof *b->missed);
@@ -306,6 +333,8 @@ BVXI_VECTOR_INLINE void touch_batch_children(bvxi_children_batch *b, uint32_t co
     judge_batch_projection(b, n, 0, 2, 0xaa, 0xf0, (double)half);
     judge_batch_projection(b, n, 1, 2, 0xcc, 0xf0, (double)half);
     judge_batch_plane(b, n, (double)half);
+
+    /* Where doubles were not sure whole numbers answer: rare, so the branch costs little. */
     for (uint32_t i = 0; i < n; i++) {
         uint32_t const m = b->open[i];
         if (BVXI_UNLIKELY(b->unsure[i] != 0)) {

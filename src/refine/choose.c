@@ -59,6 +59,7 @@ static double projected_area(const choose_job *job, uint64_t t)
         v[a] = (p[2][a] - p[0][a]) * job->scale;
     }
     for (int a = 0; a < 3; a++) {
+        /* A component of the cross product is twice the area of the projection along its axis. */
         int const b = (a + 1) % 3, c = (a + 2) % 3;
         double const twice = u[b] * v[c] - u[c] * v[b];
         area += (twice < 0 ? -twice : twice) * 0.5;
@@ -75,6 +76,8 @@ static void project_piece(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(job->looked_at, job->pieces, index, &begin, &end);
+
+    /* Evenly spread over the mesh: neighbours in a file are often neighbours in space. */
     for (uint64_t i = begin; i < end; i++) sum += projected_area(job, i * step);
     job->part[index] = sum;
 }
@@ -87,6 +90,8 @@ static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
     job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, "choose", 0.0, 1.0, job->pieces, project_piece, job));
     for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
+
+    /* What was looked at stands for all. */
     job->projected *= (double)all / (double)job->looked_at;
     return BVX_OK;
 }
@@ -103,6 +108,8 @@ static double touched_voxels(const choose_job *job, double n)
 {
     double const plane = job->projected * n * n;
     double const all = side_at(job, 0, n) * side_at(job, 1, n) * side_at(job, 2, n);
+
+    /* A crumpled mesh has more projected squares than the lattice has voxels. */
     return plane < all ? plane : all;
 }
 
@@ -116,8 +123,12 @@ static double predict_whole(const choose_job *job, double base, int32_t levels)
 {
     double const t = (double)job->view->triangle_count;
     double n = base, time = TRIANGLE_COST * t + WORD_COST * base_words(job, base);
+
+    /* Levels above the last two pay for each voxel that is split. */
     for (int32_t l = 0; l + 2 < levels; l++, n *= 2) time += OCTET_COST * touched_voxels(job, n);
     if (levels > 0) time += (levels == 1 ? LAST_COST : CUBE_COST) * touched_voxels(job, n);
+
+    /* The last two levels are one word of 64 voxels, so they are paid for once. */
     for (int32_t l = levels > 2 ? levels - 2 : 0; l < levels; l++) n *= 2;
     return time + FINEST_COST * touched_voxels(job, n);
 }
@@ -127,6 +138,7 @@ static double predict_window(const choose_job *job, double base, int32_t levels,
     double const t = (double)job->view->triangle_count;
     double share = 1;
 
+    /* Rows run along x, so only y and z say which of them come near the window. */
     for (int a = 1; a < 3; a++) {
         double const about = (double)window->size[a] / (double)((int32_t)1 << levels) + 1;
         double const all = side_at(job, a, base);
@@ -173,6 +185,8 @@ static int32_t levels_of_least_time(const choose_job *job, int32_t resolution, c
         if (!base_is_possible(job, base, levels)) continue;
         double const time = window->size[0] != 0 ? predict_window(job, base, levels, window)
                                                  : predict_whole(job, base, levels);
+
+        /* Of equal times the coarser tree of fewer levels: it came first. */
         if (least >= 0 && time >= least) continue;
         least = time;
         best = levels;
@@ -188,6 +202,8 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
     if (given == NULL) return bvxi_fail_null(ctx, choose_name, "options");
     bvx_refine_options_init(o, sizeof *o);
     BVXI_TRY(bvxi_take_options(ctx, choose_name, given, o, sizeof *o));
+
+    /* The answer is written into the caller's struct, which an older header may have made shorter. */
     if (given->struct_size < offsetof(bvx_refine_options, start_level))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options have no room for levels", choose_name);
     for (int a = 0; a < 3; a++)
@@ -229,6 +245,8 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     levels = o.tolerance > 0 ? levels_for_tolerance(resolution)
                              : levels_of_least_time(&job, resolution, &o.window);
     BVXI_TRY(bvx_lattice_fit(context, mesh, base_for(resolution, levels), &made));
+
+    /* Both results at once, when nothing can fail any more. */
     *base = made;
     options->levels = levels;
     return BVX_OK;

@@ -38,6 +38,8 @@ static void set_expanded_box(const expand_job *job, const int32_t v[3], int32_t 
         low[a] = begin > job->low[a] ? begin : job->low[a];
         high[a] = end < job->high[a] ? end : job->high[a];
     }
+
+    /* Runs of a row, not voxels: a leaf far above the level is a large box. */
     for (int32_t z = low[2]; z < high[2]; z++)
         for (int32_t y = low[1]; y < high[1]; y++)
             bvxi_set_run(expand_row(job, y, z), low[0] - job->low[0], high[0] - job->low[0]);
@@ -49,6 +51,8 @@ static void set_expanded_children(const expand_job *job, const int32_t v[3], uin
     int32_t const x = 2 * v[0] - job->low[0];
 
     if (children == 0) return;
+
+    /* Two bits in each of four rows; a window may cut any of them off. */
     for (int32_t r = 0; r < 4; r++) {
         int32_t const y = 2 * v[1] + (r & 1), z = 2 * v[2] + (r >> 1);
         uint64_t const pair = children >> 2 * r & 3;
@@ -65,6 +69,8 @@ static void set_expanded_children(const expand_job *job, const int32_t v[3], uin
 static inline int expand_meets(const expand_job *job, const int32_t v[3], int32_t level)
 {
     int32_t const up = job->level - level;
+
+    /* At the voxel's own level: it meets the window when it lies between the window's end voxels there. */
     for (int a = 0; a < 3; a++)
         if (v[a] > (job->high[a] - 1) >> up || v[a] < job->low[a] >> up) return 0;
     return 1;
@@ -82,10 +88,14 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
     const bvxi_octets *const o = &job->tree->octets[level];
 
     step->enter = 0;
+
+    /* The children are the voxels requested: all eight at once. */
     if (level + 1 == job->level) {
         set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
         return;
     }
+
+    /* Leaves above the level are boxes of it; what is split is entered later. */
     uint32_t const leaves = bvxi_octet_in_states(o, octet, job->states) & ~bvxi_octet_split(o, octet);
     for (uint32_t p = 0; p < 8; p++) {
         int32_t child[3];
@@ -93,6 +103,8 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
         child_of_voxel(v, p, child);
         if (expand_meets(job, child, level + 1)) set_expanded_box(job, child, level + 1);
     }
+
+    /* The rank of the first split child is looked up once, the others follow it. */
     step->enter = bvxi_octet_split(o, octet);
     step->below = step->enter != 0 ? bvxi_octets_rank(o, 8 * octet) : 0;
     memcpy(step->v, v, sizeof step->v);
@@ -172,6 +184,8 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
+
+    /* A grid of the library's that is passed again is used again where it is large enough. */
     bvxi_grid_renew(context, &lattice, &w, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
@@ -180,6 +194,8 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     job.grid = &made;
     job.level = level;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
+
+    /* Base voxels that the window meets: no others are entered. */
     for (int a = 0; a < 3; a++) {
         job.low[a] = w.low[a];
         job.high[a] = w.low[a] + w.size[a];
@@ -189,6 +205,8 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     job.pieces = bvxi_piece_count(
         (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1), 1);
     status = bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, expand_piece, &job);
+
+    /* The caller's grid stays as it was when the work was cancelled. */
     if (status == BVX_OK) *grid = made;
     else if (grid->words == NULL) bvx_grid_free(context, &made);
     return status;

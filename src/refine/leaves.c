@@ -40,6 +40,8 @@ static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, co
                         leaf_step *step)
 {
     step->octet = octet;
+
+    /* A level without masks of its own has no split voxels below. */
     step->next_split_octet = job->tree->octets[level].split != NULL
                                  ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
                                  : 0;
@@ -86,6 +88,8 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
+
+    /* In the order of the base, so that places follow from the counts of the pieces before. */
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
@@ -94,6 +98,8 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
             leaves_of_tree(job, bvxi_octets_rank(&tree->root, bit), v, &place);
         else give_leaf(job, &place, v, 0, state);
     }
+
+    /* In the first walk the place has counted from 0. */
     if (job->leaves == NULL) job->place[index] = place;
 }
 
@@ -126,6 +132,8 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
                                   1);
     BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
     total = leaf_places(&job);
+
+    /* Nothing is written where the array is too small, and the message has the number that is needed. */
     if (leaves != NULL) {
         if (capacity < total)
             return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u",

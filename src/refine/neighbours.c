@@ -40,6 +40,8 @@ static void leaves_on_side(const bvx_octree *tree, int32_t top, uint64_t octet, 
     while (level >= top) {
         neighbour_step *const s = &stack[level];
         const bvxi_octets *const o = &tree->octets[level];
+
+        /* All children on this side are done: up again. */
         if (s->left == 0) {
             level--;
             continue;
@@ -48,6 +50,8 @@ static void leaves_on_side(const bvx_octree *tree, int32_t top, uint64_t octet, 
         uint64_t const bit = 8 * s->octet + p;
         int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
                                   2 * s->v[2] + (int32_t)(p >> 2)};
+
+        /* Off the list before going down, as the walk comes back to this step. */
         s->left &= s->left - 1;
         if (!bvxi_octets_is_split(o, bit)) {
             give_neighbour(list, child, level + 1, bvxi_octets_state(o, bit));
@@ -70,6 +74,8 @@ static int hold_voxel(const bvx_octree *tree, int32_t level, const int32_t v[3],
 
     for (*at = 0; bvxi_octets_is_split(o, bit); ++*at) {
         int32_t const down = level - *at - 1;
+
+        /* The bits of v below this level choose the way down. */
         *octet = bvxi_octets_rank(o, bit);
         if (*at == level) return 1;
         o = &tree->octets[*at];
@@ -98,15 +104,21 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
     if (leaf->level > tree->levels)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX, "%s: level %d is beyond the tree's %d",
                              function, (int64_t)leaf->level, (int64_t)tree->levels);
+
+    /* A leaf from another tree may name a voxel that this one does not have. */
     for (int a = 0; a < 3; a++)
         if (leaf->ijk[a] < 0 || leaf->ijk[a] >= tree->base[a] << leaf->level)
             return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
                                  "%s: voxel (%d, %d, %d) is beyond level %d", function, (int64_t)leaf->ijk[0],
                                  (int64_t)leaf->ijk[1], (int64_t)leaf->ijk[2], (int64_t)leaf->level);
     memcpy(v, leaf->ijk, sizeof v);
+
+    /* Directions 0 to 2 are towards -x, -y, -z, 3 to 5 towards +. */
     v[direction % 3] += direction >= 3 ? 1 : -1;
     list.leaves = leaves;
     list.capacity = leaves != NULL ? capacity : 0;
+
+    /* Beyond the lattice there is no leaf. */
     if (v[direction % 3] >= 0 && v[direction % 3] < tree->base[direction % 3] << leaf->level) {
         if (hold_voxel(tree, leaf->level, v, &at, &state, &octet)) {
             leaves_on_side(tree, leaf->level, octet, v, (direction + 3) % BVXI_DIRECTIONS, &list);
@@ -116,6 +128,8 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
             give_neighbour(&list, held, at, state);
         }
     }
+
+    /* The count is told also where the array was too small. */
     *count = list.count;
     if (leaves != NULL && capacity < list.count)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u", function,

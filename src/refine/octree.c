@@ -15,11 +15,15 @@ bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, in
     status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &made.touched);
     if (status == BVX_OK)
         status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &made.outside);
+
+    /* Without a window or a tolerance all touched voxels are split: one mask serves both. */
     if (status == BVX_OK && split == BVXI_SPLIT_SOME)
         status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's split voxels", &made.split);
     if (status == BVX_OK && split != BVXI_SPLIT_NONE)
         status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 4, "the octree's ranks", &made.before);
     if (split == BVXI_SPLIT_ALL) made.split = made.touched;
+
+    /* What was got before the failure goes back. */
     if (status != BVX_OK) bvxi_octets_close(ctx, &made);
     *octets = made;
     return status;
@@ -38,6 +42,8 @@ uint64_t bvxi_octets_count(bvxi_octets *octets)
 {
     uint64_t total = 0;
     if (octets->split == NULL) return 0;
+
+    /* Counts before each word make a rank a look-up and one count of bits. */
     for (uint64_t i = 0; i < octets->words; i++) {
         octets->before[i] = (uint32_t)total;
         total += bvxi_popcount(octets->split[i]);
@@ -48,6 +54,8 @@ uint64_t bvxi_octets_count(bvxi_octets *octets)
 void bvx_octree_free(bvx_context *context, bvx_octree *tree)
 {
     if (context == NULL || tree == NULL) return;
+
+    /* In the opposite order of making, as an arena gives back from its end. */
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) bvxi_octets_close(context, &tree->octets[l]);
     bvxi_octets_close(context, &tree->root);
     bvxi_free(context, tree, sizeof *tree);
@@ -83,6 +91,8 @@ bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t
         *lattice = tree->lattice;
         return BVX_OK;
     }
+
+    /* Powers of two: the spacing is exact. */
     for (int a = 0; a < 3; a++) {
         spacing[a] = tree->lattice.spacing[a] * (double)((int32_t)1 << up);
         dims[a] = tree->base[a] << level;
@@ -123,6 +133,8 @@ static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree
     c->voxels = level == 0 ? (uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2]
                            : 8 * o->count;
     c->outside = count_mask_bits(o->outside, o->words);
+
+    /* Three states fill the level, so the third is what is left. */
     c->inside = c->voxels - touched - c->outside;
     c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
     c->surface = touched - c->split;
@@ -161,6 +173,7 @@ static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_oct
     uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
     int32_t level = 0;
 
+    /* One bit of each index a level, from the highest down. */
     while (bvxi_octets_is_split(o, bit)) {
         uint64_t const octet = bvxi_octets_rank(o, bit);
         int32_t const down = levels - level - 1;
@@ -198,6 +211,7 @@ static void find_octree_voxels(void *user, int32_t index, int32_t worker)
     bvxi_piece(job->count, job->pieces, index, &begin, &end);
     job->bad[index] = job->count;
     for (uint64_t i = begin; i < end; i++) {
+        /* A piece ends at its first bad voxel: the least number of all pieces is reported. */
         if (!octree_has_voxel(job->tree, job->voxels + 3 * i)) {
             job->bad[index] = i;
             return;
@@ -214,6 +228,8 @@ static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_
     for (int a = 0; a < 3; a++) {
         double const at = floor((p[a] - tree->lattice.origin[a]) / tree->lattice.spacing[a]);
         if (!(p[a] - p[a] == 0.0)) return -1;
+
+        /* Compared as doubles: a cast of what is out of range is undefined. */
         if (at >= 0 && at < (double)tree->lattice.dims[a]) v[a] = (int32_t)at;
         else inside = 0;
     }
@@ -237,6 +253,8 @@ static void find_octree_points(void *user, int32_t index, int32_t worker)
         }
         if (found) {
             find_octree_leaf(job->tree, v, &job->leaves[i]);
+
+            /* Outside of the lattice is outside of the body; level 255 says that no leaf holds the point. */
         } else {
             memset(&job->leaves[i], 0, sizeof job->leaves[i]);
             job->leaves[i].level = 255;
@@ -251,6 +269,8 @@ static bvx_status find_octree_places(bvx_context *ctx, octree_places *job, bvx_t
 {
     job->pieces = bvxi_piece_count(job->count, PLACE_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, "octree", 0.0, 1.0, job->pieces, task, job));
+
+    /* From the last piece down, so that the first bad place stays. */
     *bad = job->count;
     for (int32_t i = job->pieces; i-- > 0;)
         if (job->bad[i] != job->count) *bad = job->bad[i];

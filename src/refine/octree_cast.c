@@ -30,10 +30,14 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
     *axis = -1;
     for (int32_t a = 0; a < 3; a++) {
         double const low = (double)(v[a] << up), high = (double)((v[a] + 1) << up);
+
+        /* Without motion the planes are never crossed: between them, or not at all. */
         if (r->way[a] == 0) {
             if (r->u[a] < low || r->u[a] > high) return 0;
             continue;
         }
+
+        /* The plane that is met first depends on the way. */
         double const first = ((r->way[a] > 0 ? low : high) - r->u[a]) * r->per[a];
         double const last = ((r->way[a] > 0 ? high : low) - r->u[a]) * r->per[a];
         if (first > enter) {
@@ -42,6 +46,8 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
         }
         if (last < leave) leave = last;
     }
+
+    /* Closed boxes: a ray through an edge meets what lies around it. */
     *from = enter;
     return enter <= leave;
 }
@@ -52,6 +58,7 @@ static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, in
     int32_t const up = r->tree->levels - level;
     int32_t const x = v[0] << up, y = v[1] << up, z = v[2] << up;
 
+    /* Of leaves met at one t the least (z, y, x), whatever the order of asking. */
     if (r->found && t == r->t &&
         (z > r->low[2] || (z == r->low[2] && (y > r->low[1] || (y == r->low[1] && x > r->low[0])))))
         return;
@@ -92,10 +99,14 @@ static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
             level--;
             continue;
         }
+
+        /* Numbers of children have a bit an axis, so the turned axes flip them into the ray's order. */
         uint32_t const p = s->n++ ^ turn; /* nearer ones first */
         uint64_t const bit = 8 * s->octet + p;
         int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
                                   2 * s->v[2] + (int32_t)(p >> 2)};
+
+        /* A leaf in a state that was not requested is passed over before its box is computed. */
         int const split = bvxi_octets_is_split(o, bit) != 0;
         int32_t const state = bvxi_octets_state(o, bit);
         if ((!split && (state & r->states) == 0) || !ray_meets_box(r, child, level + 1, &t, &axis)) continue;
@@ -123,6 +134,8 @@ static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
     int32_t const v[3] = {0, y, z};
     double t;
     int32_t axis;
+
+    /* As if the ray stood still in x, in the middle of the row: then x never excludes. */
     flat.way[0] = 0;
     flat.u[0] = 0.0;
     return ray_meets_box(&flat, v, 0, &t, &axis);
@@ -135,6 +148,8 @@ static void cast_octree_ray(octree_ray *r)
     for (int32_t k = 0; k < tree->base[2]; k++)
         for (int32_t j = 0; j < tree->base[1]; j++) {
             int32_t const y = in_ray_order(r, 1, j), z = in_ray_order(r, 2, k);
+
+            /* Whole rows of the base are passed over, which are most of it. */
             if (!ray_meets_row(r, y, z)) continue;
             for (int32_t i = 0; i < tree->base[0]; i++) {
                 int32_t const v[3] = {in_ray_order(r, 0, i), y, z};
@@ -173,6 +188,8 @@ static void cast_octree_piece(void *user, int32_t index, int32_t worker)
         octree_ray r = {0};
         int usable = 1;
         r.tree = job->tree;
+
+        /* Later hits only count when they are nearer than the one found. */
         r.end = job->t_max;
         r.states = job->states;
         for (int a = 0; a < 3; a++) {
@@ -180,9 +197,13 @@ static void cast_octree_piece(void *user, int32_t index, int32_t worker)
             r.u[a] = (ray[a] - job->tree->lattice.origin[a]) / job->tree->lattice.spacing[a];
             r.way[a] = (step > 0) - (step < 0);
             r.per[a] = r.way[a] != 0 ? 1.0 / step : 0.0;
+
+            /* A direction so small that 1 / step overflows crosses no plane that can be computed. */
             usable &= r.u[a] - r.u[a] == 0.0 && r.per[a] - r.per[a] == 0.0;
         }
         if (usable) cast_octree_ray(&r);
+
+        /* A miss is all zero. */
         memset(&job->hits[i], 0, sizeof job->hits[i]);
         if (!r.found) continue;
         job->hits[i].t = r.t;
@@ -201,6 +222,8 @@ static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64
             if (!(r[k] - r[k] == 0.0))
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                      "bvx_octree_cast: ray %i is not finite", i);
+
+        /* A ray without a direction meets nothing, and is more likely a mistake than a wish. */
         if (r[3] == 0 && r[4] == 0 && r[5] == 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "bvx_octree_cast: the direction of ray %i is 0", i);

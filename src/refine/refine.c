@@ -28,6 +28,8 @@ static int32_t levels_that_fit(const int32_t base[3])
     /* Multiplied in two steps, so that three sides of 2^25 do not overflow 64 bits. */
     uint64_t const face = (uint64_t)base[0] * (uint64_t)base[1];
     if (face >= (uint64_t)1 << 31 || face * (uint64_t)base[2] >= (uint64_t)1 << 31) return -1;
+
+    /* One more level doubles the longest side, which a lattice limits. */
     while (levels < BVXI_OCTREE_LEVELS && longest <= BVXI_MAX_SIDE >> (levels + 1)) levels++;
     return levels;
 }
@@ -48,6 +50,8 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvx_refine_name);
     BVXI_TRY(bvxi_lattice_check(ctx, bvx_refine_name, base));
+
+    /* Before the ranges of the options, since how many levels are possible depends on the base. */
     int32_t const most = levels_that_fit(base->dims);
     if (most < 0)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -69,6 +73,9 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: outer_levels is %d; 0 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->outer_levels, (int64_t)o->levels);
+
+    /* A tolerance looks at the triangles of each voxel from the base on, so no grid can stand in for
+     * levels. */
     if (o->tolerance > 0 && o->start_level > 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: a tolerance starts at level 0, not %d", bvx_refine_name,
@@ -84,8 +91,12 @@ static bvx_status take_refine_window(bvxi_refine_job *job, bvx_refine_options *o
     for (int a = 0; a < 3; a++)
         job->step[a] = job->tree->lattice.spacing[a] /
                        (double)((int32_t)1 << job->tree->lattice.fraction_bits);
+
+    /* All zero stands for the whole lattice. */
     if (memcmp(&o->window, &none, sizeof none) == 0) return BVX_OK;
     BVXI_TRY(bvxi_window_take(job->ctx, bvx_refine_name, &job->tree->lattice, &o->window, &o->window));
+
+    /* Levels up to outer are split everywhere, the others in the window alone. */
     job->windowed = 1;
     job->outer = o->outer_levels;
     for (int a = 0; a < 3; a++) {
@@ -99,6 +110,8 @@ static bvx_status last_lattice(bvx_context *ctx, const bvx_lattice *base, int32_
 {
     double spacing[3];
     int32_t dims[3];
+
+    /* Halving is exact in doubles. */
     for (int a = 0; a < 3; a++) {
         spacing[a] = base->spacing[a] / (double)((int32_t)1 << levels);
         dims[a] = base->dims[a] << levels;
@@ -144,6 +157,7 @@ static void drop_refinement(bvxi_refine_job *job)
 
 static void drop_octets(bvxi_refine_job *job, int32_t from)
 {
+    /* Deepest first, as they were made last. */
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= from; l--) {
         bvxi_octets_close(job->ctx, &job->tree->octets[l]);
         bvxi_drop(job->ctx, job->up[l]);
@@ -189,6 +203,8 @@ static bvx_status run_refinement(bvxi_refine_job *job)
     int32_t made = -1;
     double const begun = job->start == tree->levels ? 0.75 : 0.25;
     double const split = job->start == tree->levels ? 0.85 : 0.8;
+
+    /* Where the start is the last level, touching it is most of the work. */
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, begun, bvxi_refine_start(job));
 
     while (status == BVX_OK && ++made < tree->levels) {
@@ -205,6 +221,8 @@ static bvx_status run_refinement(bvxi_refine_job *job)
                             job->windowed ? bvxi_octree_row_states(job)
                                           : bvxi_octree_states(job->ctx, tree, job->up));
     }
+
+    /* A window has no smaller number of levels to advise: the levels about it are what was requested. */
     if (status == BVX_ERR_BUDGET && job->windowed)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit",
                          bvx_refine_name, (int64_t)tree->levels);
@@ -219,6 +237,8 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 
     job->start = asked >= 0 ? asked : choose_start(job);
     status = run_refinement(job);
+
+    /* From the base on less memory is needed: lists in place of one large grid. */
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
         drop_refinement(job);
         drop_octets(job, 0);
@@ -240,6 +260,8 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
+
+    /* Zeroed, so that all can be let go after any failure. */
     memset(&job, 0, sizeof job);
     job.ctx = context;
     job.view = mesh;

@@ -28,6 +28,8 @@ typedef struct level_job {
 static void octets_of_piece(const level_job *job, int32_t index, uint64_t *begin, uint64_t *end)
 {
     bvxi_piece(bvxi_octet_words(job->front->count), job->pieces, index, begin, end);
+
+    /* Eight octets are one word of a mask. */
     *begin *= 8;
     *end = *end * 8 < job->front->count ? *end * 8 : job->front->count;
 }
@@ -39,6 +41,8 @@ static inline uint32_t children_in_grid(const level_job *job, const int32_t *v)
     const uint64_t *const grid = job->refine->grids.words[job->level + 1];
     uint64_t const row = (uint64_t)bvxi_refine_row_words(tree, job->level + 1);
     uint64_t const ny = (uint64_t)tree->base[1] << (job->level + 1);
+
+    /* The word with the two lowest children: two rows of two slices hold all eight, side by side in x. */
     uint64_t const at = (2 * (uint64_t)v[2] * ny + 2 * (uint64_t)v[1]) * row + (uint64_t)(v[0] >> 5);
     unsigned const shift = 2 * ((unsigned)v[0] & 31);
     uint64_t const slice = ny * row;
@@ -63,6 +67,8 @@ typedef struct level_batch {
 static void end_level_batch(const level_job *job, level_batch *batch)
 {
     bvxi_children_of_batch(&batch->children, batch->count, job->half, bvxi_cpu(job->refine->ctx));
+
+    /* Hits are kept for the lists of the next level; the last level has none. */
     for (uint32_t i = 0; i < batch->count; i++) {
         uint64_t const n = batch->octet[i];
         job->octets->touched[n >> 3] |= (uint64_t)batch->children.touched[i] << (8 * (n & 7));
@@ -78,6 +84,7 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
     int32_t centre[3];
     uint64_t begin, end;
 
+    /* About the centre coordinates are small, which the exact tests need. */
     for (int a = 0; a < 3; a++) centre[a] = (2 * v[a] + 1) * job->half;
     list_of_voxel(job->front, n, &begin, &end);
     for (uint64_t pair = begin; pair < end; pair++) {
@@ -91,6 +98,8 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
         batch->pair[i] = pair;
         if (batch->count < BVXI_CHILDREN_BATCH) continue;
         end_level_batch(job, batch);
+
+        /* Nothing more can be found out about a voxel whose children are all touched. */
         if (job->last && bvxi_octet_mask(job->octets->touched, n) == 255) return;
     }
 }
@@ -99,6 +108,8 @@ static void mark_by_lists(const level_job *job, uint64_t begin, uint64_t end)
 {
     level_batch batch;
     batch.count = 0;
+
+    /* Batches run over several octets, as most lists are shorter than one. */
     for (uint64_t n = begin; n < end; n++) children_by_list(job, n, &batch);
     end_level_batch(job, &batch);
 }
@@ -110,12 +121,17 @@ static uint32_t children_to_split(const level_job *job, uint64_t n, uint32_t tou
     const int32_t *const v = job->front->ijk + 3 * n;
     uint32_t split = 0;
 
+    /* Without window and tolerance all touched children are split, or none on the last level. */
     if (job->octets->split == NULL || job->octets->split == job->octets->touched)
         return job->last ? 0 : touched;
     for (uint32_t p = 0; p < 8; p++) {
         int32_t const child[3] = {2 * v[0] + (int32_t)(p & 1), 2 * v[1] + (int32_t)(p >> 1 & 1),
                                   2 * v[2] + (int32_t)(p >> 2)};
+
+        /* Outside of the window a touched child stays a leaf. */
         if ((touched >> p & 1) == 0 || !bvxi_refine_wants(refine, job->level + 1, child)) continue;
+
+        /* And so does one whose triangles are flat. */
         if (refine->tolerance > 0) {
             uint64_t begin, end;
             list_of_voxel(job->front, n, &begin, &end);
@@ -145,6 +161,8 @@ static void mark_octets(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     octets_of_piece(job, index, &begin, &end);
+
+    /* From lists all octets of the piece go through batches first; from a grid each is read by itself. */
     if (!from_grid) mark_by_lists(job, begin, end);
     for (uint64_t n = begin; n < end; n++) {
         if (from_grid)
@@ -163,6 +181,8 @@ static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t chi
     uint64_t begin, end;
 
     list_of_voxel(job->front, n, &begin, &end);
+
+    /* The list is read once for each split child: it is short, and in the cache after the first. */
     for (uint32_t p = 0; p < 8; p++) {
         if ((split >> p & 1) == 0) continue;
         job->next.offset[child++] = *place;
@@ -182,6 +202,8 @@ static void place_children(void *user, int32_t index, int32_t worker)
     for (uint64_t n = begin; n < end; n++) {
         const int32_t *const v = job->front->ijk + 3 * n;
         uint32_t const split = bvxi_octet_split(job->octets, n);
+
+        /* Numbers of children and places of their lists advance together. */
         if (lists) place_lists(job, n, split, child, &place);
         for (uint32_t p = 0; p < 8; p++) {
             if ((split >> p & 1) == 0) continue;
@@ -208,6 +230,8 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
     bvxi_refine_front *const next = &job->next;
 
     next->count = place_pieces(job->children, job->pieces);
+
+    /* Numbers of octets and eight times them are kept in 32 bits. */
     if (next->count >= (uint64_t)1 << 28)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -220,6 +244,8 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->pairs * 4, "a level's triangle lists", &next->list));
+
+        /* The end of the last list. */
         next->offset[next->slots] = next->pairs;
     }
     job->refine->up_count[job->level + 1] = next->count;
@@ -255,6 +281,8 @@ static bvx_status split_front(level_job *job, double from, double to)
     BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
                               bvxi_refine_split_kind(refine, job->level + 1), job->octets));
     BVXI_TRY(bvxi_parallel(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
+
+    /* Ranks are needed as soon as the level below is looked at. */
     bvxi_octets_count(job->octets);
     if (job->last) return BVX_OK;
     BVXI_TRY(open_next_front(ctx, job));
@@ -278,14 +306,21 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     split->last = level + 1 == tree->levels;
     split->half = (int32_t)1 << (tree->lattice.fraction_bits + tree->levels - level - 1);
     split->pieces = bvxi_piece_count(job->front.count, OCTETS_OF_PIECE);
+
+    /* Lists were made with the start's grid; here each voxel learns which is its own. */
     if (level == job->start) status = bvxi_refine_lists(job);
     if (status == BVX_OK && lists && !split->last)
         status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children",
                             &split->hits);
     if (status == BVX_OK) status = split_front(split, from, to);
     bvxi_drop(job->ctx, split->hits);
+
+    /* Above the start nobody reads the lists: they pass through to the level that does. */
     if (status == BVX_OK && !lists) hand_lists_on(&job->front, &split->next);
     bvxi_refine_free_front(job, &job->front);
+
+    /* The next level's voxels take the place of this one's, also after a failure, so that one call frees
+     * them. */
     job->front = split->next;
     if (status != BVX_OK) bvxi_refine_free_front(job, &job->front);
     bvxi_drop(job->ctx, split);

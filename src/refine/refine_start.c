@@ -32,6 +32,8 @@ static inline void touch_cut_run(bvxi_surface_tile *tile, int32_t j, int32_t k, 
                                  uint32_t t)
 {
     int32_t const first = x0 > 0 ? x0 : 0, last = x1 < tile->job->size[0] ? x1 : tile->job->size[0] - 1;
+
+    /* Beyond the tile another task sets the same run. */
     if (first > last || j < tile->rows.j0 || j >= tile->rows.j1 || k < tile->rows.k0 || k >= tile->rows.k1)
         return;
     bvxi_touch_run(tile->job, j, k, first, last, t);
@@ -49,6 +51,8 @@ static void end_start_batch(bvxi_surface_tile *tile, start_batch *b)
     bvxi_children_of_batch(&b->children, b->count, (int32_t)1 << tile->job->fraction_bits, tile->job->cpu);
     for (uint32_t i = 0; i < b->count; i++) {
         int32_t const x = b->high[0][i], y = b->high[1][i], z = b->high[2][i];
+
+        /* Four rows of two voxels about the corner that the children were judged around. */
         for (int32_t r = 0; r < 4; r++) {
             uint32_t const pair = b->children.touched[i] >> 2 * r & 3;
             if (pair != 0)
@@ -80,12 +84,18 @@ static void touch_large_voxels(bvxi_surface_tile *tile, const bvxi_refine_job *r
     bvxi_view_triangle(tile->job->view, t, corner);
     for (int c = 0; c < 3; c++) memcpy(p[c], tile->job->snapped.xyz + 3 * (size_t)corner[c], sizeof p[c]);
     for (int a = 0; a < 3; a++) {
+        /* A corner on a plane between voxels touches both: the low end goes one unit down. */
         low[a] = bvxi_floor_shift(start_least(p[0][a], p[1][a], p[2][a]) - 1, f);
         high[a] = bvxi_floor_shift(start_most(p[0][a], p[1][a], p[2][a]), f);
         thick += high[a] > low[a];
         if (high[a] - low[a] > widest) widest = high[a] - low[a];
     }
+
+    /* Bits are needed everywhere, lists only where voxels will be split. */
     if (tile->job->task != BVXI_TOUCH_SET && start_misses_window(refine, low, high)) return;
+
+    /* Long ones by rows; those of at most two voxels along each axis as octants of one cube; the rest
+     * need no test. */
     if (thick > 1 && widest > 1) {
         bvxi_touch_rows(tile, (const int32_t(*)[3])p, t);
     } else if (thick > 1) {
@@ -124,6 +134,8 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
     tile.job = job;
     tile.rows = bvxi_tiles_rows(&job->tiles, number);
     tile.number = number;
+
+    /* Up to 16 bits the surface's own code is exact. */
     if (job->fraction_bits <= BVXI_MAX_FRACTION) {
         bvxi_touch_conservative(&tile, id, count);
         return;
@@ -163,7 +175,11 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (front->slots + 1) * 8, "the start's list places",
                              &front->offset));
     surface->offset = front->offset;
+
+    /* The last triangle of each voxel, so that one that comes by several rows counts once. */
     memset(surface->last, 0, (size_t)front->slots * 4);
+
+    /* Counted, then filled: the lists lie one after the other in one array. */
     BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
     front->pairs = place_start_lists(front->offset, front->slots);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, front->pairs * 4, "the start's triangle lists", &front->list));
@@ -186,6 +202,8 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     uint64_t voxels = 0;
 
     for (uint64_t i = 0; i < words; i++) voxels += bvxi_popcount(job->grids.words[job->start][i]);
+
+    /* Ranks are 32 bits. */
     if (voxels >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: triangles touch %u voxels of level %d; 2^32 - 2 are possible", refine_name,
@@ -211,6 +229,8 @@ static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi
     surface->fraction_bits = tree->lattice.fraction_bits + tree->levels - job->start;
     surface->mode = BVX_SURFACE_CONSERVATIVE;
     surface->cpu = bvxi_cpu(job->ctx);
+
+    /* One thread has no use for tiles, and each would look at its triangles anew. */
     bvxi_tiles_choose(&surface->tiles, surface->size[1], surface->size[2],
                       bvxi_threads(job->ctx) == 1 ? 1 : BVXI_SURFACE_TILES);
 }
@@ -230,6 +250,8 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
     status = bvxi_bins_open(job->ctx, refine_name, &start->surface);
     if (status == BVX_OK)
         status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
+
+    /* Where the start is the last level the bits are the answer, and no lists are needed. */
     if (status == BVX_OK && job->start < tree->levels) status = make_start_lists(job, start);
     bvxi_bins_close(job->ctx, &start->surface);
     bvxi_drop(job->ctx, start);
@@ -268,11 +290,13 @@ static void coarsen_rows(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
+        /* Four rows of the finer level: two of one slice, two of the next. */
         const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine;
         const uint64_t *const b = a + fine;
         const uint64_t *const c = a + (size_t)(2 * ny) * fine, *const d = c + fine;
         uint64_t *const to = job->coarse + (size_t)row * coarse;
         for (size_t i = 0; i < coarse; i++) {
+            /* Two words side by side become one; an odd last word has no partner. */
             uint64_t const low = a[2 * i] | b[2 * i] | c[2 * i] | d[2 * i];
             uint64_t const high = 2 * i + 1 < fine ? a[2 * i + 1] | b[2 * i + 1] | c[2 * i + 1] | d[2 * i + 1]
                                                    : 0;
@@ -310,6 +334,8 @@ static void split_root(bvxi_refine_job *job)
             uint64_t const row = word / (uint64_t)tree->row_words, ny = (uint64_t)tree->base[1];
             int32_t const x = (int32_t)(word % (uint64_t)tree->row_words) * BVXI_WORD_BITS + bvxi_lowest(w);
             int32_t const v[3] = {x, (int32_t)(row % ny), (int32_t)(row / ny)};
+
+            /* Lists are in the order of the touched voxels, so the rank is their number. */
             const uint64_t *const list = job->front.offset + r;
             if (!bvxi_refine_wants(job, 0, v)) continue;
             if (job->tolerance > 0 &&
@@ -327,9 +353,13 @@ static bvx_status make_first_front(bvxi_refine_job *job)
 
     BVXI_TRY(bvxi_octets_open(job->ctx, rows, bvxi_refine_grid_words(tree, 0), bvxi_refine_split_kind(job, 0),
                               &tree->root));
+
+    /* The base's grid is the root's mask as it stands: rows of bits both. */
     memcpy(tree->root.touched, job->grids.words[0], (size_t)tree->root.words * 8);
     if (bvxi_refine_split_kind(job, 0) == BVXI_SPLIT_SOME) split_root(job);
     job->front.count = bvxi_octets_count(&tree->root);
+
+    /* Without levels there is nothing to split. */
     if (tree->levels == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 12, "the base's voxels", &job->front.ijk));
     job->up_count[0] = job->front.count;
@@ -350,6 +380,8 @@ static bvx_status make_first_front(bvxi_refine_job *job)
 bvx_status bvxi_refine_start(bvxi_refine_job *job)
 {
     uint64_t const words = bvxi_refine_grid_words(job->tree, job->start);
+
+    /* On 32-bit machines a request would wrap around and succeed. */
     if (words > SIZE_MAX / 8)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET,
                          "%s: a grid of level %d is beyond this machine's addresses", refine_name,
@@ -376,6 +408,7 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
     bvx_status const status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks",
                                          &job->front.slot);
     if (status == BVX_OK) {
+        /* The ranks of an octree's level serve for a grid too: both are bits in words. */
         ranked.split = job->grids.words[job->start];
         ranked.words = words;
         bvxi_octets_count(&ranked);

@@ -22,6 +22,8 @@ typedef struct row_state_step {
 
 static int centre_is_inside(const row_states_job *job, const int32_t v[3], int32_t level)
 {
+    /* Coarse leaves ask the solid of level outer, at the voxel of their low corner: all of a leaf is on
+     * one side. */
     int32_t const down = level <= job->outer ? job->outer - level : 0;
     const bvx_grid *const g = &job->solid[level + down];
     return bvx_grid_get(g, (v[0] << down) - g->low[0], (v[1] << down) - g->low[1],
@@ -37,6 +39,8 @@ static void decide_last(const row_states_job *job, uint64_t octet, const int32_t
     int32_t const x = 2 * v[0] - g->low[0], y = 2 * v[1] - g->low[1], z = 2 * v[2] - g->low[2];
     const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
     unsigned const shift = (unsigned)x & 63;
+
+    /* Solids begin at even voxels, so both bits of a pair are in one word. */
     uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
                                        (at[slice] >> shift & 3) << 4 | (at[slice + row] >> shift & 3) << 6);
     bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
@@ -59,10 +63,14 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
             level--;
             continue;
         }
+
+        /* Counted up before the child is entered, as the walk comes back here. */
         uint32_t const p = s->p++;
         uint64_t const bit = 8 * s->octet + p;
         int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
                                   2 * s->v[2] + (int32_t)(p >> 2)};
+
+        /* The last octets are the most by far: eight voxels with one look. */
         if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels) {
             decide_last(job, s->below++, child);
         } else if (bvxi_octets_is_split(o, bit)) {
@@ -109,6 +117,8 @@ static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3]
             low = q < low ? q : low;
             high = q > high ? q : high;
         }
+
+        /* A row that no triangle crosses near the window cannot change what is counted there. */
         if (bvxi_floor_shift(high, shift) < job->low[a] >> up ||
             bvxi_floor_shift(low - 1, shift) > job->last[a] >> up)
             return 0;
@@ -125,6 +135,8 @@ static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
         uint32_t corner[3];
         bvxi_view_triangle(job->view, t, corner);
         if (!rows_meet_window(job, corner)) continue;
+
+        /* Positions, not indices: most vertices of the mesh are far away. */
         for (uint64_t c = 0; c < 3 && positions != NULL; c++)
             bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
         n++;
@@ -138,6 +150,8 @@ static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
 static void window_of_level(const bvxi_refine_job *job, int32_t level, bvx_window *w)
 {
     int32_t const up = job->tree->levels - level + 1;
+
+    /* Whole pairs of voxels, so that all children of a split voxel are in it. */
     for (int a = 0; a < 3; a++) {
         w->low[a] = 2 * (job->low[a] >> up);
         w->size[a] = 2 * ((job->last[a] >> up) + 1) - w->low[a];
@@ -154,11 +168,15 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
     for (int32_t l = job->outer; l <= job->tree->levels; l++) {
         bvx_lattice lattice;
         BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));
+
+        /* Without a triangle nearby all rows are empty; a mesh without triangles is refused. */
         if (l > job->outer && nearby->triangle_count == 0)
             BVXI_TRY(bvx_grid_create(ctx, &lattice, &o.window, &rows->solid[l]));
         else
             BVXI_TRY(
                 bvx_voxelize_solid(ctx, l == job->outer ? job->view : nearby, &lattice, &o, &rows->solid[l]));
+
+        /* The first solid is of the whole lattice; each finer one of its window alone. */
         if (l < job->tree->levels) window_of_level(job, l + 1, &o.window);
     }
     return BVX_OK;
@@ -174,6 +192,8 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
     rows->outer = job->outer;
     status = make_solids(job, nearby, rows);
     if (status == BVX_OK) decide_base(rows);
+
+    /* Also those that were never made: they are zero. */
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
     bvxi_drop(job->ctx, rows);
     return status;
@@ -186,6 +206,7 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     double *positions = NULL;
     bvx_status status;
 
+    /* A copy of most of the mesh would cost more than it saves. */
     if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, count * 72, "the triangles near the window", &positions));
     gather_near(job, positions);

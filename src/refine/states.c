@@ -17,6 +17,7 @@ static inline uint64_t empty_of_row(const bvxi_states_job *job, uint64_t word)
 /* Bits of p that can be reached from g along p upwards; downwards. */
 static inline uint64_t reach_up(uint64_t g, uint64_t p)
 {
+    /* Doubling: after each step p holds the places from which a run of twice the length leads up. */
     g |= p & g << 1;
     p &= p << 1;
     g |= p & g << 2;
@@ -57,6 +58,8 @@ static void fill_base_row(const bvxi_states_job *job, uint64_t row)
         outside[i] = reach_up(outside[i] | (carry & empty), empty);
         carry = outside[i] >> 63;
     }
+
+    /* And back, for what lies below an outside voxel of its run. */
     carry = 0;
     for (uint64_t i = end; i-- > begin;) {
         uint64_t const empty = empty_of_row(job, i);
@@ -84,6 +87,8 @@ static void pass_to_row(bvxi_states_job *job, uint64_t row, uint64_t column, uin
         job->tree->root.outside[word] |= fresh;
         bvxi_list_row(job, row);
     }
+
+    /* A split voxel is not filled as a whole: its own octet learns through which face the outside is. */
     expose_base_octets(job, word, news, (d + 3) % 6);
 }
 
@@ -91,11 +96,14 @@ void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
 {
     uint64_t const first = row * (uint64_t)job->row_words, ny = (uint64_t)job->ny, y = row % ny, z = row / ny;
 
+    /* Off the list first, so that it can be listed again by what it changes. */
     job->row_in_list[row] = 0;
     fill_base_row(job, row);
     for (uint64_t i = 0; i < (uint64_t)job->row_words; i++) {
         uint64_t const news = job->tree->root.outside[first + i] & ~job->passed[first + i];
         if (news == 0) continue;
+
+        /* Each bit is passed on once. */
         job->passed[first + i] |= news;
         if (y > 0) pass_to_row(job, row - 1, i, news, 1);
         if (y + 1 < ny) pass_to_row(job, row + 1, i, news, 4);
@@ -116,6 +124,8 @@ void bvxi_expose_sides(bvxi_states_job *job)
         int32_t const y = (int32_t)(row % (uint64_t)job->ny), z = (int32_t)(row / (uint64_t)job->ny);
         for (int32_t i = 0; i < job->row_words; i++) {
             uint64_t const word = row * (uint64_t)job->row_words + (uint64_t)i, all = ~UINT64_C(0);
+
+            /* Voxels of this word on the six sides of the lattice, beyond which all is outside. */
             uint64_t const side[BVXI_DIRECTIONS] = {
                 i == 0 ? 1 : 0,
                 y == 0 ? all : 0,
@@ -335,6 +345,8 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
 
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
+
+    /* 64 voxels in one word are flooded without a list. */
     news = bvxi_cube_flood(news & open, open);
     c->state = (uint8_t)(c->state & ~BVXI_IN_LIST);
     c->fresh = 0;
@@ -409,6 +421,8 @@ static void take_cubes(void *user, int32_t index, int32_t worker)
 static void take_octets(const bvxi_states_job *job)
 {
     for (int32_t l = 0; l < job->bottom; l++)
+
+        /* Bytes side by side: the flood reads what is touched, split and outside of an octet together. */
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
             bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
                                            (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
@@ -448,6 +462,8 @@ static void give_cubes(void *user, int32_t index, int32_t worker)
             outside |= (uint32_t)(job->cubes[n].outside >> bvxi_cube_shift(p) & 1) << p;
         bvxi_octet_put(o->outside, n, outside & leaves);
     }
+
+    /* A tree of one level has no octets below the cubes. */
     if (o->split == NULL) return;
     words_of_piece(job, job->bottom + 1, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
@@ -475,6 +491,8 @@ uint64_t bvxi_states_bytes(const bvx_octree *tree, int32_t levels)
 {
     int32_t const bottom = bottom_of_levels(levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
+
+    /* The sum of what bvxi_octree_states lays into its one block. */
     return cubes * (sizeof(bvxi_cube_news) + 4) + octets * (sizeof(bvxi_octet_news) + 4) +
            tree->root.words * 8 + tree->root.count * 5;
 }
