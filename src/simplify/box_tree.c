@@ -14,6 +14,7 @@ uint64_t bvxi_box_tree_bytes(uint64_t triangles)
 {
     uint64_t nodes = 0, count = triangles;
 
+    /* Level by level up to a single node. */
     do {
         count = nodes_over(count);
         nodes += count;
@@ -39,6 +40,7 @@ static bvxi_box whole_node(const bvxi_box_node *node)
 {
     bvxi_box box = bvxi_box_none();
 
+    /* Children that are not there are boxes of nothing, which change no box. */
     for (int k = 0; k < BVXI_BOX_WIDTH; k++) {
         bvxi_box const child = bvxi_box_child(node, k);
         bvxi_box_join(&box, &child);
@@ -81,6 +83,8 @@ static void set_triangle(bvxi_box_tree *tree, const bvxi_corners *m, uint64_t t)
     bvxi_box const box = bvxi_box_of(tree, a, b, c);
 
     bvxi_box_put(node, k, &box);
+
+    /* What triangles face is only kept where the proof by facing may be used. */
     if (tree->faces) {
         bvxi_box_facing const facing = bvxi_box_facing_at(a, b, c);
 
@@ -107,6 +111,7 @@ void bvxi_box_tree_set(bvxi_box_tree *tree, const bvxi_corners *m)
 {
     bvxi_box_tree_lay_out(tree, m->triangles, (unsigned char *)(void *)tree->node[0]);
 
+    /* From the leaves up: each level is made of the one below. */
     for (uint64_t t = 0; t < m->triangles; t++) set_triangle(tree, m, t);
     clear_rest(tree, 0, m->triangles);
 
@@ -157,6 +162,8 @@ void bvxi_box_tree_move(bvxi_box_tree *tree, int32_t t, const bvxi_box *box, con
 
     bvxi_box_put(&tree->node[0][child], t % BVXI_BOX_WIDTH, box);
     if (tree->faces) bvxi_box_put_facing(&tree->node[0][child], t % BVXI_BOX_WIDTH, facing);
+
+    /* Up to the first node that contains it already; those above it do too. */
     for (int32_t l = 1; l < tree->levels; l++) {
         bvxi_box_node *const node = &tree->node[l][child / BVXI_BOX_WIDTH];
         int grown = grow_child(node, child % BVXI_BOX_WIDTH, box);
@@ -171,5 +178,6 @@ void bvxi_box_tree_remove(bvxi_box_tree *tree, int32_t t)
 {
     bvxi_box const none = bvxi_box_none();
 
+    /* Boxes above stay as they are: too large is only slower, and the next packing makes them anew. */
     bvxi_box_put(&tree->node[0][t / BVXI_BOX_WIDTH], t % BVXI_BOX_WIDTH, &none);
 }

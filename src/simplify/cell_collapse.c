@@ -75,6 +75,8 @@ typedef struct cell_round {
 static int16_t choose_cut(const cell_round *r, uint64_t begin, uint64_t end, int axis)
 {
     int16_t sample[CELL_SAMPLES];
+
+    /* Every other round cuts elsewhere, so that borders of one round lie within cells of the next. */
     int32_t const at = r->number % 2 == 0 ? CELL_SAMPLES / 2 : CELL_SAMPLES * 3 / 8;
 
     for (int32_t i = 0; i < CELL_SAMPLES; i++) {
@@ -82,6 +84,7 @@ static int16_t choose_cut(const cell_round *r, uint64_t begin, uint64_t end, int
         int16_t const value = r->step[r->order[from]][axis];
         int32_t j = i;
 
+        /* Sorted as they come: 64 values are too few for more. */
         for (; j > 0 && sample[j - 1] > value; j--) sample[j] = sample[j - 1];
         sample[j] = value;
     }
@@ -115,6 +118,7 @@ static uint64_t part_vertices(cell_round *r, uint64_t begin, uint64_t end, int a
         uint32_t const v = r->order[i];
         int const below = r->step[v][axis] < cut;
 
+        /* Both are written and one counter moves: no branch that half of the vertices would mispredict. */
         r->order[low] = v;
         r->other[high] = v;
         low += (uint64_t)below;
@@ -134,6 +138,8 @@ static void close_cell(cell_round *r, cell_node *node, uint64_t begin, uint64_t 
     cell->box = *box;
     node->axis = -1;
     node->low = (int32_t)r->cells;
+
+    /* A vertex finds its cell and its place in it without a search. */
     for (uint64_t i = begin; i < end; i++) {
         r->rank[r->order[i]] = (uint32_t)i;
         r->cell_of[r->order[i]] = (uint32_t)r->cells;
@@ -159,10 +165,14 @@ static int cut_part(cell_round *r, const cell_part *part, cell_part below[2])
     node->axis = widest_axis(r, part->begin, part->end);
     node->cut = choose_cut(r, part->begin, part->end, node->axis);
     middle = part_vertices(r, part->begin, part->end, node->axis, node->cut);
+
+    /* All samples may be one position: then the part stays whole, however large. */
     if (middle == part->begin || middle == part->end) return 0;
 
     below[0] = below[1] = *part;
     below[0].end = below[1].begin = middle;
+
+    /* Steps are whole numbers, both ends within: the halves share none. */
     below[0].box.high[node->axis] = (int16_t)(node->cut - 1);
     below[1].box.low[node->axis] = node->cut;
     for (int k = 0; k < 2; k++) {
@@ -182,6 +192,7 @@ static void make_cells(cell_round *r)
         {0, 0, m->vertices, {{0, 0, 0}, {BVXI_BOX_HIGHEST, BVXI_BOX_HIGHEST, BVXI_BOX_HIGHEST}}, 0}};
     int32_t depth = 1;
 
+    /* In steps of the box tree, so that cells and boxes round alike. */
     for (uint64_t v = 0; v < m->vertices; v++) {
         bvxi_box const at = bvxi_box_at(&r->whole->boxes, m->at[v].p);
 
@@ -189,6 +200,7 @@ static void make_cells(cell_round *r)
         r->order[v] = (uint32_t)v;
     }
 
+    /* Depth first, with a stack as deep as cuts may be. */
     r->nodes = 1;
     r->cells = 0;
     while (depth > 0) {
@@ -216,6 +228,7 @@ static void list_straddling(cell_round *r, uint32_t t, int fill)
         bvxi_box_join(&box, &corner);
     }
 
+    /* Down both sides of every cut that the box lies across. */
     stack[depth++] = 0;
     while (depth > 0) {
         const cell_node *const node = &r->node[stack[--depth]];
@@ -241,6 +254,7 @@ static void list_by_cells(cell_round *r, int fill)
         uint32_t const one = r->cell_of[v[0]];
         collapse_cell *const cell = &r->cell[one];
 
+        /* A cell is convex, so three corners in it hold all of the triangle. */
         if (one != r->cell_of[v[1]] || one != r->cell_of[v[2]]) {
             r->place[t] = UINT32_MAX;
             list_straddling(r, (uint32_t)t, fill);
@@ -274,6 +288,8 @@ static void list_ghosts(cell_round *r, int fill)
         if (one != other) {
             r->place[t] = UINT32_MAX;
             list_straddling_ghost(r, cell, (uint32_t)t, fill);
+
+            /* Both cells see it: each needs the border edge to close the fans of its own vertices. */
             list_straddling_ghost(r, &r->cell[other], (uint32_t)t, fill);
         } else if (fill) {
             r->place[t] = (uint32_t)(cell->inside + cell->straddling + cell->listed_ghosts_inside++);
@@ -295,9 +311,14 @@ static void size_lists(cell_round *r)
         uint64_t const vertices = cell->end - cell->begin + 3 * cell->straddling + cell->ghosts_straddling;
 
         cell->first = r->listed;
+
+        /* A cell of straddling triangles alone has nothing to collapse; one of very many would not fit a
+         * near cache. */
         cell->stays = cell->inside == 0 || triangles > CELL_TRIANGLES;
         if (cell->stays) continue;
         r->listed += triangles + ghosts;
+
+        /* The largest of each decides: a worker takes one cell after the other in the same memory. */
         if (ghosts > r->ghost_room) r->ghost_room = ghosts;
         if (triangles > r->triangle_room) r->triangle_room = triangles;
         if (vertices > r->vertex_room) r->vertex_room = vertices;
@@ -332,6 +353,7 @@ static uint64_t chunks_for(uint64_t triangles)
 
 static uint64_t worker_bytes_for(uint64_t vertices, uint64_t triangles, uint64_t ghosts)
 {
+    /* Each array begins on a line of its own, so that no two workers write one line. */
     return whole_lines(sizeof(bvxi_collapse)) + whole_lines(vertices * sizeof(bvxi_corner_vertex)) +
            whole_lines(vertices * sizeof(bvxi_facing)) + whole_lines(vertices * 4) + whole_lines(vertices) +
            whole_lines((triangles + ghosts) * sizeof(bvxi_corner_triangle)) +
@@ -354,6 +376,7 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     bvxi_collapse *const c = (bvxi_collapse *)(void *)take_room(&memory, sizeof *c);
     bvxi_corners *const m = &c->mesh;
 
+    /* What is the same for all cells comes from the whole. */
     c->options = r->whole->options;
     c->scale = r->whole->scale;
     c->bounds = w->cell->box;
@@ -362,6 +385,7 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     memset(&c->counts, 0, sizeof c->counts);
     c->colour = NULL; /* meshes with a weight of colours have no cells */
 
+    /* The order of worker_bytes_for. */
     m->at = (bvxi_corner_vertex *)(void *)take_room(&memory, r->vertex_room * sizeof *m->at);
     m->facing = (bvxi_facing *)(void *)take_room(&memory, r->vertex_room * sizeof *m->facing);
     c->version = (uint32_t *)(void *)take_room(&memory, r->vertex_room * sizeof *c->version);
@@ -374,6 +398,8 @@ static void lay_out_cell(cell_work *w, unsigned char *memory)
     c->boxes = r->whole->boxes;
     bvxi_box_tree_lay_out(&c->boxes, m->triangles, take_room(&memory, bvxi_box_tree_bytes(r->triangle_room)));
     c->queue.chunks = (int32_t)chunks_for(m->triangles);
+
+    /* One batch: a cell is small enough to be walked in any order. */
     c->queue.batch = INT32_MAX;
     c->queue.chunk = (bvxi_queue_chunk *)(void *)take_room(&memory, chunks_for(r->triangle_room) *
                                                                         sizeof *c->queue.chunk);
@@ -389,6 +415,8 @@ static uint32_t take_corner(const cell_work *w, uint32_t v, int *outside)
     bvxi_corners *const m = &w->c->mesh;
 
     if (v == BVXI_VERTEX_GHOST) return v;
+
+    /* A corner outside is copied for each triangle that has it: it is only looked at, and never moves. */
     if (r->rank[v] < w->cell->begin || r->rank[v] >= w->cell->end) {
         *outside = 1;
         memcpy(m->at[m->vertices].p, r->whole->mesh.at[v].p, sizeof m->at[v].p);
@@ -423,6 +451,8 @@ static uint32_t own_triangle(const cell_work *w, uint32_t t)
         low = high + w->cell->ghosts_inside;
         high = low + w->cell->ghosts_straddling;
     }
+
+    /* Straddling triangles are in several cells and have no one place, but lists are sorted. */
     while (high - low > 1) {
         uint64_t const middle = (low + high) / 2;
 
@@ -446,6 +476,8 @@ static void take_triangles(cell_work *w)
 
         for (int k = 0; k < 3; k++) to->vertex[k] = take_corner(w, from->vertex[k], &outside);
         for (int k = 0; k < 3; k++) {
+            /* A vertex with a triangle that leaves the cell is locked: another cell may change that
+             * triangle. */
             if (outside && to->vertex[k] < w->own) w->locked[to->vertex[k]] = 1;
             to->opposite[k] = -1;
             if (to->vertex[(k + 1) % 3] < w->own || to->vertex[(k + 2) % 3] < w->own)
@@ -465,10 +497,13 @@ static void collapse_edges(cell_work *w)
 
     bvxi_box_tree_set(&c->boxes, &c->mesh);
     bvxi_queue_clear(&c->queue);
+
+    /* Edges of inner triangles alone: those of straddling ones have a locked end. */
     for (int32_t t = 0; t < (int32_t)w->cell->inside; t++)
         for (int32_t corner = 4 * t; corner < 4 * t + 3; corner++)
             if (corner < bvxi_corner_opposite(&c->mesh, corner)) bvxi_collapse_put(c, corner);
 
+    /* An entry may put as many as a star has edges, so room for one star is kept. */
     while (c->mesh.left > least && bvxi_queue_room(&c->queue) >= BVXI_STAR_MOST &&
            bvxi_queue_take(&c->queue, &entry))
         bvxi_collapse_try(c, &entry);
@@ -495,6 +530,7 @@ static void give_back(const cell_work *w)
     const uint32_t *const vertex = w->round->order + w->cell->begin;
 
     for (uint64_t i = 0; i < w->own; i++) {
+        /* Locked vertices did not move, and a neighbour cell may read them now. */
         if (!w->locked[i]) whole->at[vertex[i]] = m->at[i];
         whole->facing[vertex[i]] = m->facing[i];
     }
@@ -502,6 +538,7 @@ static void give_back(const cell_work *w)
         const bvxi_corner_triangle *const from = &m->triangle[i];
         bvxi_corner_triangle *const to = &whole->triangle[w->list[i]];
 
+        /* A triangle that went: marked in the whole mesh, where packing takes it out. */
         if (from->vertex[0] == BVXI_VERTEX_NONE) {
             to->vertex[0] = BVXI_VERTEX_NONE;
             continue;
@@ -525,6 +562,7 @@ static void collapse_one_cell(void *user, int32_t index, int32_t worker)
     collapse_edges(&w);
     give_back(&w);
 
+    /* Counts are added up afterwards, in the order of the cells. */
     cell->removed = w.c->mesh.triangles - w.c->mesh.left;
     cell->counts = w.c->counts;
 }
@@ -539,6 +577,8 @@ static int32_t middle_cost(const bvxi_collapse *c, uint32_t *count)
 
     for (uint64_t t = 0; t < c->mesh.triangles; t += CELL_COST_STEP)
         for (int32_t k = 0; k < 3; k++, sampled++) count[bvxi_collapse_bucket(c, (int32_t)(4 * t) + k)]++;
+
+    /* The bucket in which the median lies. */
     while ((below += count[bucket]) * 2 < sampled) bucket++;
     return bucket;
 }
@@ -567,6 +607,8 @@ static bvx_status run_round(cell_round *r, double from, double to)
 
     memset(r->place, 0, BVXI_QUEUE_FINE * sizeof *r->place);
     r->dearest = middle_cost(c, r->place);
+
+    /* Counted, then listed: all lists lie in one array, one after the other. */
     make_cells(r);
     list_by_cells(r, 0);
     list_ghosts(r, 0);
@@ -575,6 +617,7 @@ static bvx_status run_round(cell_round *r, double from, double to)
     list_by_cells(r, 1);
     list_ghosts(r, 1);
 
+    /* As many as threads, each as large as the largest cell needs. */
     r->worker_bytes = whole_lines(worker_bytes_for(r->vertex_room, r->triangle_room, r->ghost_room));
     memory_bytes = r->worker_bytes * (uint64_t)bvxi_threads(c->ctx);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, memory_bytes, "the cells that collapse", &r->memory));
@@ -598,6 +641,7 @@ static int lay_out_round(cell_round *r)
                            whole_lines(2 * cells * sizeof *r->node) + whole_lines(cells * sizeof *r->cell);
     unsigned char *memory = c->chunks;
 
+    /* A mesh that is small collapses as a whole about as fast. */
     if (bytes > c->chunk_bytes || c->mesh.triangles < BVXI_QUEUE_FINE) return 0;
     r->most_nodes = 2 * cells - 1;
     r->step = (int16_t(*)[3])(void *)take_room(&memory, vertices * sizeof *r->step);
@@ -623,6 +667,7 @@ bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level
 {
     cell_round r = {.whole = c};
 
+    /* Cells index triangles from 0 on without gaps. */
     if (c->mesh.left != c->mesh.triangles) bvxi_corners_pack(&c->mesh, c->version);
     c->packed = UINT64_MAX;
     for (r.number = 0; r.number < CELL_ROUNDS; r.number++) {
@@ -632,6 +677,8 @@ bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level
         if (!bvxi_collapse_is_far(c, target, level) || !lay_out_round(&r)) break;
         BVXI_TRY(run_round(&r, from, middle));
         from = middle;
+
+        /* Rounds that hardly remove anything leave the rest to the queue. */
         if (before - c->mesh.left < before / 16) break;
     }
     return BVX_OK;

@@ -32,9 +32,12 @@ static void pack_collapse(bvxi_collapse *c)
         bvxi_corners_pack(m, c->version);
         if (c->colour != NULL) bvxi_colours_pack(c->colour, vertices, c->version);
     }
+
+    /* The old queue's entries go, so versions may begin anew. */
     memset(c->version, 0, (size_t)m->vertices * sizeof *c->version);
     bvxi_box_tree_set(&c->boxes, m);
 
+    /* Each edge once: from the smaller of the two corners opposite to it. */
     bvxi_queue_clear(&c->queue);
     for (int32_t t = 0; t < (int32_t)m->triangles; t++)
         for (int32_t corner = 4 * t; corner < 4 * t + 3; corner++)
@@ -47,6 +50,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
     uint64_t begun, collapsed = c->counts.collapsed;
     bvxi_queue_entry entry;
 
+    /* Colours are kept beside the mesh, which cells do not copy. */
     if (c->colour == NULL && bvxi_collapse_is_far(c, target, level)) {
         BVXI_TRY(bvxi_collapse_cells(c, target, level, from, 0.5 * (from + to)));
         from = 0.5 * (from + to);
@@ -59,8 +63,10 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
                                    from + (to - from) * (double)(begun - c->mesh.left) /
                                               (double)(begun - target)));
 
+        /* After each halving memory is in the order of space again, and refused edges come back. */
         if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
         if (bvxi_queue_take(&c->queue, &entry)) {
+            /* What comes next is fetched while this one is judged. */
             int32_t const soon = bvxi_queue_soon(&c->queue);
 
             if (soon >= 0) BVXI_PREFETCH(&c->mesh.triangle[soon >> 2]);
@@ -97,8 +103,11 @@ static void vertex_keys(collapse_order *o, uint64_t *used)
         double p[3];
         uint64_t key = 0;
 
+        /* Vertices that no triangle uses are left out. */
         if (o->rank[v] == UINT32_MAX) continue;
         bvxi_view_position(o->view, v, p);
+
+        /* Bits of the three coordinates by turns: neighbours in the order are neighbours in space. */
         for (int a = 0; a < 3; a++) key |= bvxi_curve_spread((uint64_t)((p[a] - o->low[a]) * o->scale)) << a;
         o->key[n] = key;
         o->index[n++] = (uint32_t)v;
@@ -144,6 +153,8 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
         }
         o->index[t] = (uint32_t)t;
     }
+
+    /* Ties cannot be: the order depends on the mesh alone. */
     BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, n));
 
     for (uint64_t t = 0; t < n; t++) {
@@ -153,6 +164,8 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
         bvxi_view_triangle(o->view, o->index[t], v);
         for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
         for (int k = 0; k < 3; k++)
+
+            /* Turned so that the least vertex comes first, which keeps the orientation. */
             if (v[k] == o->key[t] >> 32)
                 for (int j = 0; j < 3; j++) to[j] = v[(k + j) % 3];
     }
@@ -173,6 +186,8 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
         double p[3];
 
         bvxi_view_position(o->view, o->index[i], p);
+
+        /* Rounded to the type of the result from the start, so that what is judged is what is given. */
         for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = bvxi_collapse_rounded(c, p[a]);
         if (c->mesh.tint != NULL) memcpy(c->mesh.tint + 4 * i, o->view->colours + 4 * (size_t)o->index[i], 4);
         o->rank[o->index[i]] = (uint32_t)i;
@@ -191,6 +206,7 @@ static uint64_t mark_used(collapse_order *o)
 
         bvxi_view_triangle(o->view, t, v);
         for (int k = 0; k < 3; k++) {
+            /* Counted once: after the first triangle the mark is 0. */
             used += o->rank[v[k]] != 0;
             o->rank[v[k]] = 0;
         }
@@ -209,6 +225,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 
     memcpy(o.low, low, sizeof o.low);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, bytes, "the order of the triangles", &block));
+
+    /* One block, the widest type first, so that each part is aligned. */
     o.key = (uint64_t *)(void *)block;
     o.index = (uint32_t *)(void *)(o.key + items);
     o.rank = o.index + items;
@@ -232,6 +250,7 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 {
     int index = 0;
 
+    /* The upper half of n n', row by row. */
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++) at->a[index++] += weight * n[i] * n[j];
 }
@@ -247,6 +266,8 @@ static void add_planes(bvxi_collapse *c, double (*normal)[3])
 
         bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
         length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+
+        /* A triangle without an area has no plane. */
         if (!(length > 0)) continue;
         c->area += 0.5 * length * c->scale * c->scale;
 
@@ -254,6 +275,8 @@ static void add_planes(bvxi_collapse *c, double (*normal)[3])
             for (int i = 0; i < 3; i++) normal[v[i]][k] += n[k];
             n[k] /= length;
         }
+
+        /* Weighed by area, so that cutting a triangle in two changes nothing. */
         for (int i = 0; i < 3; i++) add_plane(&m->at[v[i]], n, length * c->scale * c->scale);
     }
 }
@@ -269,6 +292,7 @@ static void add_lines(bvxi_collapse *c, double (*normal)[3])
         double const weight = c->options.even * (at->a[0] + at->a[3] + at->a[5]);
         int index = 0;
 
+        /* Normals of a fold may cancel out: then there is no line. */
         if (!(length > 0)) continue;
         for (int k = 0; k < 3; k++) n[k] /= length;
         for (int i = 0; i < 3; i++)
@@ -293,6 +317,8 @@ static void add_borders(bvxi_collapse *c)
         for (int k = 0; k < 3; k++)
             plane[k] = edge[(k + 1) % 3] * n[(k + 2) % 3] - edge[(k + 2) % 3] * n[(k + 1) % 3];
         length = sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+
+        /* Nor has an edge without a length, or beside a triangle without an area. */
         if (!(length > 0)) continue;
 
         for (int k = 0; k < 3; k++) plane[k] /= length;
@@ -312,6 +338,8 @@ static bvx_status start_quadrics(bvxi_collapse *c)
         memset(c->mesh.at[v].b, 0, sizeof c->mesh.at[v].b);
         c->mesh.at[v].c = 0;
     }
+
+    /* In this order: the weight of lines is a share of that of planes. */
     add_planes(c, normal);
     if (c->options.even > 0) add_lines(c, normal);
     add_borders(c);
@@ -336,6 +364,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
     uint64_t const entries = 3 * c->mesh.triangles + BVXI_STAR_MOST;
     uint64_t const spread = entries / (BVXI_QUEUE_CHUNK - 1) + BVXI_QUEUE_HEADS;
 
+    /* Room for each edge, spread over the buckets as badly as can be. */
     c->queue.chunks = (int32_t)(entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
     c->begun_vertices = c->mesh.vertices;
     c->node_bytes = bvxi_box_tree_bytes(c->mesh.triangles);
@@ -351,6 +380,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
     /* The proof by facing (one_sheet.c) needs a closed surface of one piece without crossings. */
     c->boxes.faces = c->options.simple && !c->options.lenient && c->mesh.ghosts == 0 &&
                      bvxi_corners_pieces(&c->mesh, c->version) == 1;
+
+    /* Memory of the queue serves cells while they collapse, so it is one block that is laid out anew. */
     c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;
     c->queue.head = (int32_t *)(void *)(c->queue.chunk + c->queue.chunks);
     bvxi_box_tree_lay_out(&c->boxes, c->mesh.triangles, c->nodes);
@@ -366,12 +397,16 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
         c->boxes.low[a] = low[a];
         if (high[a] - low[a] > size) size = high[a] - low[a];
     }
+
+    /* The longest side decides: steps are the same along all axes. */
     c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;
     c->scale = size > 0 ? 1 / size : 1;
 
     c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangle_room * sizeof *c->mesh.triangle,
                         "the triangles", &c->mesh.triangle));
+
+    /* Ordered before it is connected, so that neighbours are written close to each other. */
     BVXI_TRY(order_mesh(c, mesh, low, size));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     BVXI_TRY(start_quadrics(c));
@@ -396,6 +431,8 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->function = function;
     c->options = *options;
     c->star.lenient = options->lenient;
+
+    /* All costs are allowed; cells have a limit of their own. */
     c->dearest = BVXI_QUEUE_FINE - 1;
     c->queue.batch = INT32_MAX;
     status = open_steps(c, mesh);
@@ -422,6 +459,8 @@ bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 {
     const bvxi_corners *const m = &c->mesh;
 
+    /* Packed, triangles and vertices stand as the result has them, and the run can go on to the next
+     * level. */
     pack_collapse(c);
     BVXI_TRY(
         bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, m->vertices, m->triangles, level));

@@ -56,6 +56,9 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int border
 {
     uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
                    v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
+
+    /* The end of fewer triangles has the shorter list; of equals the smaller number, so that both sides
+     * choose the same. */
     int const at_u = lists->around[u] < lists->around[v] || (lists->around[u] == lists->around[v] && u < v);
     uint32_t const end = at_u ? u : v;
 
@@ -64,10 +67,14 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int border
                        b = bvxi_corner_vertex_of(m, bvxi_corner_previous(e));
 
         if (!((a == u && b == v) || (a == v && b == u))) continue;
+
+        /* Opposite directions, and nobody else has joined it: a pair. */
         if (a == v && bvxi_corner_opposite(m, e) == -1) {
             bvxi_corners_join(m, c, e);
             return 1;
         }
+
+        /* A third side, or two that run the same way. */
         if (borders != BVXI_BORDERS_CUT) return 0;
         cut_both_sides(m, e);
         m->triangle[c >> 2].opposite[c & 3] = -1;
@@ -93,6 +100,7 @@ static int32_t next_border(const bvxi_corners *m, int32_t c, int32_t *triangles)
 {
     int32_t at = bvxi_corner_previous(c);
 
+    /* Turning around the vertex until an edge has no triangle beyond it. */
     for (*triangles = 1; !is_border(m, bvxi_corner_previous(at)); ++*triangles)
         at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
     return bvxi_corner_previous(at);
@@ -110,6 +118,7 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
         next_border(m, next, &back) != c)
         return;
 
+    /* Half way around the fan, where the new border is as far from the old one as it can be. */
     for (int32_t i = 1; i < fan / 2; i++)
         at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
     cut_both_sides(m, bvxi_corner_previous(at));
@@ -129,12 +138,14 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     for (uint64_t t = 0; t < m->triangles; t++)
         for (int k = 0; k < 3; k++) lists->around[m->triangle[t].vertex[k]]++;
 
+    /* Corners are numbered by fours: the fourth is left out. */
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
         if (!pair_corner(m, lists, c, borders)) return fail_edge(ctx, function, m, c, borders);
 
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);
 
+    /* What still waits is a border. */
     m->ghosts = 0;
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
         if (bvxi_corner_opposite(m, c) >= 0) continue;
@@ -153,6 +164,7 @@ static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_
     for (uint64_t t = 0; t < m->triangles; t++)
         for (int k = 0; k < 3; k++) first[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
 
+    /* Each vertex's fan is walked once: all corners are reached, or a vertex has two. */
     for (uint64_t v = 0; v < m->vertices; v++) {
         int32_t c = first[v];
 
@@ -187,6 +199,7 @@ static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room
         return status;
     }
 
+    /* Both arrays at once, when nothing can fail any more. */
     memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
     bvxi_drop(ctx, m->at);
     bvxi_drop(ctx, m->tint);
@@ -201,6 +214,7 @@ static bvx_status grow_triangles(bvx_context *ctx, const char *function, bvxi_co
     uint64_t const room = m->triangles + m->ghosts;
     bvxi_corner_triangle *larger;
 
+    /* Corners are numbers of 31 bits, four a triangle. */
     if (room > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u triangles with %u border edges are too many; %u together are possible",
@@ -224,6 +238,8 @@ static void put_ghosts(bvxi_corners *m)
         uint32_t *const v = m->triangle[ghost >> 2].vertex;
 
         if (bvxi_corner_opposite(m, c) >= 0) continue;
+
+        /* Turned against the edge, as a neighbour is. */
         v[0] = BVXI_VERTEX_GHOST;
         v[1] = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
         v[2] = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
@@ -261,6 +277,8 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
         int32_t c = start;
 
         if (seen[start]) continue;
+
+        /* The first fan keeps the vertex, the others get copies of it. */
         if (first[v]++ > 0) {
             if (fresh != 0) {
                 m->at[fresh + shared] = m->at[v];
@@ -269,6 +287,8 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
             }
             shared++;
         }
+
+        /* Once around the fan; ghosts close those that end at borders. */
         do {
             if (!bvxi_corner_is_ghost(m, c)) seen[c] = 1;
             m->triangle[c >> 2].vertex[c & 3] = v;
@@ -309,6 +329,7 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
     lists.first = lists.next + 4 * m->triangles;
     lists.around = (uint32_t *)(void *)(lists.first + m->vertices);
 
+    /* A closed mesh has fans to be checked, one with borders fans to be parted. */
     status = pair_corners(ctx, function, m, &lists, borders);
     if (status == BVX_OK && borders == BVXI_BORDERS_REFUSED)
         status = check_fans(ctx, function, m, lists.first);
@@ -332,6 +353,8 @@ uint64_t bvxi_corners_pieces(const bvxi_corners *m, uint32_t *parent)
     uint64_t pieces = m->vertices;
 
     for (uint64_t v = 0; v < m->vertices; v++) parent[v] = (uint32_t)v;
+
+    /* Two joins a triangle hold its three corners together. */
     for (uint64_t t = 0; t < m->triangles; t++)
         for (int k = 1; k < 3; k++) {
             uint32_t const a = piece_of(parent, m->triangle[t].vertex[0]);
@@ -356,6 +379,7 @@ static void pack_vertices(bvxi_corners *m, uint32_t *moved)
         if (m->triangle[t].vertex[0] != BVXI_VERTEX_NONE)
             for (int k = 0; k < 3; k++) moved[m->triangle[t].vertex[k]] = 0;
 
+    /* In their order, so that neighbours stay neighbours. */
     for (uint64_t v = 0; v < m->vertices; v++) {
         if (moved[v] == BVXI_VERTEX_NONE) continue;
         m->at[kept] = m->at[v];

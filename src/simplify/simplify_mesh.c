@@ -23,6 +23,8 @@ static bvx_status orient_sheets(bvx_context *ctx, const bvx_mesh_view *welded, u
     double centre[3];
 
     if (welded->triangle_count == 0) return BVX_OK;
+
+    /* Volumes of patches are sums around a corner of the mesh: near it digits are not lost. */
     bvxi_view_position(welded, corner[0], centre);
     BVXI_TRY(bvxi_patches_open(ctx, welded, own, centre, &patches));
 
@@ -47,6 +49,7 @@ static bvx_status drop_doubles(bvx_context *ctx, bvx_mesh_view *welded, uint32_t
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles without doubles", &kept));
     status = bvxi_drop_duplicates(ctx, welded, own, kept, &count);
     if (status == BVX_OK) {
+        /* Back into the caller's array, which the view reads. */
         memcpy(corner, kept, (size_t)count * 12);
         welded->triangle_count = count;
     }
@@ -104,11 +107,14 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
 
         bvxi_view_triangle(mesh, t, v);
         for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
+
+        /* Welding may leave triangles without three different corners. */
         if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
         memcpy(to + 3 * kept++, v, sizeof v);
     }
     bvxi_drop(ctx, representative);
 
+    /* The view keeps the mesh's own positions, by other indices. */
     view->indices = *corner;
     view->index_type = BVX_U32;
     view->index_stride = 0;
@@ -168,6 +174,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
 
+    /* Errors are measured against the mesh as it was given, not as it was welded. */
     chain.original = mesh;
     chain.target_triangles = o.target_triangles;
     chain.target_errors = o.target_errors;
@@ -179,6 +186,8 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
                                                                         : (int32_t)mesh->position_type;
     chain.collapse.even = o.even;
     chain.collapse.colour_weight = o.colour_weight;
+
+    /* A mesh of any quality is taken: what crosses already may cross on, but no more. */
     chain.collapse.lenient = 1;
     chain.count = level_count;
     chain.levels = levels;

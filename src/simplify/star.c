@@ -225,6 +225,8 @@ static int fan_is_graph(const bvxi_fan *f, const fan_range *r, const double *ape
 static int has_vertex(const bvxi_corners *m, int32_t t, uint32_t v)
 {
     const uint32_t *const c = m->triangle[t].vertex;
+
+    /* Without branches: three comparisons are cheaper than one that is guessed wrongly. */
     return (c[0] == v) | (c[1] == v) | (c[2] == v);
 }
 
@@ -258,6 +260,7 @@ static int gather_link_fan(const bvxi_corners *m, const bvxi_star *star, int32_t
                                                             m, bvxi_corner_vertex_of(
                                                                    m, bvxi_corner_previous(c)));
 
+        /* A vertex of so many triangles is rare, and its edges may stay. */
         if (f->count == BVXI_STAR_MOST + 2) return 0;
         f->around[f->count + 1] = to;
         if (from != NULL && to != NULL) bvxi_area_normal(apex, from, to, f->normal[f->count]);
@@ -297,6 +300,7 @@ static int crosses_anyway(const bvxi_corners *m, const bvxi_star *star, const do
 {
     int32_t const across = bvxi_corner_opposite(m, star->edge);
 
+    /* Where the mesh given is free of crossings none is suffered. */
     if (!star->lenient) return 0;
     for (int32_t i = 0; i < star->count; i++)
         if (old_triangle_crosses(m, star->corner[i], q)) return 1;
@@ -324,6 +328,7 @@ static int faces_with_link(const bvxi_star *star, int32_t i, int32_t before, con
     double const other = bvxi_vec_dot(star->normal[before], along);
     double const least = FAN_COSINE * FAN_COSINE * bvxi_vec_dot(along, along);
 
+    /* Compared as squares, so that no root is taken. */
     return one > 0 && other > 0 && one * one > least * bvxi_vec_dot(star->normal[i], star->normal[i]) &&
            other * other > least * bvxi_vec_dot(star->normal[before], star->normal[before]);
 }
@@ -367,6 +372,7 @@ static int judge_new_fan(const bvxi_corners *m, bvxi_star *star)
     for (int32_t i = 0; i <= f->count; i++) {
         int32_t const from = start + i < star->count ? start + i : start + i - star->count;
 
+        /* One direction more than triangles: the last closes the fan, or ends it. */
         if (i < f->count) memcpy(f->normal[i], star->normal[from], sizeof f->normal[i]);
         f->around[i] = bvxi_corner_position(m, star->link[from]);
     }
@@ -410,6 +416,7 @@ static int axis_parts(const double axis[3], const double t[3][3], const double s
     double const margin = APART_MARGIN * size *
                           (magnitude(axis[0]) + magnitude(axis[1]) + magnitude(axis[2]));
 
+    /* Strictly, with the margin: touching is not apart. */
     return t_low > s_high + margin || s_low > t_high + margin;
 }
 
@@ -423,6 +430,8 @@ static int facet_parts(const double own[3][3], const double t[3][3], const doubl
     subtract(own[2], own[1], other);
     bvxi_vec_cross(edge, other, normal);
     bvxi_vec_cross(other, normal, upright);
+
+    /* The planes that part most pairs come first. */
     if (axis_parts(upright, t, s, size) || axis_parts(normal, t, s, size)) return 1;
     bvxi_vec_cross(edge, normal, upright);
     if (axis_parts(upright, t, s, size)) return 1;
@@ -479,6 +488,8 @@ static bvxi_box gather_boxes(const bvxi_corners *m, const bvxi_box_tree *tree, b
         if (star->link[i + 1] != BVXI_VERTEX_GHOST)
             to = bvxi_box_at(tree, bvxi_corner_position(m, star->link[i + 1]));
         star->box[i] = none;
+
+        /* A ghost has no place in space. */
         if (!is_ghost(star, i)) {
             star->box[i] = apex;
             bvxi_box_join(&star->box[i], &from);
@@ -533,6 +544,7 @@ static int new_triangle_meets(const bvxi_corners *m, const bvxi_star *star, int3
     const double *const p[3] = {star->p, bvxi_corner_position(m, star->link[i]),
                                 bvxi_corner_position(m, star->link[i + 1])};
 
+    /* The planes decide nearly all; exact arithmetic is for what they leave. */
     return !triangles_are_apart(p, q) && bvxi_triangles_cross(p, q) && !crosses_anyway(m, star, q);
 }
 
