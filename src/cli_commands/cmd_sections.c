@@ -642,15 +642,13 @@ const cli_command cli_sections = {
     .usage = "IN -o OUT [options]",
     .does = "a closed body from the contours of its sections",
     .details =
-        "Reads closed contours on planes (.csl, of any direction; .csv with the columns "
-        "section,position,loop,x,y and\n"
-        "perhaps label; also with .gz) and writes the surface of the body through all of them: each contour\n"
-        "point is a vertex. Loops in loops are holes. Tells volumes, what of the contours was too fine for "
-        "the\n"
-        "grid, and how many distances were not needed. Loops that cross or touch, points off their plane, a\n"
-        "second section at one position and, without --thickness, a single section are refused; sections, loops\n"
-        "and points are counted from 0. --block-model writes blocks with the share inside. With --triangles or --error the "
-        "body's\n"
+        "Reads closed contours on planes (.csl, of any direction; .csv with the columns section, position,\n"
+        "loop, x, y and perhaps label, for planes of any direction also z, nx, ny, nz; also with .gz) and\n"
+        "writes the surface of the body through all of them: each contour point is a vertex. Loops in loops\n"
+        "are holes. Tells volumes, what of the contours was too fine for the grid, and how many distances\n"
+        "were not needed. Loops that cross or touch, points off their plane, a second section at one position\n"
+        "and, without --thickness, a single section are refused; sections, loops and points are counted\n"
+        "from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
         "edges collapse in the end, and points of contours are no longer vertices.",
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"

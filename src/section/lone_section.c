@@ -98,7 +98,7 @@ bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sect
                           const bvx_sections_options *o, bvxi_lone *lone)
 {
     bvx_sections one;
-    lone_count n;
+    lone_count n = {0};
 
     memset(lone, 0, sizeof *lone);
     if (o->thickness == 0.0 || !count_lone(given, o->label, &n)) return BVX_OK;
