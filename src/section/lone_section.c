@@ -17,12 +17,13 @@ typedef struct lone_count {
 } lone_count;
 
 /* What the body has; 0 where it is not in one section alone, or not one body. */
-static int count_lone(const bvx_sections *given, int32_t label, lone_count *n)
+static int count_lone(const bvx_sections *given, uint32_t section, int32_t label, lone_count *n)
 {
     n->loops = n->points = 0;
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const l = &given->loops[i];
         if (label != BVX_LABEL_ONLY && l->label != label) continue;
+        if (section != BVXI_NONE && l->section != section) continue;
         if (n->loops != 0 && l->section != n->section) return 0;
         if (label == BVX_LABEL_ONLY && l->label != given->loops[0].label) return 0;
         n->section = l->section;
@@ -53,6 +54,7 @@ static void add_copy(const bvx_sections *given, const bvx_sections_options *o, c
         const double *const from = given->points + 3 * l.first_point;
         double *const at = to->points + 3 * to->point_count;
         if (o->label != BVX_LABEL_ONLY && l.label != o->label) continue;
+        if (l.section != n->section) continue;
         for (uint64_t k = 0; k < 3 * (uint64_t)l.point_count; k++)
             at[k] = by == 0.0 ? from[k] : from[k] + by * axis[k % 3];
         l.first_point = to->point_count;
@@ -94,14 +96,14 @@ static bvx_status check_loops(bvx_context *ctx, const char *function, const bvx_
     return status;
 }
 
-bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given,
+bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given, uint32_t section,
                           const bvx_sections_options *o, bvxi_lone *lone)
 {
     bvx_sections one;
     lone_count n = {0};
 
     memset(lone, 0, sizeof *lone);
-    if (o->thickness == 0.0 || !count_lone(given, o->label, &n)) return BVX_OK;
+    if (o->thickness == 0.0 || !count_lone(given, section, o->label, &n)) return BVX_OK;
     take_section(given, n.section, &one);
     lone->times = 1;
     lone->sections = one;

@@ -245,19 +245,25 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     return status;
 }
 
+/* Mended loops may be left in one section only: *left is its number and no body is made, since but for
+ * tapered caps it takes two planes. Else *left is BVXI_NONE. */
 static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
-                              const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+                              const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                              bvx_mesh *mesh)
 {
     bvxi_mended mended;
     bvxi_stack stack;
     int const own = mesh->positions == NULL;
     bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
 
-    if (status == BVX_OK) {
+    *left = BVXI_NONE;
+    if (status == BVX_OK && stack.plane_count == 1 && o->caps != BVX_CAPS_TAPER) {
+        *left = stack.plane[0].section;
+    } else if (status == BVX_OK) {
         measure_prismoids(&stack);
         status = BVXI_SHARE(context, 0.15, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
     }
-    if (status == BVX_OK && mended.loops != 0)
+    if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
         status = BVXI_SHARE(
             context, 0.95, 1.0,
             check_body(context,
@@ -299,7 +305,8 @@ static int is_parallel(const double a[3], const double b[3], int *against)
 }
 
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
-                                const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                                bvx_mesh *mesh)
 {
     uint64_t const bytes = sections->section_count * 8;
     bvx_sections stack = *sections;
@@ -317,25 +324,48 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
     stack.positions = positions;
     stack.normals = NULL;
-    status = parallel ? build_stack(context, &stack, o, report, mesh)
+    status = parallel ? build_stack(context, &stack, o, left, report, mesh)
                       : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
     bvxi_drop(context, positions);
     return status;
+}
+
+/* The body of one section, as a slab or a lens. */
+static bvx_status build_lone(bvx_context *context, const bvxi_lone *lone, const bvx_sections_options *o,
+                             bvx_sections_report *report, bvx_mesh *mesh)
+{
+    uint32_t left;
+
+    BVXI_TRY(build_stack(context, &lone->sections, o, &left, report, mesh));
+    bvxi_lone_report(lone, report);
+    return BVX_OK;
+}
+
+static bvx_status build_several(bvx_context *context, const bvx_sections *sections,
+                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                                bvx_mesh *mesh)
+{
+    *left = BVXI_NONE;
+    return sections->normals == NULL ? build_stack(context, sections, o, left, report, mesh)
+                                     : build_normals(context, sections, o, left, report, mesh);
 }
 
 static bvx_status build_any(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *o,
                             bvx_sections_report *report, bvx_mesh *mesh)
 {
     bvxi_lone lone;
-    bvx_status status = bvxi_lone_open(context, sections_name, sections, o, &lone);
+    uint32_t left = BVXI_NONE;
+    bvx_status status = bvxi_lone_open(context, sections_name, sections, BVXI_NONE, o, &lone);
 
-    if (status == BVX_OK && lone.times != 0) {
-        status = build_stack(context, &lone.sections, o, report, mesh);
-        bvxi_lone_report(&lone, report);
-    } else if (status == BVX_OK) {
-        status = sections->normals == NULL ? build_stack(context, sections, o, report, mesh)
-                                           : build_normals(context, sections, o, report, mesh);
+    if (status == BVX_OK && lone.times == 0) {
+        status = build_several(context, sections, o, &left, report, mesh);
+        /* Several sections, of which mending left one with loops: that was the first share of it. */
+        if (status == BVX_OK && left != BVXI_NONE)
+            status = bvxi_lone_open(context, sections_name, sections, left, o, &lone);
     }
+    if (status == BVX_OK && lone.times != 0)
+        status = BVXI_SHARE(context, left == BVXI_NONE ? 0.0 : 0.15, 1.0,
+                            build_lone(context, &lone, o, report, mesh));
     bvxi_lone_close(context, &lone);
     return status;
 }

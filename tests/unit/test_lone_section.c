@@ -114,6 +114,34 @@ static void test_what_stands_beside_it_changes_nothing(void)
     }
 }
 
+/* Loops of no area beside it are dropped when they are mended: the slab is that of the section that is left. */
+static void test_mending_may_leave_one_section(void)
+{
+    for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
+        double volume;
+
+        stack_clear(&stack);
+        o.thickness = 0.5;
+        o.caps = caps;
+        o.mend = 1;
+        add_ring(2.0);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
+        certify(0);
+        volume = certificate.volume;
+
+        stack_round(&stack, stack_section(&stack, 1.0), 0, 0, 0, 0, 1, 0, 0, 0);
+        stack_round(&stack, stack_section(&stack, 4.0), 0, 0, 1, 0, 2, 0, 0, 0);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(), bvx_last_message(ctx));
+        certify(0);
+        TEST_ASSERT_EQUAL_INT32(caps != BVX_CAPS_OPEN, certificate.closed);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * volume, volume, certificate.volume);
+        TEST_ASSERT_EQUAL_UINT64(caps == BVX_CAPS_OPEN ? 3 : 2, certificate.components);
+    }
+    o.thickness = 0.0;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build());
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "loops in only one section"));
+}
+
 /* The normal's length and direction: a slab across any of them. */
 static void test_slabs_across_any_normal(void)
 {
@@ -177,6 +205,7 @@ int main(void)
     RUN_TEST(test_a_lens_ends_at_half_its_thickness);
     RUN_TEST(test_an_open_slab_is_its_wall);
     RUN_TEST(test_what_stands_beside_it_changes_nothing);
+    RUN_TEST(test_mending_may_leave_one_section);
     RUN_TEST(test_slabs_across_any_normal);
     RUN_TEST(test_a_bow_tie_is_mended_first);
     RUN_TEST(test_thickness_is_for_one_section_alone);
