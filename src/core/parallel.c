@@ -128,7 +128,8 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
         BVXI_TRY(bvxi_progress(ctx, stage, from + (to - from) * ((double)first / (double)count)));
         run(ctx, first, n, task, user);
     }
-    return BVX_OK;
+    /* The end too: what follows may report under another name and later, or not at all. */
+    return bvxi_progress(ctx, stage, to);
 }
 
 int32_t bvxi_threads(const bvx_context *ctx)

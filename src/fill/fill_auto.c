@@ -342,7 +342,7 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 /* Where the rule is chosen in the bar: looking for crossings takes long
  * beside filling rows, and little beside winding numbers. */
 #define AUTO_CHOSEN      0.9
-#define AUTO_OPEN_CHOSEN 0.3
+#define AUTO_OPEN_CHOSEN 0.15
 
 static int is_auto_quick(int32_t fill)
 {

@@ -493,7 +493,7 @@ bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 
     t->limit = limit;
     t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
-    return bvxi_parallel(t->ctx, "thin", 0.4, 1.0, t->pieces, ask_piece, t);
+    return bvxi_parallel(t->ctx, "thin", 0.0, 1.0, t->pieces, ask_piece, t);
 }
 
 /* ---- What is found ---- */
@@ -581,7 +581,7 @@ void bvxi_walls_close(bvxi_walls *t)
     bvxi_drop(t->ctx, t->places.words);
 }
 
-bvx_status bvxi_walls_find(bvxi_walls *t)
+bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
     /* Places first; most bodies have none, and nothing is searched. */
     BVXI_TRY(bvxi_walls_mark(t));
@@ -589,9 +589,12 @@ bvx_status bvxi_walls_find(bvxi_walls *t)
     if (t->count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_walls_near(t));
-    if (t->near.triangle_count == 0) {
-        bvxi_walls_drop(t);
-        return BVX_OK;
-    }
-    return bvxi_walls_ask(t, 1.0);
+    if (t->near.triangle_count == 0) bvxi_walls_drop(t);
+    return BVX_OK;
+}
+
+bvx_status bvxi_walls_find(bvxi_walls *t)
+{
+    BVXI_TRY(BVXI_SHARE(t->ctx, 0.0, 0.4, bvxi_walls_gather(t)));
+    return t->count == 0 ? BVX_OK : BVXI_SHARE(t->ctx, 0.4, 1.0, bvxi_walls_ask(t, 1.0));
 }

@@ -131,8 +131,8 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     int const more = o->fill != BVX_FILL_VOTE;
-    double const voted = !more ? 1.0 : o->fill == BVX_FILL_REGIONS ? 0.6 : 0.5; /* progress by then */
-    double const shelled = o->fill == BVX_FILL_REGIONS ? 0.9 : 0.8;
+    double const voted = !more ? 1.0 : o->fill == BVX_FILL_REGIONS ? 0.7 : 0.6; /* progress by then */
+    double const shelled = o->fill == BVX_FILL_REGIONS ? 0.95 : 0.82;
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};

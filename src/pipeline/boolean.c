@@ -137,6 +137,25 @@ typedef struct boolean_body {
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
 } boolean_body;
 
+/* The steps of it, two of which are one for each mesh. */
+enum {
+    BOOLEAN_FILL,
+    BOOLEAN_MARK = BOOLEAN_FILL + 2,
+    BOOLEAN_ASK = BOOLEAN_MARK + 2,
+    BOOLEAN_WIDEN = BOOLEAN_ASK + 2,
+    BOOLEAN_COMBINE = BOOLEAN_WIDEN + 2,
+    BOOLEAN_JUDGE,
+    BOOLEAN_CRUMBS,
+    BOOLEAN_SHARP,
+    BOOLEAN_MEASURE,
+    BOOLEAN_EXTRACT = BOOLEAN_MEASURE + 2,
+    BOOLEAN_FLATTEN,
+    BOOLEAN_STEPS
+};
+
+#define BOOLEAN_SHARPER 3.0 /* times a plain surface's cost */
+#define BOOLEAN_ASKED   3.0 /* microseconds for a place of thin walls */
+
 typedef struct boolean_job {
     bvx_context *ctx;
     const bvx_boolean_options *options;
@@ -145,8 +164,11 @@ typedef struct boolean_job {
     boolean_body body[2];
     bvxi_body_box box[2];
     bvx_grid inside;
-    uint64_t grid_bytes, rows;
+    uint64_t grid_bytes;
     bvx_boolean_report report;
+    double cost[BOOLEAN_STEPS]; /* of steps to come, in microseconds, about */
+    double plain;               /* of a surface without sharp edges */
+    double at;                  /* where the last step ends in the bar */
 } boolean_job;
 
 /* ---- Checks ---- */
@@ -218,7 +240,6 @@ static bvx_status open_boolean_grids(boolean_job *job)
                          (int64_t)job->lattice.dims[0], (int64_t)job->lattice.dims[1],
                          (int64_t)job->lattice.dims[2]);
     job->grid_bytes = words * 8;
-    job->rows = (uint64_t)job->lattice.dims[1] * (uint64_t)job->lattice.dims[2];
     for (int32_t i = 0; i < 2; i++) BVXI_TRY(open_boolean_grid(job, "a mesh's solid", &job->body[i].solid));
     return open_boolean_grid(job, "the result's solid", &job->inside);
 }
@@ -233,6 +254,75 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
     if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
 }
 
+/* ---- The bar ---- */
+
+/* What each step takes by what is known before the first one, about; what is learnt later replaces it. Triangles
+ * and the faces of the lattice stand for what is gone over. */
+static void plan_boolean(boolean_job *job)
+{
+    const int32_t *const d = job->lattice.dims;
+    double const faces = (double)d[0] * d[1] + (double)d[1] * d[2] + (double)d[2] * d[0];
+    int const look = job->options->thin == BVX_THIN_KEEP || job->options->report != NULL;
+    double *const cost = job->cost;
+
+    for (int i = 0; i < 2; i++) {
+        double const n = (double)job->body[i].mesh->triangle_count;
+        cost[BOOLEAN_FILL + i] = 0.035 * n + 0.015 * faces;
+        cost[BOOLEAN_MARK + i] = look ? 0.12 * n + 0.03 * faces : 0.0;
+        cost[BOOLEAN_MEASURE + i] = 0.05 * n + 0.12 * faces;
+        cost[BOOLEAN_CRUMBS] += 0.06 * n;
+    }
+    cost[BOOLEAN_COMBINE] = cost[BOOLEAN_JUDGE] = 0.001 * faces;
+    cost[BOOLEAN_SHARP] = job->options->sharp < 0 ? 0.003 * faces : 0.0;
+    job->plain = 0.12 * faces;
+    cost[BOOLEAN_EXTRACT] = job->options->sharp != 0 ? BOOLEAN_SHARPER * job->plain : job->plain;
+}
+
+/* Winding numbers and the search for crossings take so many times what rows take. The second mesh is taken for
+ * one like the first. */
+static void plan_second_fill(boolean_job *job)
+{
+    int32_t const fill = job->report.solid_a.fill;
+
+    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE) job->cost[BOOLEAN_FILL + 1] *= 30.0;
+    else if (fill == BVX_FILL_NONZERO) job->cost[BOOLEAN_FILL + 1] *= 5.0;
+}
+
+/* Where few walls are thin, each costs what lies around it; where many are, they share that. */
+static double cost_of_walls(double each, double voxels)
+{
+    double const few = 200.0;
+
+    return each * voxels + 100.0 * (voxels < few ? voxels : few);
+}
+
+/* Walls were found in mesh i: the second is taken to have as many, until it has been looked at. */
+static void plan_thin_walls(boolean_job *job, int32_t i, double asked, double voxels)
+{
+    double const of_first = i == 0 ? 0.0 : 0.5 * job->cost[BOOLEAN_FLATTEN];
+
+    for (int32_t k = i; k < 2; k++) job->cost[BOOLEAN_WIDEN + k] = cost_of_walls(15.0, voxels);
+    if (i == 0) job->cost[BOOLEAN_ASK + 1] = BOOLEAN_ASKED * asked;
+    job->cost[BOOLEAN_FLATTEN] = of_first + (2 - i) * cost_of_walls(20.0, voxels);
+}
+
+/* A step's share of what is left of the bar is that of its cost among all that are to come, so the bar never
+ * falls when more is known. */
+static void begin_boolean_step(boolean_job *job, int step)
+{
+    double const from = job->at;
+    double left = 0.0;
+
+    for (int i = step; i < BOOLEAN_STEPS; i++) left += job->cost[i];
+    if (left > 0.0) job->at += (1.0 - from) * (job->cost[step] / left);
+    job->cost[step] = 0.0;
+    bvxi_share_begin(job->ctx, from, job->at);
+}
+
+#define BOOLEAN_STEP(job, step, work) (begin_boolean_step(job, step), bvxi_share_end((job)->ctx, (work)))
+
+/* ---- Thin walls ---- */
+
 /* Walls of a body that its solid has lost: told, and by BVX_THIN_KEEP put back into the solid. */
 static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 {
@@ -246,10 +336,14 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.beside = keep;
     status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = bvxi_walls_find(&walls);
+    if (status == BVX_OK) status = BOOLEAN_STEP(job, BOOLEAN_MARK + i, bvxi_walls_gather(&walls));
+    job->cost[BOOLEAN_ASK + i] = BOOLEAN_ASKED * (double)walls.count;
+    if (status == BVX_OK && walls.count != 0)
+        status = BOOLEAN_STEP(job, BOOLEAN_ASK + i, bvxi_walls_ask(&walls, 1.0));
     if (status == BVX_OK) bvxi_tell_walls(&walls, r);
     if (status == BVX_OK && r->thin_voxels != 0 && keep) {
-        status = bvxi_thicken(&walls, &b->solid, &b->thin);
+        plan_thin_walls(job, i, (double)walls.count, (double)r->thin_voxels);
+        status = BOOLEAN_STEP(job, BOOLEAN_WIDEN + i, bvxi_thicken(&walls, &b->solid, &b->thin));
         job->report.thin_kept |= i == 0 ? BVX_KEPT_A : BVX_KEPT_B;
     }
     bvxi_walls_close(&walls);
@@ -319,16 +413,6 @@ static bvx_status judge_result(boolean_job *job)
     return BVX_OK;
 }
 
-/* Of the time that both meshes take: by their triangles, and by the lattice's rows of centres. */
-static double share_of_first(const boolean_job *job)
-{
-    /* Triangles and rows: what the fill of each takes. */
-    double const a = (double)(job->body[0].mesh->triangle_count + job->rows);
-    double const b = (double)(job->body[1].mesh->triangle_count + job->rows);
-
-    return a / (a + b);
-}
-
 static bvx_status fill_body(boolean_job *job, int32_t i)
 {
     boolean_body *const b = &job->body[i];
@@ -338,11 +422,11 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     o.fill = job->options->fill;
     o.check_thin = 0; /* they are looked for below */
     o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
-    BVXI_TRY(
-        BVXI_SHARE(job->ctx, 0.0, 0.3, bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
+    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_FILL + i,
+                          bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
 
     if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
-    return BVXI_SHARE(job->ctx, 0.3, 1.0, keep_thin_walls(job, i));
+    return keep_thin_walls(job, i);
 }
 
 static bvx_status fill_boolean(boolean_job *job)
@@ -351,13 +435,13 @@ static bvx_status fill_boolean(boolean_job *job)
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
-    double const first = 0.94 * share_of_first(job);
 
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, first, fill_body(job, 0)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, first, 0.94, fill_body(job, 1)));
+    BVXI_TRY(fill_body(job, 0));
+    plan_second_fill(job);
+    BVXI_TRY(fill_body(job, 1));
 
     /* Both solids are kept: the surface needs to know which body changes its side on each edge. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.94, 0.96, combine[job->operation](job->ctx, a, b, &job->inside)));
+    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_COMBINE, combine[job->operation](job->ctx, a, b, &job->inside)));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
@@ -366,7 +450,7 @@ static bvx_status fill_boolean(boolean_job *job)
      * answer. */
     BVXI_TRY(judge_body(job, 0, job->report.voxels_a));
     BVXI_TRY(judge_body(job, 1, job->report.voxels_b));
-    return BVXI_SHARE(job->ctx, 0.96, 1.0, judge_result(job));
+    return BOOLEAN_STEP(job, BOOLEAN_JUDGE, judge_result(job));
 }
 
 /* ---- Small parts ---- */
@@ -510,27 +594,21 @@ static bvx_status choose_boolean_sharp(boolean_job *job)
     return BVX_OK;
 }
 
-/* Shares of the time as measured at 150 to 300 voxels. */
 static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 {
-    bvx_context *const ctx = job->ctx;
-    double flat, measured;
-
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, fill_boolean(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, drop_boolean_parts(job)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.61, choose_boolean_sharp(job)));
+    plan_boolean(job);
+    BVXI_TRY(fill_boolean(job));
+    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_CRUMBS, drop_boolean_parts(job)));
+    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_SHARP, choose_boolean_sharp(job)));
+    if (!job->report.sharp) job->cost[BOOLEAN_EXTRACT] = job->plain;
 
-    /* The bar follows the triangles of each mesh. */
-    measured = 0.61 + 0.18 * share_of_first(job);
-    BVXI_TRY(BVXI_SHARE(ctx, 0.61, measured, measure_body(job, &job->body[0])));
-    BVXI_TRY(BVXI_SHARE(ctx, measured, 0.79, measure_body(job, &job->body[1])));
-
-    flat = job->report.thin_kept != 0 ? 0.89 : 0.98;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.79, flat, extract_boolean(job, result)));
-    return BVXI_SHARE(ctx, flat, 1.0, flatten_boolean(job, result));
+    for (int i = 0; i < 2; i++)
+        BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_MEASURE + i, measure_body(job, &job->body[i])));
+    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_EXTRACT, extract_boolean(job, result)));
+    return BOOLEAN_STEP(job, BOOLEAN_FLATTEN, flatten_boolean(job, result));
 }
 
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,

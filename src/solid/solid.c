@@ -118,14 +118,14 @@ static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_sol
     bvxi_row_lists lists;
     bvx_status status;
 
-    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.4, &lists));
+    BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.2, &lists));
     for (int32_t c = 0; c < job->chunks; c++) {
         /* Counted here, as the rule may go over the triangles again. */
         report->triangles_used += job->chunk[c].used;
         job->chunk[c].used = 0;
     }
     report->crossings += lists.total;
-    status = job->take_lists(ctx, job, &lists, 0.4, 1.0);
+    status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
     for (int32_t c = 0; c < job->chunks; c++) job->chunk[c].used = 0;
     bvxi_row_lists_free(ctx, &lists);
     return status;

@@ -225,10 +225,10 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     if (status == BVX_OK)
         status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening",
                             &plain.triangles);
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.0, 0.05, bvxi_march_fill(ctx, m, &plain));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 0.4, place_cuts(ctx, c, report));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain));
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report));
     if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.4, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
+        status = BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
     bvxi_drop(ctx, plain.triangles);
     bvxi_drop(ctx, plain.positions);
     bvxi_drop(ctx, c->planes);
@@ -252,7 +252,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    status = BVXI_SHARE(ctx, 0.0, options->sharp ? 0.15 : 0.4, bvxi_march_open(ctx, &m, inside, &extract));
+    status = BVXI_SHARE(ctx, 0.0, options->sharp ? 0.1 : 0.4, bvxi_march_open(ctx, &m, inside, &extract));
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;

@@ -78,7 +78,7 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
 {
     wind_work *const w = job->user;
     const bvx_mesh_view *const mesh = job->view;
-    double const part = from + (to - from) / 4;
+    double const part = from + (to - from) / 8;
     bvxi_row_lists crossed;
     bvxi_turns_job turns = {0};
     bvx_status status;
@@ -139,7 +139,7 @@ static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const b
 bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *solid, double from, double to,
                      bvx_solid_report *report)
 {
-    double const part = from + (to - from) / 4;
+    double const part = from + (to - from) / 8;
     bvxi_holes holes;
     bvx_status status;
 
