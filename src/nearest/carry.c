@@ -26,6 +26,8 @@ typedef struct carry_work {
 static uint8_t round_colour(double v)
 {
     double const up = v + 0.5;
+
+    /* Weights may sum up to a hair more than 1. */
     return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
 }
 
@@ -35,6 +37,8 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     uint32_t corner[3];
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
+
+    /* Opacity is blended like the colours. */
     for (int i = 0; i < 4; i++)
         w->colours[4 * vertex + (uint64_t)i] = round_colour(
             at->weight[0] * c[0][i] + at->weight[1] * c[1][i] + at->weight[2] * c[2][i]);
@@ -44,6 +48,8 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
 static void corner_uvs(const bvx_mesh *source, uint64_t triangle, uint32_t number[3])
 {
     const uint32_t *const from = source->uv_triangles != NULL ? source->uv_triangles : source->triangles;
+
+    /* Texture coordinates may have triangles of their own, where seams part them. */
     memcpy(number, from + 3 * (size_t)triangle, 3 * sizeof *number);
 }
 
@@ -67,6 +73,8 @@ static void carry_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+
+    /* Vertices as they come: those of a mesh that was extracted follow each other in space. */
     bvxi_piece(w->to.vertex_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         double p[3];
@@ -143,6 +151,8 @@ static bvx_status check_target(bvx_context *ctx, const char *function, const bvx
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: mesh.vertex_capacity is %u, more than any memory holds", function,
                              target->vertex_capacity);
+
+    /* Whole numbers are in order; now what they point to. */
     bvx_mesh_view_of(target, &w->to);
     BVXI_TRY(bvxi_view_check(ctx, function, &w->to));
     for (int a = 0; a < 3; a++) w->shift[a] = target->frame[a] - w->source->frame[a];
@@ -180,6 +190,8 @@ static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const car
         bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
         target->colours = w->colours;
     }
+
+    /* A coordinate a vertex: triangles of their own are not needed any more. */
     if (w->uvs != NULL) {
         bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
         target->uvs = w->uvs;
@@ -218,6 +230,8 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     if (source == target)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
                              "%s: source and target are one mesh", function);
+
+    /* Both meshes are checked before a tree is built. */
     memset(&w, 0, sizeof w);
     w.source = source;
     BVXI_TRY(check_carried_mesh(context, of_source, source));

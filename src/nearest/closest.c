@@ -40,6 +40,7 @@ typedef struct closest_visit {
 
 static void set_closest_limit(closest_search *s)
 {
+    /* Limits are of boxes, whose units and rounding are not those of triangles. */
     double const d = sqrt(s->best->distance2) * s->tree->box_scale + s->margin;
     s->limit = d * d;
 }
@@ -64,6 +65,7 @@ static void try_closest_triangle(closest_search *s, uint32_t place)
 {
     double t[3][3], q[3];
 
+    /* One triangle by itself: the guess that a search begins with. */
     bvxi_closest_corners(s->tree, place, t);
     take_closest(s, place, bvxi_closest_on_triangle(s->point, (const double(*)[3])t, q));
 }
@@ -76,6 +78,7 @@ static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int chil
 {
     uint32_t bits = 0;
 
+    /* Sixteen boxes a call, as the quick way takes them, so that both walk the tree alike. */
     for (int k = 0; k < BVXI_CLOSEST_WIDTH * children; k++) {
         d[k] = 0.0;
         for (int a = 0; a < 3; a++) {
@@ -96,6 +99,7 @@ static void begin_closest_search(const bvxi_closest_tree *tree, const double poi
 {
     double reach = 0.0;
 
+    /* The farthest axis bounds what rounding can do to any of the three. */
     for (int a = 0; a < 3; a++) {
         double const x = (point[a] - tree->centre[a]) * tree->box_scale;
         reach = x > reach ? x : -x > reach ? -x : reach;

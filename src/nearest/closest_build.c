@@ -35,6 +35,8 @@ static void closest_triangle_box(const bvxi_closest_tree *tree, const double t[3
             lo = t[k][a] < lo ? t[k][a] : lo;
             hi = t[k][a] > hi ? t[k][a] : hi;
         }
+
+        /* Box units lie in [-1, 1] about the middle, where floats are densest. */
         low[a] = (lo - tree->centre[a]) * tree->box_scale;
         high[a] = (hi - tree->centre[a]) * tree->box_scale;
     }
@@ -45,6 +47,8 @@ static uint64_t curve_key(const double low[3], const double high[3])
 {
     double const most = (double)((1 << CLOSEST_BITS) - 1);
     uint64_t key = 0;
+
+    /* Bits of the three axes in turn: neighbours on the curve are neighbours in space. */
     for (int a = 0; a < 3; a++) {
         double const x = ((low[a] + high[a]) * 0.25 + 0.5) * most;
         key |= bvxi_curve_spread(x <= 0.0 ? 0 : x >= most ? (uint64_t)most : (uint64_t)x) << a;
@@ -97,6 +101,8 @@ static void turn_to_lowest(const bvx_mesh_view *view, uint32_t c[3])
     int first = 0;
 
     for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+
+    /* Two corners may lie at one place; then what follows them decides. */
     for (int k = 1; k < 3; k++)
         if (bvxi_corner_before(p[k], p[first]) ||
             (!bvxi_corner_before(p[first], p[k]) && bvxi_corner_before(p[(k + 1) % 3], p[(first + 1) % 3])))
@@ -116,6 +122,7 @@ static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
 /* A few triangles of one key by their hashes, which are in keys. */
 static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
 {
+    /* Insertion: runs are short, and a sort by digits would clear its counts for each of them. */
     for (uint64_t i = 1; i < count; i++) {
         uint64_t const key = keys[i];
         uint32_t const triangle = order[i];
@@ -156,6 +163,8 @@ static void copy_curve_corners(const closest_builder *b, uint64_t place)
     uint32_t c[3];
     bvxi_view_triangle(b->view, b->tree->order[place], c);
     if (b->unnumbered) turn_to_lowest(b->view, c);
+
+    /* As bytes, so that floats and doubles take one way. */
     for (size_t k = 0; k < 3; k++) memcpy(to + k * point, bvxi_view_position_at(b->view, c[k]), point);
 }
 
@@ -192,6 +201,8 @@ static void fill_box_level(bvxi_closest_tree *tree, int32_t level, uint64_t slot
     bvxi_closest_node *const to = tree->nodes + tree->level_first[level];
 
     memset(to, 0, (size_t)tree->level_nodes[level] * sizeof *to);
+
+    /* A node of this level holds the boxes of four below, each around all that its own four hold. */
     for (uint64_t i = 0; i < tree->level_nodes[level - 1]; i++) {
         bvxi_closest_node *const node = &to[i / BVXI_CLOSEST_WIDTH];
         int const used = bvxi_closest_children(slots, i * BVXI_CLOSEST_WIDTH);
@@ -247,6 +258,8 @@ static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
 
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
+
+    /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
     status = bvxi_parallel(call.ctx, call.stage, call.from, call.to, b->pieces, make_curve_keys, b);
     if (status == BVX_OK) status = bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n);
     if (status == BVX_OK && b->unnumbered) status = order_by_positions(call.ctx, b);
@@ -263,6 +276,8 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
 
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, order_bytes, "the search tree's order", &tree->order));
     BVXI_TRY(sort_along_curve(bvxi_call_part(call, call.from, middle), b));
+
+    /* The keys are gone by now, so both are never held at once. */
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, closest_corner_bytes(tree), "the search tree's corners",
                         &tree->corners));
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
@@ -279,6 +294,7 @@ static bvx_status build_or_free(bvxi_call call, closest_builder *b)
 {
     bvx_status const status = build_closest_tree(call, b);
 
+    /* A tree that is half made has arrays already. */
     if (status != BVX_OK) bvxi_closest_free(call.ctx, b->tree);
     return status;
 }

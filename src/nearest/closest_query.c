@@ -42,6 +42,8 @@ static int is_on_query_edge(const double p[3], const double a[3], const double b
         along += u[k] * (p[k] - a[k]);
         length2 += u[k] * u[k];
     }
+
+    /* Ends belong to corners, which were looked at before. */
     if (!(along > 0.0) || along >= length2) return 0;
     *s = along / length2;
     return a[0] + *s * u[0] == q[0] && a[1] + *s * u[1] == q[1] && a[2] + *s * u[2] == q[2];
@@ -57,6 +59,8 @@ static void weigh_query_face(const double p[3], const double t[3][3], double wei
         ac[k] = t[2][k] - t[0][k];
         ap[k] = p[k] - t[0][k];
     }
+
+    /* Weights are the areas of the parts that the projection cuts the triangle into. */
     bvxi_vec_cross(ab, ac, n);
     bvxi_vec_cross(ap, ac, nb);
     bvxi_vec_cross(ab, ap, nc);
@@ -108,6 +112,8 @@ int32_t bvxi_closest_feature(const double p[3], const double t[3][3], const doub
 static double query_scale(const bvxi_closest_tree *tree, const double point[3])
 {
     double largest = 0.0, s = tree->scale;
+
+    /* The farthest axis decides, on either side of the origin. */
     for (int a = 0; a < 3; a++) {
         largest = point[a] > largest ? point[a] : largest;
         largest = -point[a] > largest ? -point[a] : largest;
@@ -161,6 +167,7 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
+    /* What has been taken since the mark is given to the object when all went well. */
     mark = bvxi_scratch_begin(context);
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the search tree's head", &made));
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, function, "search tree", 0.0, 1.0), mesh, made));
@@ -203,6 +210,7 @@ static void find_closest_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     (void)worker;
 
+    /* The hint is the piece's own: threads share nothing that is written. */
     bvxi_piece(q->count, q->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const point = q->order == NULL ? i : q->order[i];
@@ -289,6 +297,8 @@ static bvx_status check_query_points(bvx_context *ctx, const char *function, con
                                      uint64_t count)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
+
+    /* x - x is 0 for finite numbers and NaN for all others. */
     for (uint64_t i = 0; i < count; i++)
         for (int a = 0; a < 3; a++)
             if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)

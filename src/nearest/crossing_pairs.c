@@ -65,6 +65,7 @@ static void crossings_open_four(const crossings_job *job, uint64_t four, crossin
 {
     uint64_t const first = four * BVXI_CLOSEST_WIDTH;
 
+    /* Boxes, corners and numbers stay where they are; positions are unpacked once for all partners. */
     f->boxes = &job->tree.nodes[four];
     f->corner = job->corner + 3 * (size_t)first;
     f->index = job->tree.order + (size_t)first;
@@ -262,6 +263,7 @@ static void write_crossings_piece(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
     (void)worker;
 
+    /* Each piece writes from the place that the counts have given it. */
     bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         if (job->marks[i]) to += crossings_of_four(job, i, to);
@@ -318,6 +320,7 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.3, 0.35, job->pieces, crossings_corners, job));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.35, 0.9, job->pieces, count_crossings_piece, job));
 
+    /* In the order of pieces, though a sum of whole numbers has no order. */
     for (int32_t i = 0; i < job->pieces; i++) sum += job->counts[i];
     *count = sum;
     return BVX_OK;

@@ -39,12 +39,15 @@ static uint64_t distance_mix(uint64_t z)
 /* Random number of a counter, in [0, 1). */
 static double distance_random(uint64_t key, uint64_t counter)
 {
+    /* 53 bits of it fill a double's digits. */
     return (double)(distance_mix(key + (counter + 1) * UINT64_C(0x9e3779b97f4a7c15)) >> 11) * 0x1p-53;
 }
 
 static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
 {
     double t[3][3], n[3], sum = 0.0;
+
+    /* One after the other, since sums of doubles depend on their order. */
     for (uint64_t i = 0; i < tree->triangle_count; i++) {
         bvxi_closest_corners(tree, i, t);
         sum += bvxi_facet_normal((const double(*)[3])t, n);
@@ -126,6 +129,8 @@ static void add_distance_blocks(const distance_work *w, distance_way *way)
         all.normal_sum += w->sums[b].normal_sum;
         all.normal_count += w->sums[b].normal_count;
     }
+
+    /* Back in the caller's units: a power of two, so nothing is rounded. */
     way->mean = all.sum / (double)w->samples / w->to->scale;
     way->max = all.max / w->to->scale;
     way->normal = all.normal_count != 0 ? all.normal_sum / (double)all.normal_count : 0.0;
@@ -184,6 +189,8 @@ typedef struct distance_pair {
 static double distance_scale(const distance_side *a, const distance_side *b)
 {
     double low[3], high[3];
+
+    /* Around both, as points of either are measured to the other. */
     for (int k = 0; k < 3; k++) {
         low[k] = a->low[k] < b->low[k] ? a->low[k] : b->low[k];
         high[k] = a->high[k] > b->high[k] ? a->high[k] : b->high[k];
@@ -197,6 +204,7 @@ static bvx_status require_area(bvx_context *ctx, const char *function, const bvx
     double t[3][3], n[3];
     uint32_t c[3];
 
+    /* The first triangle with an area answers. */
     for (uint64_t i = 0; i < v->triangle_count; i++) {
         bvxi_view_triangle(v, i, c);
         for (int k = 0; k < 3; k++) {
@@ -218,6 +226,8 @@ static bvx_status build_kept_tree(bvx_context *ctx, const distance_side *a, doub
                                   bvxi_distance_tree *kept)
 {
     if (kept->built && kept->tree.scale == scale) return BVX_OK;
+
+    /* Another mesh beside it may ask for another scale: then the tree is built anew. */
     bvxi_distance_forget(ctx, kept);
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.0, 0.1), a->view, a->low,
                                            a->high, scale, &kept->tree));
@@ -238,6 +248,8 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
     BVXI_TRY(build_kept_tree(ctx, &pair->a, pair->scale, kept));
     BVXI_TRY(bvxi_closest_build_unnumbered(bvxi_call_of(ctx, NULL, "distance", 0.1, 0.2), b->view, b->low,
                                            b->high, pair->scale, &tree_b));
+
+    /* Two keys from one seed: places on a and on b have nothing to do with each other. */
     BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
     BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
     make_distance_report(&ab, &ba, samples, seed, report);

@@ -19,6 +19,7 @@ static double near_scale(const bvx_lattice *l, const double low[3], const double
 {
     double s = bvxi_unit_scale(low, high), largest = 0.0;
 
+    /* Centres beyond the mesh are squared too, so the lattice counts with it. */
     for (int a = 0; a < 3; a++) {
         double const end = l->origin[a] + (double)l->dims[a] * l->spacing[a];
         largest = -l->origin[a] > largest ? -l->origin[a] : l->origin[a] > largest ? l->origin[a] : largest;
@@ -35,6 +36,7 @@ static double near_rounding(const bvxi_nearest *n)
 {
     double largest = 1.0;
 
+    /* Rounding grows with the coordinates, not with the distance. */
     for (int a = 0; a < 3; a++) {
         double const first = n->lattice.origin[a] * n->scale;
         double const end = first + (double)n->lattice.dims[a] * n->lattice.spacing[a] * n->scale;
@@ -62,6 +64,7 @@ static bvx_status check_near_range(bvx_context *ctx, const char *function, const
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
 
+    /* Ends stand for all between them, on the lattice and in the mesh. */
     for (int a = 0; a < 3; a++) {
         double const first = l->origin[a], last = first + (double)l->dims[a] * l->spacing[a];
         double const below = first < low[a] ? first : low[a], above = last > high[a] ? last : high[a];
@@ -83,6 +86,7 @@ static bvx_status open_near(bvx_context *ctx, const char *function, const char *
 {
     double low[3], high[3];
 
+    /* What is refused is refused before memory is taken for the tree. */
     BVXI_TRY(bvxi_view_bounds(ctx, function, &n->view, low, high));
     BVXI_TRY(check_near_range(ctx, function, &n->lattice, low, high));
     n->scale = near_scale(&n->lattice, low, high);
@@ -102,6 +106,8 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
     *nearest = NULL;
     BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, sizeof *n, "the search tree's head", &n));
+
+    /* A copy of the view, as that of the caller may end with its function. */
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;

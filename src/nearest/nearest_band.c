@@ -101,6 +101,7 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
 
 static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t slots)
 {
+    /* Four bits a row: a brick never reaches over the end of a word. */
     for (int32_t z = 0; z < BVXI_NEAR_SIDE; z++)
         for (int32_t y = 0; y < BVXI_NEAR_SIDE; y++) {
             uint64_t const row = slots >> (4 * y + 16 * z) & 15;
@@ -167,6 +168,8 @@ bvx_status bvxi_near_workers(bvx_context *ctx, int32_t few_reached, bvxi_near_wo
 
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)threads * sizeof **workers, "the field's workers", workers));
+
+    /* Only what a search reads before it writes is set; the rest of a worker is large. */
     for (int32_t i = 0; i < threads; i++) {
         (*workers)[i].known = 0;
         (*workers)[i].few_reached = few_reached;
@@ -181,6 +184,7 @@ bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double
     band_work w = {nearest, band, bvxi_near_plan_of(band), width, NULL, NULL, first, 0};
     bvx_status status = bvxi_near_workers(call.ctx, 1, &w.workers);
 
+    /* Small tasks: runs near the mesh take far longer than others. */
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
     if (status == BVX_OK)
         status = bvxi_alloc(call.ctx, BVXI_SCRATCH, w.plan.cubes, "the field's cubes", &w.reached);

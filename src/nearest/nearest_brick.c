@@ -23,6 +23,8 @@ double bvxi_near_height2(const bvxi_near_pairs *pairs, int32_t i)
 {
     double point[3], t[3][3], n[3], along = 0.0, length;
 
+    /* How far the point stands from the triangle's plane: of equally near ones the farthest plane faces
+     * it. */
     read_near_pair(pairs, i, point, t);
     length = bvxi_facet_normal((const double(*)[3])t, n);
     if (!(length > 0.0)) return 0.0;
@@ -46,6 +48,7 @@ int bvxi_near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int3
     bvxi_near_corners(n, other, u);
     bvxi_order_corners(u);
 
+    /* By places alone, so that no numbering of the mesh shows; the index only where all places are equal. */
     bvxi_closest_on_triangle(point, (const double(*)[3])u, q);
     order = compare_near_places(closest, q);
     for (int k = 0; k < 3 && order == 0; k++) order = compare_near_places(t[k], u[k]);
@@ -69,6 +72,7 @@ static double near_centre(const bvxi_nearest *n, int a, int32_t index)
 
 void bvxi_near_brick_begin(const bvxi_nearest *n, const int32_t first[3], bvxi_near_worker *w)
 {
+    /* Offsets from the brick's middle are small, so floats hold them well. */
     for (int a = 0; a < 3; a++) {
         for (int32_t i = 0; i < BVXI_NEAR_SIDE; i++) w->centre[a][i] = near_centre(n, a, first[a] + i);
         double const middle = (w->centre[a][0] + w->centre[a][BVXI_NEAR_SIDE - 1]) * 0.5;
@@ -101,6 +105,8 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
     bvxi_near_pairs *const p = &w->pairs;
 
     bvxi_near_evaluate(n, w->fast, p);
+
+    /* Each slot keeps the best of what it had and of what has come. */
     for (int32_t i = 0; i < p->count; i++) {
         int32_t const s = p->slot[i];
         uint64_t const bit = UINT64_C(1) << s;
@@ -118,6 +124,8 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
 static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t triangle, int32_t slot)
 {
     double const point[3] = {w->centre[0][slot & 3], w->centre[1][slot >> 2 & 3], w->centre[2][slot >> 4]};
+
+    /* A full room is emptied first; its results stay with their slots. */
     if (w->pairs.count == BVXI_NEAR_PAIRS) settle_near_pairs(n, w);
     bvxi_near_take_pair(n, &w->pairs, point, triangle, slot);
 }
@@ -135,6 +143,8 @@ static void settle_near_eight(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     float most2[8];
     int32_t const count = bvxi_near_eight_winners(n, w->fast, &w->eight, most2, w->winners);
+
+    /* None is dropped here: whether it lies within the limit is asked at the end. */
     for (int32_t i = 0; i < count; i++)
         take_near_pair(n, w, w->winners[i].triangle, near_slot(w->eight.group, w->winners[i].centre));
 }
@@ -149,6 +159,8 @@ static void end_near_eight(const bvxi_nearest *n, float sure2, int32_t parts, bv
 
     /* More than one candidate, or one that may lie beyond the limit, is for doubles to decide. */
     for (int c = 0; c < 8; c++) more |= (uint32_t) !(most2[c] < sure2) << c;
+
+    /* A centre with two candidates is among more after the second. */
     for (int32_t i = 0; i < count; i++) {
         uint32_t const bit = 1u << w->winners[i].centre;
         more |= once & bit;
@@ -211,6 +223,8 @@ static void begin_near_box(const bvxi_nearest *n, const int32_t begin[3], const 
         w->question.first[a] = w->middle[a] + (double)w->offset[a][begin[a]];
         w->question.last[a] = w->middle[a] + (double)w->offset[a][end[a]];
     }
+
+    /* The box, its limit and the point that is known are all that a search goes by. */
     w->question.limit = limit;
     begin_near_cell(n, &w->start, w);
 }
@@ -263,6 +277,8 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
     }
     reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
     reach2 = reach * reach;
+
+    /* The list is sieved for the middle as it would be for centres. */
     bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
 
     /* Only the middle is requested: one of eight centres. */
@@ -295,6 +311,8 @@ int32_t bvxi_near_cube_reaches(const bvxi_nearest *n, const int32_t first[3], do
                                bvxi_near_worker *w)
 {
     bound_near_cube(n, first, width, w);
+
+    /* A list that is cut short means that much is near. */
     if (!bvxi_near_cell_list(n, &w->cell, w->fast, &w->list)) return 1;
     keep_near_point(w);
     return w->list.count > 0 && !is_far_from_near_list(n, w);
@@ -330,6 +348,8 @@ static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
         begin[a] = BVXI_NEAR_SIDE;
         end[a] = 0;
     }
+
+    /* First and last that are set, along each axis. */
     for (int32_t i = 0; i < BVXI_NEAR_SIDE; i++) {
         int const is[3] = {(x >> i & 1) != 0, (y >> 4 * i & 15) != 0, (wanted >> 16 * i & 0xffff) != 0};
         for (int a = 0; a < 3; a++) {

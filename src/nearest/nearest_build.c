@@ -90,6 +90,7 @@ static inline float near_float_above(double x)
 static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NEAR_WIDTH],
                              double corner[9][BVXI_NEAR_WIDTH])
 {
+    /* Coordinate by coordinate, so that eight triangles are one vector of each. */
     for (uint64_t k = 0; k < BVXI_NEAR_WIDTH; k++) {
         uint32_t c[3];
         bvxi_view_triangle(&n->view, order[k], c);
@@ -161,6 +162,8 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
 {
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
+
+    /* Meshes with indices wait twice, for those and then for the vertices. */
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
     BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
     bvxi_view_triangle(v, bvxi_near_order_number(&b->order, i + NEAR_AHEAD), c);
@@ -201,6 +204,8 @@ static void count_near_leaves(void *user, int32_t index, int32_t worker)
     near_builder *const b = user;
     uint64_t begin, end, leaves = 0;
     (void)worker;
+
+    /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
     bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
     for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
     b->first[index + 1] = leaves;
@@ -213,6 +218,8 @@ static void fill_near_leaves(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
+
+    /* The same cuts as were counted. */
     while (begin < end) {
         uint32_t const count = bvxi_near_order_run(&b->order, begin, end);
         fill_near_leaf(b, begin, count, end, leaf++);
@@ -260,6 +267,7 @@ static uint32_t near_box_run(const near_box *boxes, uint64_t left, int cut)
 {
     uint32_t count = left < BVXI_NEAR_WIDTH ? (uint32_t)left : BVXI_NEAR_WIDTH;
 
+    /* What stands before the cut may be worth a cut too. */
     while (cut && count > 1) {
         float behind[BVXI_NEAR_WIDTH], best = 0.0f;
         near_box box = boxes[count - 1];
@@ -303,6 +311,8 @@ static void fill_near_nodes(near_box *boxes, uint64_t count, int cut, bvxi_near_
     for (uint64_t first = 0; first < count; made++) {
         uint32_t const run = near_box_run(boxes + first, count - first, cut);
         near_box box = boxes[first];
+
+        /* Children stand side by side, so that one number finds them all. */
         nodes[made].first = (uint32_t)first;
         for (uint32_t k = 0; k < BVXI_NEAR_WIDTH; k++)
             for (int a = 0; a < 3; a++) {
@@ -357,6 +367,7 @@ static void plan_near_tree(const double low[3], const double high[3], near_build
     n->box_scale = bvxi_unit_scale(minus, half);
     while (n->box_scale > 0x1p50) n->box_scale *= 0.5; /* the mesh itself must be within reach of floats */
     for (int a = 0; a < 3; a++) {
+        /* At most twice the lattice's box: cells farther off would serve few centres. */
         double const x = (low[a] * n->scale - n->middle[a]) * n->box_scale;
         double const y = (high[a] * n->scale - n->middle[a]) * n->box_scale;
         double const from = x > -2.0 ? x : y < -2.0 ? x : -2.0, to = y < 2.0 ? y : x > 2.0 ? y : 2.0;
@@ -375,6 +386,8 @@ bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, dou
     memset(&b, 0, sizeof b);
     b.n = n;
     b.fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
+
+    /* The order first, then leaves of what it puts side by side, then levels of boxes above them. */
     plan_near_tree(low, high, &b);
     status = bvxi_near_order_make(ctx, stage, from, middle, n, &b.order);
     if (status == BVX_OK) status = make_near_leaves(ctx, stage, middle, to, &b);

@@ -56,6 +56,7 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
 
 static void put_near_numbers(int32_t type, void *to, uint64_t i, const double *x, int32_t count)
 {
+    /* Everything is computed in doubles; only what is kept is rounded, once. */
     for (int32_t k = 0; k < count; k++) {
         if (type == BVX_F32) ((float *)to)[i * (uint64_t)count + (uint64_t)k] = (float)x[k];
         else ((double *)to)[i * (uint64_t)count + (uint64_t)k] = x[k];
@@ -92,6 +93,8 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
 static void start_fill_cube(const fill_work *w, const int32_t cube[3], double width, bvxi_near_worker *worker)
 {
     if (worker->started && worker->started_width >= width) return;
+
+    /* A wider search finds all that a narrower one would, so it stays for the bricks that follow. */
     bvxi_near_cube_begin(w->n, cube, width, worker);
     worker->started = 1;
     worker->started_width = width;
@@ -141,6 +144,8 @@ static void fill_near_brick(const fill_work *w, const int32_t cube[3], const int
     bvxi_near_brick_begin(w->n, (const int32_t *)index, worker);
     find_fill_triangles(w, cube, set, remembered, worker);
     pairs->count = 0;
+
+    /* Slots of a brick lie in the order of its rows, and so do the values. */
     for (uint64_t m = set; m != 0; m &= m - 1) {
         int32_t const s = bvxi_lowest(m);
         double const point[3] = {worker->centre[0][s & 3], worker->centre[1][s >> 2 & 3],
@@ -166,6 +171,7 @@ static void fill_near_cube(const fill_work *w, const bvxi_near_run *r, int32_t x
     int32_t const cube[3] = {w->where->low[0] + x * BVXI_NEAR_CUBE, w->where->low[1] + r->y * BVXI_NEAR_CUBE,
                              w->where->low[2] + r->z * BVXI_NEAR_CUBE};
 
+    /* A search is begun by the first brick that needs one; most cubes' bricks are remembered. */
     worker->started = 0;
     if (w->remembered) slot = w->n->memo->cube_slot[bvxi_near_cube_number(&w->plan, r, x)];
     for (int32_t b = 0; b < 64; b++) {
@@ -213,6 +219,8 @@ bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double
     bvx_status status = bvxi_near_workers(call.ctx, 0, &w.workers);
 
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
+
+    /* What the band remembered is of use only where it lay as these values do. */
     w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 &&
                    memcmp(m->size, where->size, sizeof m->size) == 0;
     if (status == BVX_OK)

@@ -36,6 +36,8 @@ static void place_near_vertices(void *user, int32_t index, int32_t worker)
     uint64_t begin, end;
 
     (void)worker;
+
+    /* Each vertex once: a triangle then only adds up three words. */
     bvxi_piece(n->view.vertex_count, b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         double p[3];
@@ -85,6 +87,7 @@ static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count,
 {
     uint32_t const mask = (1u << NEAR_COARSE_BITS) - 1;
 
+    /* One reading counts the digits of all three rounds. */
     memset(place, 0, 3 * sizeof place[0]);
     for (uint64_t i = 0; i < count; i++) {
         place[0][keys[i] >> 32 & mask]++;
@@ -110,6 +113,8 @@ static void sort_near_keys(uint64_t *keys, uint64_t *spare, uint64_t count,
 static uint64_t count_near_crowds(const uint64_t *keys, uint64_t count)
 {
     uint64_t crowded = 0;
+
+    /* In order, so equal cells at this distance have as many between them. */
     for (uint64_t i = NEAR_CROWD; i < count; i++) crowded += keys[i] >> 32 == keys[i - NEAR_CROWD] >> 32;
     return crowded;
 }
@@ -120,6 +125,7 @@ static bvx_status sort_near_along_curve(bvx_context *ctx, const char *stage, dou
     uint32_t place[3][1 << NEAR_COARSE_BITS];
     uint64_t const count = o->count;
 
+    /* Coarse first: three rounds over words that hold key and number together. */
     k->pieces = bvxi_piece_count(count, NEAR_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, stage, from, (from + to) * 0.5, k->pieces, make_near_keys, k));
     sort_near_keys(o->keys, o->spare, count, place);
@@ -179,6 +185,7 @@ static uint64_t near_key_sides(const uint64_t *keys, uint32_t begin, uint32_t en
 {
     uint64_t sum = 0;
 
+    /* In cells of the curve: sums of sides tell which box is small, and cost no square. */
     for (int a = 0; a < 3; a++) {
         uint32_t low = UINT32_MAX, high = 0;
         for (uint32_t i = begin; i < end; i++) {

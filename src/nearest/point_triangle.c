@@ -21,6 +21,8 @@ static double closest_on_segment(const double p[3], const double a[3], const dou
     double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     double const w[3] = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
     double const along = bvxi_vec_dot(u, w), length2 = bvxi_vec_dot(u, u);
+
+    /* Before, beyond, or between; NaN counts as before. */
     if (!(along > 0.0)) return closest_at(p, a, q);
     if (along >= length2) return closest_at(p, b, q);
     for (int k = 0; k < 3; k++) q[k] = a[k] + along / length2 * u[k];
@@ -31,6 +33,7 @@ static double closest_on_edges(const double p[3], const double t[3][3], double q
 {
     double best = closest_on_segment(p, t[0], t[1], q), r[3];
 
+    /* Of equally near edges the first one stays. */
     for (int k = 1; k < 3; k++) {
         double const d = closest_on_segment(p, t[k], t[k == 2 ? 0 : k + 1], r);
         if (d < best) {
@@ -59,6 +62,8 @@ double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double 
         bc[k] = t[2][k] - t[1][k];
         ap[k] = p[k] - t[0][k];
     }
+
+    /* Cross products keep the digits that differences of products lose on needles. */
     bvxi_vec_cross(ab, ac, n);
     bvxi_vec_cross(ap, ac, nb);
     bvxi_vec_cross(ab, ap, nc);
@@ -80,6 +85,9 @@ double bvxi_closest_on_triangle(const double p[3], const double t[3][3], double 
         memcpy(q, r, sizeof r);
         return on_face;
     }
+
+    /* Corners, edges, face, as Ericson has them: in this order each test may take those before for
+     * granted. */
     if (d1 <= 0.0 && d2 <= 0.0) return closest_at(p, t[0], q);
     if (d3 >= 0.0 && d4 <= d3) return closest_at(p, t[1], q);
     if (d6 >= 0.0 && d5 <= d6) return closest_at(p, t[2], q);

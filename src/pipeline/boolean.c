@@ -191,6 +191,8 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
                              boolean_name, (int64_t)operation);
+
+    /* What the rows cannot say follows them. */
     BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
     /* A lattice that is given needs no resolution. */
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
@@ -265,6 +267,7 @@ static void plan_boolean(boolean_job *job)
     int const look = job->options->thin == BVX_THIN_KEEP || job->options->report != NULL;
     double *const cost = job->cost;
 
+    /* Each mesh for itself, as one may have a thousand times the other's triangles. */
     for (int i = 0; i < 2; i++) {
         double const n = (double)job->body[i].mesh->triangle_count;
         cost[BOOLEAN_FILL + i] = 0.035 * n + 0.015 * faces;
@@ -301,6 +304,7 @@ static void plan_thin_walls(boolean_job *job, int32_t i, double asked, double vo
 {
     double const of_first = i == 0 ? 0.0 : 0.5 * job->cost[BOOLEAN_FLATTEN];
 
+    /* The first mesh speaks for both; the second one's own numbers replace what was taken from it. */
     for (int32_t k = i; k < 2; k++) job->cost[BOOLEAN_WIDEN + k] = cost_of_walls(15.0, voxels);
     if (i == 0) job->cost[BOOLEAN_ASK + 1] = BOOLEAN_ASKED * asked;
     job->cost[BOOLEAN_FLATTEN] = of_first + (2 - i) * cost_of_walls(20.0, voxels);
@@ -313,6 +317,7 @@ static void begin_boolean_step(boolean_job *job, int step)
     double const from = job->at;
     double left = 0.0;
 
+    /* A step that has been taken costs nothing any more. */
     for (int i = step; i < BOOLEAN_STEPS; i++) left += job->cost[i];
     if (left > 0.0) job->at += (1.0 - from) * (job->cost[step] / left);
     job->cost[step] = 0.0;
@@ -422,6 +427,8 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     o.fill = job->options->fill;
     o.check_thin = 0; /* they are looked for below */
     o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+
+    /* The exact solid first: walls are what it has lost. */
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_FILL + i,
                           bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
 
@@ -562,6 +569,8 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
         rule[i].mesh = job->body[i].mesh;
         rule[i].inside = &job->body[i].solid;
     }
+
+    /* Where both bodies cross an edge, a union takes the outer cut, the others the inner one. */
     rule[0].second = &rule[1];
     rule[0].outer = job->operation == BVX_BOOLEAN_UNION;
     bvx_field_surface_options_init(&o, sizeof o);
@@ -605,6 +614,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_SHARP, choose_boolean_sharp(job)));
     if (!job->report.sharp) job->cost[BOOLEAN_EXTRACT] = job->plain;
 
+    /* Distances of each body to its own mesh, where the result keeps its surface. */
     for (int i = 0; i < 2; i++)
         BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_MEASURE + i, measure_body(job, &job->body[i])));
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_EXTRACT, extract_boolean(job, result)));
@@ -627,6 +637,7 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.ctx = context;
     job.options = &o;
     job.operation = operation;
+
     job.body[0].mesh = a;
     mine = result->positions == NULL;
     job.body[1].mesh = b;
