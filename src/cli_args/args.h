@@ -27,6 +27,16 @@ enum {
 
 typedef struct cli_argument cli_argument;
 
+/* A command's way from the input to the result. */
+struct cli_job {
+    size_t size; /* bytes of what it works with: run->work */
+    /* Check, open, read, call the library: all but writing. */
+    int (*make)(cli_run *run, void *work, cli_made *made);
+    /* After writing, what is to be said of it; may be NULL, as the next. */
+    void (*tell)(const cli_run *run, const void *work, cli_made *made);
+    void (*free)(cli_run *run, void *work);
+};
+
 struct cli_command {
     const char *name;
     int32_t bit;
@@ -38,12 +48,8 @@ struct cli_command {
     const cli_argument *rows; /* the options that it takes, in the order of its help */
     size_t own;               /* bytes of those that are its own: run->own */
     void (*start)(void *own); /* what they are where nothing is given; NULL: zero */
-    size_t job;               /* bytes of what it works with: run->job */
-    /* Check, open, read, call the library: all but writing. */
-    int (*make)(cli_run *run, void *job, cli_made *made);
-    /* After writing, what is to be said of it; may be NULL, as the next. */
-    void (*tell)(const cli_run *run, const void *job, cli_made *made);
-    void (*free)(cli_run *run, void *job);
+    cli_job job;              /* what it does; or one of several jobs, which this chooses by the line: */
+    int (*choose)(cli_run *run, const cli_job **job);
 };
 
 /* ---- shared_rows.c, option_values.c, arguments.c: what the command line says; rows.h: rows ---- */

@@ -484,7 +484,4 @@ const cli_command cli_boolean = {
     .rows = boolean_rows,
     .start = start_boolean,
     .own = sizeof(boolean_options),
-    .job = sizeof(boolean_run),
-    .make = make_boolean,
-    .tell = tell_boolean,
-    .free = free_boolean};
+    .job = {.size = sizeof(boolean_run), .make = make_boolean, .tell = tell_boolean, .free = free_boolean}};

@@ -285,6 +285,4 @@ const cli_command cli_compare = {
                "bitvox compare fixtures/knot.ply knot.stl",
     .rows = compare_rows,
     .own = sizeof(compare_options),
-    .job = sizeof(cli_input[2]),
-    .make = make_compare,
-    .free = free_compare};
+    .job = {.size = sizeof(cli_input[2]), .make = make_compare, .free = free_compare}};

@@ -343,7 +343,7 @@ const cli_command cli_components = {
                "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
     .rows = components_rows,
     .own = sizeof(components_options),
-    .job = sizeof(components_job),
-    .make = make_components,
-    .tell = tell_components,
-    .free = free_components};
+    .job = {.size = sizeof(components_job),
+            .make = make_components,
+            .tell = tell_components,
+            .free = free_components}};

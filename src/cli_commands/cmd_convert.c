@@ -159,7 +159,4 @@ const cli_command cli_convert = {
     .example = "bitvox convert fixtures/knot.ply -o knot.glb\n"
                "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
     .rows = convert_rows,
-    .job = sizeof(convert_job),
-    .make = make_convert,
-    .tell = tell_convert,
-    .free = free_convert};
+    .job = {.size = sizeof(convert_job), .make = make_convert, .tell = tell_convert, .free = free_convert}};

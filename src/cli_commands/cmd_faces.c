@@ -122,7 +122,4 @@ const cli_command cli_faces = {
     .rows = faces_rows,
     .start = start_faces,
     .own = sizeof(bvx_faces_options),
-    .job = sizeof(faces_job),
-    .make = make_faces,
-    .tell = tell_faces,
-    .free = free_faces};
+    .job = {.size = sizeof(faces_job), .make = make_faces, .tell = tell_faces, .free = free_faces}};

@@ -267,7 +267,4 @@ const cli_command cli_fill = {
                "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
     .rows = fill_rows,
     .own = sizeof(fill_options),
-    .job = sizeof(fill_job),
-    .make = make_fill,
-    .tell = tell_fill,
-    .free = free_fill};
+    .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .free = free_fill}};

@@ -383,6 +383,4 @@ const cli_command cli_info = {
                "bitvox info fixtures/knot.ply --crossings --json",
     .rows = info_rows,
     .own = sizeof(info_options),
-    .job = sizeof(info_job),
-    .make = make_info,
-    .free = free_info};
+    .job = {.size = sizeof(info_job), .make = make_info, .free = free_info}};

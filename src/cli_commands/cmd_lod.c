@@ -5,7 +5,6 @@
  * written at the end, so a failure leaves no part of a chain. */
 #include "cli_commands/lod_chain.h"
 #include "cli_args/rows.h"
-#include "cli_commands/lod_collapse.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -82,13 +81,6 @@ static const cli_argument lod_rows[] = {
 
 enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 
-/* By one of two ways. */
-typedef struct lod_job {
-    cli_lod_collapse collapse; /* first, as cli_write_collapse needs it */
-    cli_chain chain;
-    int collapses;
-} lod_job;
-
 /* ---- what is requested ---- */
 
 /* Options of the methods that sample a solid, and of the one that collapses
@@ -136,18 +128,6 @@ static uint32_t facts_of_method(const cli_run *run, int kind, int collapses)
     const cli_lod_options *const own = run->own;
     return (kind == CLI_GRID ? CLI_OF_GRID : 0u) | (collapses ? COLLAPSES : 0u) |
            (own->method == BVX_LOD_COVERAGE ? COVERS : 0u);
-}
-
-/* --method, or what the input and the other options mean; *collapse tells. */
-static int choose_method(cli_run *run, int kind, int *collapse)
-{
-    const cli_lod_options *const own = run->own;
-    int32_t const method = own->method;
-
-    /* A mesh collapses unless something asks for samples of a solid. */
-    *collapse = method == CLI_METHOD_COLLAPSE ||
-                (method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
-    return cli_check_rules(run, method_rules, facts_of_method(run, kind, *collapse), NULL);
 }
 
 static int check_lod_options(cli_run *run, cli_chain *c)
@@ -293,15 +273,18 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
 
 static int write_chain(cli_run *run, void *work)
 {
-    const cli_chain *const c = &((lod_job *)work)->chain;
+    const cli_chain *const c = work;
 
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
 
-static int lod_by_solid(cli_run *run, cli_chain *c, cli_made *made)
+static int make_chain(cli_run *run, void *work, cli_made *made)
 {
-    int status = check_lod_options(run, c);
+    cli_chain *const c = work;
+    int status = cli_input_kind(run, run->options->input[0], &c->kind);
 
+    made->untitled = 1;
+    if (status == CLI_DONE) status = check_lod_options(run, c);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
     run->progress.made = run->progress.measured = c->count;
     if (status == CLI_DONE) status = cli_open_levels(run, c->count, c->path);
@@ -312,8 +295,9 @@ static int lod_by_solid(cli_run *run, cli_chain *c, cli_made *made)
     return status;
 }
 
-static void tell_chain(const cli_run *run, const cli_chain *c, cli_made *made)
+static void tell_chain(const cli_run *run, const void *work, cli_made *made)
 {
+    const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
 
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
@@ -325,35 +309,30 @@ static void tell_chain(const cli_run *run, const cli_chain *c, cli_made *made)
     cli_tell_written(run, c->count, made);
 }
 
-static int make_lod(cli_run *run, void *work, cli_made *made)
+static void free_chain(cli_run *run, void *work)
 {
-    lod_job *const job = work;
-    int status = cli_input_kind(run, run->options->input[0], &job->chain.kind);
+    cli_chain *const c = work;
 
-    if (status == CLI_DONE) status = choose_method(run, job->chain.kind, &job->collapses);
-    made->untitled = 1;
-    if (status != CLI_DONE) return status;
-    return job->collapses ? cli_lod_by_collapse(run, &job->collapse, made)
-                          : lod_by_solid(run, &job->chain, made);
-}
-
-static void tell_lod(const cli_run *run, const void *work, cli_made *made)
-{
-    const lod_job *const job = work;
-
-    if (job->collapses) cli_tell_lod_collapse(run, &job->collapse, made);
-    else tell_chain(run, &job->chain, made);
-}
-
-static void free_lod(cli_run *run, void *work)
-{
-    lod_job *const job = work;
-    cli_chain *const c = &job->chain;
-
-    cli_free_collapse(run, &job->collapse.run);
     for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
     bvx_grid_free(run->context, &c->solid);
     bvx_mesh_free(run->context, &c->input);
+}
+
+static const cli_job chain_job = {
+    .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .free = free_chain};
+
+/* By --method, or by what the input and the other options mean. */
+static int choose_lod(cli_run *run, const cli_job **job)
+{
+    const cli_lod_options *const own = run->own;
+    int kind, collapses;
+
+    CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
+    /* A mesh collapses unless something asks for samples of a solid. */
+    collapses = own->method == CLI_METHOD_COLLAPSE ||
+                (own->method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
+    *job = collapses ? &cli_lod_collapse : &chain_job;
+    return cli_check_rules(run, method_rules, facts_of_method(run, kind, collapses), NULL);
 }
 
 const cli_command cli_lod = {
@@ -386,7 +365,4 @@ const cli_command cli_lod = {
     .rows = lod_rows,
     .start = start_lod,
     .own = sizeof(cli_lod_options),
-    .job = sizeof(lod_job),
-    .make = make_lod,
-    .tell = tell_lod,
-    .free = free_lod};
+    .choose = choose_lod};

@@ -525,7 +525,4 @@ const cli_command cli_morph = {
     .rows = morph_rows,
     .start = start_morph,
     .own = sizeof(morph_options),
-    .job = sizeof(morph_job),
-    .make = make_morph,
-    .tell = tell_morph,
-    .free = free_morph};
+    .job = {.size = sizeof(morph_job), .make = make_morph, .tell = tell_morph, .free = free_morph}};

@@ -236,7 +236,4 @@ const cli_command cli_refine = {
     .rows = refine_rows,
     .start = start_refine,
     .own = sizeof(refine_options),
-    .job = sizeof(cli_tree),
-    .make = make_refine,
-    .tell = tell_refine,
-    .free = free_refine};
+    .job = {.size = sizeof(cli_tree), .make = make_refine, .tell = tell_refine, .free = free_refine}};

@@ -376,7 +376,4 @@ const cli_command cli_render = {
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),
-    .job = sizeof(render_job),
-    .make = make_render,
-    .tell = tell_render,
-    .free = free_render};
+    .job = {.size = sizeof(render_job), .make = make_render, .tell = tell_render, .free = free_render}};

@@ -406,7 +406,4 @@ const cli_command cli_repair = {
     .rows = repair_rows,
     .start = start_repair,
     .own = sizeof(bvx_repair_options),
-    .job = sizeof(repair_job),
-    .make = make_repair,
-    .tell = tell_repair,
-    .free = free_repair};
+    .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .free = free_repair}};

@@ -656,7 +656,5 @@ const cli_command cli_sections = {
     .rows = sections_rows,
     .start = start_sections,
     .own = sizeof(sections_options),
-    .job = sizeof(sections_job),
-    .make = make_sections,
-    .tell = tell_sections,
-    .free = free_sections};
+    .job = {
+        .size = sizeof(sections_job), .make = make_sections, .tell = tell_sections, .free = free_sections}};

@@ -172,7 +172,7 @@ const cli_command cli_simplify = {
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
     .rows = simplify_rows,
-    .job = sizeof(cli_collapse_run),
-    .make = make_simplify,
-    .tell = tell_simplify,
-    .free = free_simplify};
+    .job = {.size = sizeof(cli_collapse_run),
+            .make = make_simplify,
+            .tell = tell_simplify,
+            .free = free_simplify}};

@@ -147,7 +147,4 @@ const cli_command cli_slice = {
                "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
     .rows = slice_rows,
     .own = sizeof(slice_options),
-    .job = sizeof(slice_job),
-    .make = make_slice,
-    .tell = tell_slice,
-    .free = free_slice};
+    .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .free = free_slice}};

@@ -85,8 +85,7 @@ typedef struct voxel_job {
     bvx_field field;           /* of --mode field */
     bvx_fill_comparison fills; /* of --compare-fills */
     int cloud;                 /* 1: mesh holds points only */
-    cli_voxels voxels;         /* the output, where it is neither a field */
-    cli_volume_job volume;     /* nor made of a volume */
+    cli_voxels voxels;         /* the output, where it is no field */
 } voxel_job;
 
 /* ---- what is requested ---- */
@@ -105,16 +104,6 @@ static uint32_t facts_of_mode(const cli_run *run)
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
            (own->solid.check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
-
-/* A volume has its own lattice, and voxels already. */
-static const cli_rule volume_rules[] = {
-    {.given =
-         "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell --check-edges "
-         "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type "
-         "--sharp --no-sharp",
-     .message = "%o is for meshes; %i is a volume"},
-    {.also = cli_cloud_rules},
-    {0}};
 
 static const cli_rule fill_rules[] = {
     {.unless = CLI_FILLS_BELOW, .given = "--base --second --up", .message = "%o needs --fill below"},
@@ -171,32 +160,28 @@ static int check_second(cli_run *run)
     return status;
 }
 
-/* What the input is by its name; of a cloud in .ply it is known once it is read. */
+/* By the input's name; of a cloud in .ply it is known once it is read. */
 static int find_kind(cli_run *run, uint32_t *kind)
 {
     const char *const input = run->options->input[0];
-    int of = CLI_MESH, status = CLI_DONE;
+    int of;
 
-    if (cli_input_format(run, input) == BVX_FORMAT_XYZ) {
-        *kind = CLI_OF_CLOUD;
-        return CLI_DONE;
-    }
-    status = cli_input_kind(run, input, &of);
-    *kind = of != CLI_GRID ? 0 : cli_is_volume(run, input) ? CLI_OF_VOLUME : CLI_OF_GRID;
-    return status;
+    *kind = CLI_OF_CLOUD;
+    if (cli_input_format(run, input) == BVX_FORMAT_XYZ) return CLI_DONE;
+    CLI_TRY(cli_input_kind(run, input, &of));
+    *kind = of == CLI_GRID ? CLI_OF_GRID : 0;
+    return CLI_DONE;
 }
 
-static int check_voxelize_options(cli_run *run, uint32_t *kind, bvx_window *window)
+static int check_voxelize_options(cli_run *run, bvx_window *window)
 {
     const cli_voxelize_options *const own = run->own;
-    const char *const mode = cli_mode_names[own->mode];
-    int status = find_kind(run, kind);
+    uint32_t kind;
 
-    if (status == CLI_DONE && *kind == CLI_OF_VOLUME)
-        status = cli_check_rules(run, volume_rules, *kind, NULL);
-    else if (status == CLI_DONE) status = cli_check_rules(run, mesh_rules, *kind | facts_of_mode(run), mode);
-    if (status == CLI_DONE) status = check_second(run);
-    return status == CLI_DONE ? cli_window_option(run, window) : status;
+    CLI_TRY(find_kind(run, &kind));
+    CLI_TRY(cli_check_rules(run, mesh_rules, kind | facts_of_mode(run), cli_mode_names[own->mode]));
+    CLI_TRY(check_second(run));
+    return cli_window_option(run, window);
 }
 
 /* ---- the lattice ---- */
@@ -403,29 +388,38 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
     voxel_job *const job = work;
-    uint32_t kind = 0;
-    int status = check_voxelize_options(run, &kind, &job->window);
 
-    if (status == CLI_DONE && kind == CLI_OF_VOLUME)
-        return cli_voxelize_volume(run, &job->window, &job->volume, made);
-    if (own->mode == CLI_MODE_FIELD) run->progress.writing = 5.0;
-    if (status == CLI_DONE && own->mode == CLI_MODE_FIELD) cli_choose_field_padding(run);
-    else if (status == CLI_DONE) make_room_for_surface(run);
-    if (status == CLI_DONE) status = cli_open_voxels(run);
-    if (status == CLI_DONE) status = read_meshes(run, job);
-    return status == CLI_DONE ? make_all(run, job, made) : status;
+    CLI_TRY(check_voxelize_options(run, &job->window));
+    /* The lattice is wider than the mesh by what lies around its surface. */
+    if (own->mode == CLI_MODE_FIELD) {
+        run->progress.writing = 5.0;
+        cli_choose_field_padding(run);
+    } else {
+        make_room_for_surface(run);
+    }
+    CLI_TRY(cli_open_voxels(run));
+    CLI_TRY(read_meshes(run, job));
+    return make_all(run, job, made);
 }
 
 static void free_voxelize(cli_run *run, void *work)
 {
     voxel_job *const job = work;
 
-    cli_free_volume_job(run, &job->volume);
     cli_free_voxels(run, &job->voxels);
     bvx_field_free(run->context, &job->field);
     bvx_grid_free(run->context, &job->grid);
     bvx_mesh_free(run->context, &job->second);
     bvx_mesh_free(run->context, &job->mesh);
+}
+
+static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .free = free_voxelize};
+
+/* Of a volume voxels are chosen, of a mesh and a cloud they are made. */
+static int choose_voxelize(cli_run *run, const cli_job **job)
+{
+    *job = cli_is_volume(run, run->options->input[0]) ? &cli_voxelize_volume : &mesh_job;
+    return CLI_DONE;
 }
 
 const cli_command cli_voxelize = {
@@ -463,6 +457,4 @@ const cli_command cli_voxelize = {
     .rows = voxelize_rows,
     .start = start_voxelize,
     .own = sizeof(cli_voxelize_options),
-    .job = sizeof(voxel_job),
-    .make = make_voxelize,
-    .free = free_voxelize};
+    .choose = choose_voxelize};

@@ -76,19 +76,10 @@ int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice
 /* The comparison as lines of text and as a member of the JSON report. */
 void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made);
 
-/* ---- volume_output.c: voxelize of a volume ---- */
+/* ---- voxelize_volume.c ---- */
 
-typedef struct cli_volume_job {
-    cli_volume volume;
-    bvx_volume_report report;
-    bvx_label *labels;
-    uint64_t label_count;
-    bvx_grid grid;
-} cli_volume_job;
-
-/* To a grid, or by the output's ending to one mesh or one a label. */
-int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *job, cli_made *made);
-void cli_free_volume_job(cli_run *run, cli_volume_job *job);
+/* voxelize of a volume: to a grid, or by the output's ending to one mesh or one a label. */
+extern const cli_job cli_voxelize_volume;
 
 /* ---- turntable.c ---- */
 

@@ -36,4 +36,7 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *chain, int lev
 /* Read the input and make the solid, with all that levels are compared with. */
 int cli_open_chain(cli_run *run, cli_chain *chain);
 
+/* lod_collapse.c: --method collapse, for meshes. */
+extern const cli_job cli_lod_collapse;
+
 #endif

@@ -1,11 +1,15 @@
 /* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were
  * made from what. */
-#include "cli_commands/lod_collapse.h"
-
+#include "cli_commands/collapse_run.h"
 #include "cli_commands/lod_chain.h"
 
 #include <inttypes.h>
 #include <string.h>
+
+typedef struct lod_collapse {
+    cli_collapse_run run; /* the first, as cli_write_collapse needs it */
+    bvx_levels_report report;
+} lod_collapse;
 
 /* ---- Options ---- */
 
@@ -51,7 +55,7 @@ static int check_measured_options(cli_run *run)
     return CLI_DONE;
 }
 
-static void take_levels_options(const cli_run *run, cli_lod_collapse *l, bvx_levels_options *b)
+static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_options *b)
 {
     const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
@@ -79,7 +83,7 @@ static void take_levels_options(const cli_run *run, cli_lod_collapse *l, bvx_lev
 /* ---- Levels ---- */
 
 /* Borders that were to be kept, and why they are not. */
-static void warn_of_sheets(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+static void warn_of_sheets(const cli_run *run, const lod_collapse *l, cli_made *made)
 {
     const bvx_levels_report *const r = &l->report;
     const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
@@ -98,7 +102,7 @@ static void warn_of_sheets(const cli_run *run, const cli_lod_collapse *l, cli_ma
                    b[2]);
 }
 
-static void warn_of_lowered(const cli_lod_collapse *l, cli_made *made)
+static void warn_of_lowered(const lod_collapse *l, cli_made *made)
 {
     if (l->report.reason == BVX_MEASURED_MEMORY)
         cli_advise(
@@ -114,12 +118,12 @@ static void warn_of_lowered(const cli_lod_collapse *l, cli_made *made)
                    l->report.planned_resolution, l->report.resolution);
 }
 
-static int is_measured(const cli_lod_collapse *l)
+static int is_measured(const lod_collapse *l)
 {
     return l->report.source == BVX_LEVELS_MEASURED;
 }
 
-static int build_levels(cli_run *run, cli_lod_collapse *l)
+static int build_levels(cli_run *run, lod_collapse *l)
 {
     cli_collapse_run *const c = &l->run;
     bvx_levels_options b;
@@ -148,7 +152,7 @@ static int build_levels(cli_run *run, cli_lod_collapse *l)
 /* ---- What is reported ---- */
 
 /* Why the surface was measured. */
-static const char *reason_of(const cli_run *run, const cli_lod_collapse *l)
+static const char *reason_of(const cli_run *run, const lod_collapse *l)
 {
     const cli_lod_options *const own = run->own;
     static const char *const reason[] = {"",
@@ -164,7 +168,7 @@ static const char *reason_of(const cli_run *run, const cli_lod_collapse *l)
     return own->levels.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
 }
 
-static void tell_lod_head(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *made)
 {
     const cli_collapse_run *const c = &l->run;
     const bvx_repair_report *const r = &l->report.repair;
@@ -207,7 +211,7 @@ static void tell_lod_head(const cli_run *run, const cli_lod_collapse *l, cli_mad
     cli_tell(made, "\n");
 }
 
-static void report_levels(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+static void report_levels(const cli_run *run, const lod_collapse *l, cli_made *made)
 {
     cli_text *const t = &made->members;
 
@@ -233,7 +237,7 @@ static void report_levels(const cli_run *run, const cli_lod_collapse *l, cli_mad
     if (is_measured(l)) cli_report_repair(t, &l->report.repair, 0);
 }
 
-static void warn_of_unused(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+static void warn_of_unused(const cli_run *run, const lod_collapse *l, cli_made *made)
 {
     const char *const unused = cli_given_of(run, "--sharp --no-sharp --shell");
 
@@ -245,7 +249,7 @@ static void warn_of_unused(const cli_run *run, const cli_lod_collapse *l, cli_ma
 }
 
 /* Bodies that are turned, or that lie in each other: the mesh itself is what levels were made from. */
-static void warn_of_facing(const cli_lod_collapse *l, cli_made *made)
+static void warn_of_facing(const lod_collapse *l, cli_made *made)
 {
     const cli_collapse_run *const c = &l->run;
     int const is_body = c->before.closed && c->before.oriented;
@@ -266,10 +270,12 @@ static void warn_of_facing(const cli_lod_collapse *l, cli_made *made)
                          "--source measured makes one body of them");
 }
 
-int cli_lod_by_collapse(cli_run *run, cli_lod_collapse *l, cli_made *made)
+static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
+    lod_collapse *const l = work;
     int status = check_measured_options(run);
 
+    made->untitled = 1;
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
     if (status == CLI_DONE) status = cli_open_collapse(run, &l->run);
     if (status == CLI_DONE) status = build_levels(run, l);
@@ -278,8 +284,10 @@ int cli_lod_by_collapse(cli_run *run, cli_lod_collapse *l, cli_made *made)
     return status;
 }
 
-void cli_tell_lod_collapse(const cli_run *run, const cli_lod_collapse *l, cli_made *made)
+static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
 {
+    const lod_collapse *const l = work;
+
     tell_lod_head(run, l, made);
     cli_tell_collapse(run, &l->run, made);
     warn_of_unused(run, l, made);
@@ -288,3 +296,11 @@ void cli_tell_lod_collapse(const cli_run *run, const cli_lod_collapse *l, cli_ma
     warn_of_lowered(l, made);
     report_levels(run, l, made);
 }
+
+static void free_collapse(cli_run *run, void *work)
+{
+    cli_free_collapse(run, &((lod_collapse *)work)->run);
+}
+
+const cli_job cli_lod_collapse = {
+    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .free = free_collapse};

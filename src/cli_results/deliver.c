@@ -14,7 +14,7 @@ static const bvx_grid *grid_of(const cli_made *made)
 
 static int write_made(cli_run *run, cli_made *made)
 {
-    return made->write != NULL    ? made->write(run, run->job)
+    return made->write != NULL    ? made->write(run, run->work)
            : made->voxels != NULL ? cli_write_voxels(run, made->voxels)
            : made->field != NULL  ? cli_write_field(run, made->field)
            : made->grid != NULL   ? cli_write_grid(run, made->grid)
@@ -37,7 +37,7 @@ static void tell_made(cli_run *run, cli_made *made)
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
     /* The command speaks first: what several commands tell alike follows its lines. */
-    if (run->command->tell != NULL) run->command->tell(run, run->job, made);
+    if (run->job->tell != NULL) run->job->tell(run, run->work, made);
     if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
 
     if (grid != NULL) cli_tell_grid(run, &made->head, grid, made->set, made->placed);
@@ -56,10 +56,12 @@ int cli_perform(cli_run *run)
     cli_made made = {.placed = 1};
     int result;
 
-    /* Zeroed: what was not reached is freed as empty. One byte more, since a command may have no job. */
-    run->job = calloc(1, run->command->job + 1);
-    if (run->job == NULL) return cli_fail(run, "no memory to begin with");
-    result = run->command->make(run, run->job, &made);
+    run->job = &run->command->job;
+    if (run->command->choose != NULL) CLI_TRY(run->command->choose(run, &run->job));
+    /* Zeroed: what was not reached is freed as empty. */
+    run->work = calloc(1, run->job->size);
+    if (run->work == NULL) return cli_fail(run, "no memory to begin with");
+    result = run->job->make(run, run->work, &made);
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
 
@@ -73,7 +75,7 @@ int cli_perform(cli_run *run)
 
 void cli_release(cli_run *run)
 {
-    if (run->job != NULL && run->command->free != NULL) run->command->free(run, run->job);
-    free(run->job);
-    run->job = NULL;
+    if (run->work != NULL && run->job->free != NULL) run->job->free(run, run->work);
+    free(run->work);
+    run->work = NULL;
 }

@@ -14,7 +14,7 @@ struct cli_made {
     const bvx_field *field;
     const bvx_mesh *mesh;
     cli_voxels *voxels;
-    int (*write)(cli_run *run, void *job); /* or what this writes */
+    int (*write)(cli_run *run, void *work); /* or what this writes */
 
     const bvx_grid *shown; /* its lattice is told where no grid is written; NULL: none */
     uint64_t set;          /* voxels of it, or values */
@@ -28,7 +28,7 @@ struct cli_made {
 /* Another line, or a part of one, for people; another warning. */
 #define cli_tell(made, ...)   cli_text_add(&(made)->text, __VA_ARGS__)
 #define cli_advise(made, ...) cli_add_warning(&(made)->warnings, __VA_ARGS__)
-/* Do what the command says, with run->job zeroed for it: make, write, keep, tell, report and warn, in this
+/* Do what the command says, with run->work zeroed for it: make, write, keep, tell, report and warn, in this
  * order; or fail, and nothing is left. */
 int cli_perform(cli_run *run);
 /* What it was made with goes; the report has pointers to that. */

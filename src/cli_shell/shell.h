@@ -26,6 +26,7 @@ enum {
 typedef struct cli_run cli_run;
 typedef struct cli_options cli_options; /* cli_args/args.h */
 typedef struct cli_command cli_command;
+typedef struct cli_job cli_job;
 typedef struct cli_made cli_made; /* cli_results/results.h */
 
 enum { CLI_BAR_AUTO = 0, CLI_BAR_DRAW = 1, CLI_BAR_JSON = 2, CLI_BAR_NONE = 3 };
@@ -267,7 +268,8 @@ void cli_blocks_offer(bvx_context_options *options);
 struct cli_run {
     const char *name;                   /* of the command; NULL: none */
     const cli_command *command;         /* not looked at in this room */
-    void *job;                          /* the command's own */
+    const cli_job *job;                 /* of the command, likewise */
+    void *work;                         /* the job's own */
     cli_options *options;               /* likewise */
     void *own;                          /* the options of the command alone */
     const cli_command *const *commands; /* all of them, NULL after the last */

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """walk.py COMMAND...: the way of a run through the program's sources.
 
-Follows `run` from cli_perform through the command's functions (which its table names: make, write, tell, free) and all calls that pass it,
-in the order of the text, each body once: a step down for each call, a step back after it. Prints for each command the files and functions on the way, the stays (runs of steps within one file), the
-returns (stays in a file that was seen before: stays less files) and the climbs (calls into a room above the caller's). With --every,
-calls that do not pass `run` are followed too; --list names the files with their stays."""
+Follows `run` from cli_perform through the functions of a command's job (choose, and which the job names: make, tell, free) and all calls
+that pass it, in the order of the text, each body once: a step down for each call, a step back after it. Prints for each job of the command
+the files and functions on the way, the stays (runs of steps within one file), the returns (stays in a file that was seen before: stays less
+files) and the climbs (calls into a room above the caller's). With --every, calls that do not pass `run` are followed too; --list names the
+files with their stays."""
 import glob
 import re
 import sys
@@ -77,21 +78,37 @@ def walk(entry, own, shared, every):
     return seen, stays, climbs, len(steps)
 
 
+def jobs_of(command, own):
+    """(name, functions) of each job of a command: the one in its table, or those that its choose_ names."""
+    path = f"src/cli_commands/cmd_{command}.c"
+    text = open(path, encoding="utf-8").read()
+    found = {}
+    for file in sorted(glob.glob("src/cli_commands/*.c")):
+        for m in re.finditer(r"^(?:static )?const cli_job (\w+) = \{(.*?)\};", open(file, encoding="utf-8").read(), flags=re.M | re.S):
+            found[m.group(1)] = (file, m.group(2))
+    choose = own[path].get(f"choose_{command}")
+    if choose is None:
+        named = {command: (path, re.search(r"\.job = \{(.*?)\}", text, flags=re.S).group(1))}
+    else:
+        named = {f"{command} {name}": found[name] for name in re.findall(r"\b\w+_\w+\b", choose[2]) if name in found}
+    for name, (file, parts) in named.items():
+        functions = [own[file].get(part) for part in re.findall(r"\.(?:make|tell|free) = (\w+)", parts)]
+        yield name, [f for f in [choose, *functions] if f]
+
+
 def main():
     words = [w for w in sys.argv[1:] if not w.startswith("--")]
     sys.setrecursionlimit(10000)
     own, shared = read_program()
     for command in words or ["voxelize"]:
-        path = f"src/cli_commands/cmd_{command}.c"
-        named = [own[path].get(f"{part}_{command}") for part in ("make", "tell", "free")]
-        entry = [shared["cli_perform"]] + [function for function in named if function]
-        seen, stays, climbs, steps = walk(entry, own, shared, "--every" in sys.argv)
-        files = {p for p, _ in seen}
-        print(f"{command}: {len(files)} files, {len(seen)} functions, {steps} steps, {len(stays)} stays, "
-              f"{len(stays) - len(files)} returns, {climbs} climbs")
-        if "--list" in sys.argv:
-            for p in sorted(files, key=lambda p: -stays.count(p)):
-                print(f"  {stays.count(p):4} {p}")
+        for name, functions in jobs_of(command, own):
+            seen, stays, climbs, steps = walk([shared["cli_perform"], *functions], own, shared, "--every" in sys.argv)
+            files = {p for p, _ in seen}
+            print(f"{name}: {len(files)} files, {len(seen)} functions, {steps} steps, {len(stays)} stays, "
+                  f"{len(stays) - len(files)} returns, {climbs} climbs")
+            if "--list" in sys.argv:
+                for p in sorted(files, key=lambda p: -stays.count(p)):
+                    print(f"  {stays.count(p):4} {p}")
 
 
 main()

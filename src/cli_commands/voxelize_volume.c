@@ -1,10 +1,30 @@
-/* volume_output.c - voxelize of a volume: to a grid, to the surface of a
+/* voxelize_volume.c - voxelize of a volume: to a grid, to the surface of a
  * level, or to a surface for each label. */
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef struct volume_job {
+    cli_volume volume;
+    bvx_volume_report report;
+    bvx_label *labels;
+    uint64_t label_count;
+    bvx_grid grid;
+} volume_job;
+
+/* ---- what is requested ---- */
+
+/* A volume has its own lattice, and voxels already. */
+static const cli_rule volume_rules[] = {
+    {.given =
+         "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell --check-edges "
+         "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type "
+         "--sharp --no-sharp",
+     .message = "%o is for meshes; %i is a volume"},
+    {.also = cli_cloud_rules},
+    {0}};
 
 /* Facts of the output's name. */
 enum {
@@ -27,13 +47,16 @@ static const cli_rule output_rules[] = {
     {.when = HAS_NUMBERS, .message = "%f: the name has two %d"},
     {0}};
 
-static int check_volume_output(cli_run *run)
+static int check_volume(cli_run *run, bvx_window *window)
 {
     const char *const out = run->options->output;
+    uint32_t const facts = (cli_has_number(out) ? HAS_NUMBER : 0u) |
+                           (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u);
 
-    return cli_check_rules(
-        run, output_rules,
-        (cli_has_number(out) ? HAS_NUMBER : 0u) | (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u), NULL);
+    CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
+    CLI_TRY(cli_window_option(run, window));
+    CLI_TRY(cli_check_rules(run, output_rules, facts, NULL));
+    return cli_check_selection(run, run->options->input[0]);
 }
 
 static void tell_samples(cli_text *lines, const bvx_volume_report *r)
@@ -47,7 +70,7 @@ static void tell_samples(cli_text *lines, const bvx_volume_report *r)
 /* ---- parts ---- */
 
 /* kept may be the grid itself. */
-static bvx_status keep_chosen(cli_run *run, cli_volume_job *j, const bvx_grid *grid, bvx_grid *kept)
+static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid, bvx_grid *kept)
 {
     bvx_status status;
 
@@ -93,7 +116,7 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
 
 /* ---- a grid ---- */
 
-static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
+static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 {
     bvx_status status;
     int const result = cli_check_grid_format(run, run->options->output, &j->volume.view.lattice,
@@ -119,8 +142,7 @@ static int make_volume_grid(cli_run *run, cli_volume_job *j, cli_made *made)
 /* ---- meshes ---- */
 
 /* The surface of the level, by its values. */
-static bvx_status make_level_mesh(cli_run *run, cli_volume_job *j, const bvx_volume_view *view,
-                                  bvx_mesh *mesh)
+static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
     bvx_scalar_options o;
     bvx_scalar_options_init(&o, sizeof o);
@@ -157,7 +179,7 @@ static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
 }
 
 /* The level's surface around the parts that are kept. */
-static int make_kept_level_mesh(cli_run *run, cli_volume_job *j, bvx_status *status, bvx_mesh *mesh)
+static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
 {
     bvx_grid all = {0}, kept = {0};
     bvx_volume_view view = j->volume.view;
@@ -181,7 +203,7 @@ static int make_kept_level_mesh(cli_run *run, cli_volume_job *j, bvx_status *sta
     return result;
 }
 
-static int make_surface_of_volume(cli_run *run, cli_volume_job *j, bvx_mesh *mesh)
+static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
 {
     bvx_status status = BVX_OK;
     bvx_grid grid = {0};
@@ -203,7 +225,7 @@ static int make_surface_of_volume(cli_run *run, cli_volume_job *j, bvx_mesh *mes
     return cli_fail_status(run, status, cli_input_name(run->options->input[0]));
 }
 
-static int make_volume_mesh(cli_run *run, cli_volume_job *j, cli_made *made)
+static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
 {
     const char *const in = cli_input_name(run->options->input[0]);
     cli_reduction reduction = {0};
@@ -235,7 +257,7 @@ static int make_volume_mesh(cli_run *run, cli_volume_job *j, cli_made *made)
 
 /* ---- labels ---- */
 
-static int list_labels(cli_run *run, cli_volume_job *j)
+static int list_labels(cli_run *run, volume_job *j)
 {
     const char *const in = cli_input_name(run->options->input[0]);
     uint64_t count = 0;
@@ -258,7 +280,7 @@ static int list_labels(cli_run *run, cli_volume_job *j)
     return CLI_DONE;
 }
 
-static int make_label_mesh(cli_run *run, cli_volume_job *j, int n)
+static int make_label_mesh(cli_run *run, volume_job *j, int n)
 {
     double const value = (double)j->labels[n].value;
     char *const path = cli_numbered_path(run->options->output, j->labels[n].value); /* the report keeps it */
@@ -290,7 +312,7 @@ static int make_label_mesh(cli_run *run, cli_volume_job *j, int n)
     return result;
 }
 
-static void tell_labels(const cli_volume_job *j, cli_made *made)
+static void tell_labels(const volume_job *j, cli_made *made)
 {
     cli_text *const t = &made->members;
 
@@ -303,7 +325,7 @@ static void tell_labels(const cli_volume_job *j, cli_made *made)
     cli_text_add(t, "]");
 }
 
-static int make_label_meshes(cli_run *run, cli_volume_job *j, cli_made *made)
+static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
 {
     int status = list_labels(run, j);
 
@@ -331,26 +353,32 @@ static int keep_meshes(cli_run *run, void *work)
     return cli_keep_outputs(run);
 }
 
-int cli_voxelize_volume(cli_run *run, const bvx_window *window, cli_volume_job *j, cli_made *made)
+static int make_volume(cli_run *run, void *work, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
     const char *const output = run->options->output;
     int const all = own->all_labels, kind = cli_kind_of_format(bvx_format_of_name(output));
+    volume_job *const j = work;
+    bvx_window window;
 
-    CLI_TRY(check_volume_output(run));
-    CLI_TRY(cli_check_selection(run, run->options->input[0]));
+    CLI_TRY(check_volume(run, &window));
     if (kind == CLI_GRID) CLI_TRY(cli_open_grid_output(run, output));
     if (kind == CLI_MESH && !all) CLI_TRY(cli_open_output(run, output));
-    CLI_TRY(cli_read_volume(run, run->options->input[0], window, &j->volume));
+    CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
     if (kind == CLI_GRID) return make_volume_grid(run, j, made);
+
     made->write = keep_meshes;
     return all ? make_label_meshes(run, j, made) : make_volume_mesh(run, j, made);
 }
 
-void cli_free_volume_job(cli_run *run, cli_volume_job *j)
+static void free_volume(cli_run *run, void *work)
 {
+    volume_job *const j = work;
+
     bvx_grid_free(run->context, &j->grid);
     free(j->labels);
     /* Nothing was read where there is no context. */
     if (run->context != NULL) cli_free_volume(run, &j->volume);
 }
+
+const cli_job cli_voxelize_volume = {.size = sizeof(volume_job), .make = make_volume, .free = free_volume};
