@@ -95,6 +95,7 @@ struct cli_options {
     int inputs;
     const char *output;
     const char *output_dir; /* a folder for the outputs of several inputs */
+    uint32_t facts;         /* CLI_TO_MESH, CLI_KEEPS_PARTS ..: what the line says, known once it is read */
     int32_t format;         /* of standard input and output, BVX_FORMAT_... */
 
     /* where voxels lie */

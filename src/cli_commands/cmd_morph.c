@@ -164,7 +164,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
     CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
                             action_names[job->action]));
     CLI_TRY(cli_input_kind(run, path, &kind));
-    if (kind != CLI_GRID && cli_makes_mesh(run) && !cli_given(run, "--padding") &&
+    if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
         !run->options->origin.given)
         run->options->padding = 1; /* the surface ends where the mesh does, also at the lattice's sides */
     return cli_check_rules(run, input_rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
@@ -190,7 +190,7 @@ static int make_room(cli_run *run, morph_job *job)
                  ? ceil(own->change.radius / (l.spacing[2] < least ? l.spacing[2] : least))
                  : (double)own->change.steps;
     /* A surface needs an empty voxel around it. */
-    voxels += cli_makes_mesh(run);
+    voxels += CLI_HOLDS(run, CLI_TO_MESH);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
     return CLI_DONE;
@@ -300,7 +300,7 @@ static void take_drill(const cli_run *run, morph_job *job)
 /* 1 when walls move by a distance that the surface of a mesh can keep. */
 static int moves_walls(const cli_run *run, const morph_job *job)
 {
-    if (!cli_makes_mesh(run) || job->in.kind != CLI_MESH) return 0;
+    if (!CLI_HOLDS(run, CLI_TO_MESH) || job->in.kind != CLI_MESH) return 0;
     return job->action == HOLLOW ||
            ((job->action == DILATE || job->action == ERODE) && cli_given(run, "--radius"));
 }

@@ -231,7 +231,7 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     /* With a window only its own voxels take memory. */
     if (job->window.size[0] == 0 && cli_check_far(run, o->input[0], &job->view, job->cloud, l) != CLI_DONE)
         return CLI_FAILED;
-    if (cli_makes_mesh(run)) return CLI_DONE;
+    if (CLI_HOLDS(run, CLI_TO_MESH)) return CLI_DONE;
     return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 
@@ -240,7 +240,8 @@ static void make_room_for_surface(cli_run *run)
 {
     cli_options *const o = run->options;
 
-    if (cli_makes_mesh(run) && o->fill != BVX_FILL_BELOW && !cli_given(run, "--padding") && !o->origin.given)
+    if (CLI_HOLDS(run, CLI_TO_MESH) && o->fill != BVX_FILL_BELOW && !cli_given(run, "--padding") &&
+        !o->origin.given)
         o->padding = 1;
 }
 
@@ -317,7 +318,7 @@ static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
 {
     bvx_status status = BVX_OK;
 
-    if (cli_keeps_parts(run)) status = cli_keep_parts(run, &job->grid, &job->grid);
+    if (CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &job->grid, &job->grid);
     return status == BVX_OK ? bvx_grid_count(run->context, &job->grid, &made->set) : status;
 }
 

@@ -3,6 +3,13 @@
 
 #include <string.h>
 
+static const cli_rule line_rules[] = {
+    {.given = "--output-origin",
+     .lacking = "-o --output-dir",
+     .message = "%o needs -o, with the name of a mesh"},
+    {.unless = CLI_TO_MESH, .given = "--output-origin", .message = "%o is for meshes; %f is not a mesh"},
+    {0}};
+
 static int check_batch(cli_run *run)
 {
     const cli_options *const o = run->options;
@@ -48,11 +55,13 @@ int cli_check_line(cli_run *run)
 
 int cli_check_options(cli_run *run)
 {
-    const cli_options *const o = run->options;
-    if (cli_check_output_origin(run) != CLI_DONE || cli_check_volume_options(run) != CLI_DONE ||
-        cli_check_parts(run) != CLI_DONE)
-        return CLI_USAGE;
-    if (o->general.quiet && o->general.progress == CLI_BAR_DRAW)
+    const cli_general *const g = run->general;
+
+    cli_find_facts(run);
+    CLI_TRY(cli_check_rules(run, line_rules, 0, NULL));
+    CLI_TRY(cli_check_volume_options(run));
+    CLI_TRY(cli_check_parts(run));
+    if (g->quiet && g->progress == CLI_BAR_DRAW)
         return cli_usage(run, "--quiet and --progress=bar exclude each other");
     return CLI_DONE;
 }

@@ -140,7 +140,7 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, co
 /* Of a mesh it is the surface that counts. */
 static double allowed_off(const cli_run *run)
 {
-    return run->command->bit == CLI_LOD || cli_makes_mesh(run) ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF;
+    return run->command->bit == CLI_LOD || CLI_HOLDS(run, CLI_TO_MESH) ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF;
 }
 
 void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
@@ -165,7 +165,8 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_mesh_view_of(&in->mesh, &view);
     status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
     /* Only morph measures from the mesh afterwards; for the others its memory is free from here on. */
-    if (run->command->bit != CLI_MORPH || !cli_makes_mesh(run)) bvx_mesh_free(run->context, &in->mesh);
+    if (run->command->bit != CLI_MORPH || !CLI_HOLDS(run, CLI_TO_MESH))
+        bvx_mesh_free(run->context, &in->mesh);
     CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     cli_warn_of_solid(run, &in->grid, &report);
     return CLI_DONE;

@@ -74,7 +74,7 @@ static bvx_status keep_chosen(cli_run *run, volume_job *j, const bvx_grid *grid,
 {
     bvx_status status;
 
-    if (!cli_keeps_parts(run)) return BVX_OK;
+    if (!CLI_HOLDS(run, CLI_KEEPS_PARTS)) return BVX_OK;
     status = cli_keep_parts(run, grid, kept);
     return status == BVX_OK ? bvx_grid_count(run->context, kept, &j->report.inside) : status;
 }
@@ -210,7 +210,7 @@ static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
     int result = CLI_DONE;
 
     cli_stage_begin(run, "surface");
-    if (cli_given(run, "--level") && cli_keeps_parts(run)) {
+    if (cli_given(run, "--level") && CLI_HOLDS(run, CLI_KEEPS_PARTS)) {
         result = make_kept_level_mesh(run, j, &status, mesh);
     } else if (cli_given(run, "--level")) {
         status = make_level_mesh(run, j, &j->volume.view, mesh);
@@ -302,7 +302,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     cli_part_of_volume(&j->volume.view, j->labels[n].low, j->labels[n].size, &view);
     cli_stage_begin(run, "surface");
     status = bvx_threshold(run->context, &view, value, value, &report, &grid);
-    if (status == BVX_OK && cli_keeps_parts(run)) status = cli_keep_parts(run, &grid, &grid);
+    if (status == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &grid, &grid);
     if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);

@@ -66,7 +66,8 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         cli_stage_begin(run, "threshold");
         selected = cli_select_voxels(run, &v, &report, &in->grid);
         cli_stage_end(run);
-        if (selected == BVX_OK && cli_keeps_parts(run)) selected = cli_keep_parts(run, &in->grid, &in->grid);
+        if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
+            selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
         else cli_tell_volume(&v, &report, &run->report.more, &warnings);
         cli_warn_lines(run, &warnings);
@@ -98,7 +99,7 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     status = cli_read_file(run, path, &b);
     if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
-    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && cli_keeps_parts(run))
+    if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);
     /* The side-car is read after the grid, whose shape it must fit. */
     free(b.bytes);

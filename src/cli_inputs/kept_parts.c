@@ -5,23 +5,19 @@
 #include <inttypes.h>
 #include <string.h>
 
-static uint64_t least_part_of(const cli_run *run)
+uint64_t cli_least_part(const cli_run *run)
 {
     /* --least-part of lod is of measured surfaces. */
     return run->command->bit != CLI_LOD && run->options->least_part > 0 ? (uint64_t)run->options->least_part
                                                                         : 0;
 }
 
-int cli_keeps_parts(const cli_run *run)
-{
-    return run->options->keep_largest != 0 || least_part_of(run) != 0;
-}
-
 int cli_check_parts(cli_run *run)
 {
     const char *const name = run->options->keep_largest != 0 ? "--keep-largest" : "--least-part";
 
-    if (!cli_keeps_parts(run) || (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
+    if (!CLI_HOLDS(run, CLI_KEEPS_PARTS) ||
+        (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
         return CLI_DONE;
     for (int i = 0; i < run->options->inputs; i++)
         if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
@@ -39,7 +35,7 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
 
     bvx_keep_options_init(&o, sizeof o);
     o.largest = (uint64_t)run->options->keep_largest;
-    o.at_least = least_part_of(run);
+    o.at_least = cli_least_part(run);
     o.report = &report;
     if (own) cli_stage_begin(run, "keep");
     status = bvx_grid_keep(run->context, grid, &o, kept);

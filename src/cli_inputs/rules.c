@@ -89,7 +89,7 @@ static uint32_t facts_of_options(const cli_run *run)
     return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
            fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
            fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
-           fact_if(cli_keeps_parts(run), CLI_KEEPS_PARTS);
+           fact_if(o->keep_largest != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS);
 }
 
 static uint32_t facts_of_output(const char *path)
@@ -161,8 +161,12 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
     return CLI_DONE;
 }
 
+void cli_find_facts(cli_run *run)
+{
+    run->options->facts = facts_of_options(run) | facts_of_output(run->options->output);
+}
+
 int cli_check_rules(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word)
 {
-    return check_rows(run, rules, facts | facts_of_options(run) | facts_of_output(run->options->output),
-                      word);
+    return check_rows(run, rules, facts | run->options->facts, word);
 }

@@ -35,6 +35,9 @@ typedef struct cli_rule {
     const struct cli_rule *also; /* the rows of this table; NULL: the end */
 } cli_rule;
 
+/* Set run->options->facts, once all options and names stand; from then on one of them is asked for like this. */
+void cli_find_facts(cli_run *run);
+#define CLI_HOLDS(run, fact) (((run)->options->facts & (fact)) != 0)
 /* Say what the first row that holds says; CLI_DONE where none does. */
 int cli_check_rules(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word);
 /* The first of the names, with spaces between, that stands on the command line, or NULL. */

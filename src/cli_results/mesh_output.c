@@ -91,15 +91,6 @@ int cli_check_level_names(cli_run *run, int count)
                      out);
 }
 
-int cli_check_output_origin(cli_run *run)
-{
-    const char *const out = run->options->output;
-
-    if (!run->options->output_origin.given || cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH)
-        return CLI_DONE;
-    return cli_usage(run, "--output-origin is for meshes; %s is not a mesh", out);
-}
-
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
 {
     const char *const in = cli_input_name(run->options->input[0]), *const out = run->options->output;

@@ -112,8 +112,6 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
 void cli_tell_lost(const char *path, const bvx_mesh *mesh, cli_made *made);
 /* Certify the mesh as the entry of this number in the report, of this file; the stage may name the number. */
 int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage);
-/* Refuse --output-origin for outputs other than meshes. */
-int cli_check_output_origin(cli_run *run);
 /* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin;
  * --normals adds the normals of vertices. Where the file holds other positions than the mesh, or joins them,
  * the certificate of the report's entry of this number, if there is one, becomes the file's; a mesh that the
@@ -193,8 +191,6 @@ struct cli_voxels {
     bvx_field_surface_report surface;
 };
 
-/* 1 when the output is a mesh by its name. */
-int cli_makes_mesh(const cli_run *run);
 /* Refuse names of neither, and options of meshes for a grid. */
 int cli_check_voxel_name(cli_run *run);
 int cli_open_voxels(cli_run *run);

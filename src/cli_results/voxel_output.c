@@ -9,12 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-int cli_makes_mesh(const cli_run *run)
-{
-    const char *const out = run->options->output;
-    return out != NULL && cli_kind_of_format(bvx_format_of_name(out)) == CLI_MESH;
-}
-
 int cli_check_voxel_name(cli_run *run)
 {
     return cli_check_rules(run, cli_to_voxels_rules, 0, NULL);
@@ -23,7 +17,7 @@ int cli_check_voxel_name(cli_run *run)
 int cli_open_voxels(cli_run *run)
 {
     const char *const out = run->options->output;
-    return cli_makes_mesh(run) ? cli_open_output(run, out) : cli_open_grid_output(run, out);
+    return CLI_HOLDS(run, CLI_TO_MESH) ? cli_open_output(run, out) : cli_open_grid_output(run, out);
 }
 
 /* ---- The surface of a mesh's voxels ---- */
@@ -193,7 +187,7 @@ static int write_surface(cli_run *run, cli_voxels *v)
 
 int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
-    if (cli_makes_mesh(run)) return write_surface(run, v);
+    if (CLI_HOLDS(run, CLI_TO_MESH)) return write_surface(run, v);
     CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size));
     return cli_write_grid(run, v->grid);
 }
@@ -204,7 +198,7 @@ void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)
     uint64_t const moved = s->own > s->middle ? s->own - s->middle : 0;
     cli_text *const t = &made->members;
 
-    if (!cli_makes_mesh(run)) return;
+    if (!CLI_HOLDS(run, CLI_TO_MESH)) return;
     if (v->source != NULL) {
         cli_tell(made, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
         if (moved != 0) cli_tell(made, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));

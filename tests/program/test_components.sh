@@ -108,6 +108,8 @@ works 'a body with the hole closed' voxelize cube.xyz -o closed.bvx --spacing 1 
 is_set 'a body with the hole closed' closed.bvx 125
 works 'the ball' voxelize "$root/fixtures/ball.xyz" -o ball.bvx --spacing 0.1 --body --close-gaps 1 --quiet
 gives 'the ball is one part' 0 'parts *1, ' components ball.bvx
+refuses 2 'output-origin needs -o' components ball.bvx --output-origin 1,2,3 # it said "(null) is not a mesh"
+refuses 2 'output-origin is for meshes; x.bvx is not a mesh' components ball.bvx -o x.bvx --output-origin 1,2,3
 : >empty.xyz
 gives 'a cloud without points' 1 'empty.xyz' voxelize empty.xyz -o none.bvx --spacing 1
 
