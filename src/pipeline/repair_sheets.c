@@ -115,8 +115,8 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
  * that lie in themselves. Thin walls of closed pieces are kept as such (thicken.c). The lid is measured by
  * the vector area of each loop of open edges, which no way of closing it can fall below. A piece of large lid
  * is no sheet where the pieces together enclose something (see above): a face of a part whose faces
- * do not touch. A lid over all of these must be small in its turn, and they must enclose it without what are
- * sheets.
+ * do not touch, the lid of a pot. A lid over all of these must be small in its turn, by themselves or with the
+ * bodies that have holes, and they must enclose it without what are sheets.
  * A shell is what lies within half its thickness of the sheets: closed for any sheet.
  * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice only. */
 
@@ -386,8 +386,31 @@ static void sum_joined(const bvxi_repair_job *job, const uint8_t *answer, all_su
     }
 }
 
-/* The triangles of joined pieces are to be asked again; none where a lid
- * over all of them would be large. Returns how many. */
+static void add_vector_area(const bvxi_repair_job *job, uint64_t t, double sum[3])
+{
+    double p[3][3], n[3];
+    uint32_t c[3];
+
+    corners_of_triangle(&job->mesh, t, c, p);
+    bvxi_facet_cross((const double(*)[3])p, n);
+    for (int a = 0; a < 3; a++) sum[a] += 0.5 * n[a];
+}
+
+/* The holes of bodies, as one vector: what a joined piece may be the lid of, as that of a pot is. */
+static void sum_open_bodies(const bvxi_repair_job *job, const all_sums *sums, double sum[3])
+{
+    for (uint64_t t = 0; t < job->mesh.triangle_count; t++) {
+        const piece_sums *piece;
+        uint32_t c[3];
+
+        bvxi_view_triangle(&job->mesh, t, c);
+        piece = sums_of(job, sums, c[0]);
+        if (piece->open && !is_open_piece(piece) && !is_sheet(piece)) add_vector_area(job, t, sum);
+    }
+}
+
+/* The triangles of joined pieces are to be asked again; none where a lid over all of them would be large,
+ * also together with the bodies whose holes they may close. Returns how many. */
 static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, uint8_t *answer)
 {
     double all[3] = {0, 0, 0}, area = 0, p[3][3], n[3];
@@ -406,6 +429,10 @@ static uint64_t ask_joined_pieces(const bvxi_repair_job *job, all_sums *sums, ui
         count++;
     }
     if (vector_length(all) < SHEET_LID * area) return count;
+
+    /* Large by themselves they may still close the holes of bodies, whose vectors are the opposite. */
+    if (count != 0) sum_open_bodies(job, sums, all);
+    if (count != 0 && vector_length(all) < SHEET_LID * area) return count;
     for (uint64_t i = 0; i < sums->count; i++) sums->piece[i].joined = 0;
     return 0;
 }

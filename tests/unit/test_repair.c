@@ -317,6 +317,51 @@ static void test_bodies_and_sheets_together(void)
     TEST_ASSERT_TRUE(report.after.volume > ball_volume(2));
 }
 
+/* A pot of radius 1 and height 1 without its top, and a lid that lies on its rim: a cone of height 0.31, 0.02
+ * wider than the pot, whose own lid would be nearly as large as itself. far: the lid lies so far above. */
+static void make_pot_and_lid(double far)
+{
+    enum { STEPS = 48 };
+    uint32_t const floor_middle = maker_vertex(&mesh, 0, 0, 0), tip = maker_vertex(&mesh, 0, 0, 1.3 + far);
+    uint32_t low[STEPS + 1], high[STEPS + 1], rim[STEPS + 1];
+
+    for (int k = 0; k < STEPS; k++) {
+        double const x = cos(2 * 3.14159265358979 * k / STEPS), y = sin(2 * 3.14159265358979 * k / STEPS);
+
+        low[k] = maker_vertex(&mesh, x, y, 0);
+        high[k] = maker_vertex(&mesh, x, y, 1);
+        rim[k] = maker_vertex(&mesh, 1.02 * x, 1.02 * y, 0.99 + far);
+    }
+    low[STEPS] = low[0];
+    high[STEPS] = high[0];
+    rim[STEPS] = rim[0];
+    for (int k = 0; k < STEPS; k++) {
+        maker_triangle(&mesh, low[k], low[k + 1], high[k + 1]);
+        maker_triangle(&mesh, low[k], high[k + 1], high[k]);
+        maker_triangle(&mesh, floor_middle, low[k + 1], low[k]);
+        maker_triangle(&mesh, rim[k], rim[k + 1], tip);
+    }
+}
+
+/* By itself a flat cone encloses nothing; on its pot it does. */
+static void test_lid_of_a_pot_is_no_sheet(void)
+{
+    make_pot_and_lid(0);
+    /* The pot to its rim, and the cone above: 1.02 squared by 0.31 by a third of pi, less its overlap. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 3.44, 3.44, repair_volume(96, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
+}
+
+/* Far from the pot the same lid closes none of it. */
+static void test_lid_beside_its_pot_is_a_sheet(void)
+{
+    make_pot_and_lid(2);
+    (void)repair_volume(64, BVX_SIGN_AUTO);
+    TEST_ASSERT_EQUAL_UINT64(48, report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(2, report.after.components);
+}
+
 /* ---- Anything ---- */
 
 static void make_anything(int kind)
@@ -526,6 +571,8 @@ int main(void)
     RUN_TEST(test_sheet_becomes_a_shell);
     RUN_TEST(test_sheet_without_shells_is_an_error);
     RUN_TEST(test_bodies_and_sheets_together);
+    RUN_TEST(test_lid_of_a_pot_is_no_sheet);
+    RUN_TEST(test_lid_beside_its_pot_is_a_sheet);
     RUN_TEST(test_anything_is_closed);
     RUN_TEST(test_threads_and_code_paths_do_not_show);
     RUN_TEST(test_target_triangles);
