@@ -34,7 +34,25 @@ static int holds_tree(int32_t format, const cli_bytes *b)
     return format == BVX_FORMAT_BVX && b->size >= sizeof tree && memcmp(b->bytes, tree, sizeof tree) == 0;
 }
 
-static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window, cli_input *in)
+/* Packed samples become a grid by way of their volume, as a reader of grids has nothing to unpack them. The
+ * volume takes the bytes. */
+static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_input *in)
+{
+    bvx_volume_report report;
+    cli_volume v = {0};
+    int status;
+
+    v.file = *b;
+    memset(b, 0, sizeof *b);
+    status = cli_take_volume(run, in->path, window, &v);
+    if (status == CLI_DONE)
+        status = cli_check_call(run, cli_select_voxels(run, &v, &report, &in->grid),
+                                cli_input_name(in->path));
+    cli_free_volume(run, &v);
+    return status;
+}
+
+static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_input *in)
 {
     int32_t const format = cli_input_format(run, in->path);
     bvx_status read;
@@ -48,6 +66,9 @@ static int parse_grid(cli_run *run, const cli_bytes *b, const bvx_window *window
     cli_stage_end(run);
     cli_note_peak(run, b->size);
     bvx_memory_reset_peak(run->context);
+    if (read == BVX_ERR_UNSUPPORTED && format == BVX_FORMAT_NRRD &&
+        bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
+        return unpack_grid(run, b, window, in);
     return read == BVX_OK ? CLI_DONE : cli_fail_status(run, read, cli_input_name(in->path));
 }
 

@@ -90,6 +90,8 @@ int cli_check_volume_options(cli_run *run);
 int cli_check_selection(cli_run *run, const char *path);
 /* Read a volume, or a window of it (NULL or all zero: all); creates run->context when there is none. */
 int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
+/* The same of a file whose bytes are in volume->file already; all else in it is zeroed. */
+int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *volume);
 void cli_free_volume(cli_run *run, cli_volume *volume);
 /* Of BVX_SAMPLE_... */
 int64_t cli_sample_bytes(int32_t type);

@@ -334,15 +334,12 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
     return status;
 }
 
-int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
+int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     int32_t const format = cli_input_format(run, path);
     bvx_read_volume_options o;
     bvx_status read;
 
-    memset(v, 0, sizeof *v);
-    CLI_TRY(cli_check_selection(run, path));
-    CLI_TRY(cli_read_file(run, path, &v->file));
     if (run->context == NULL) CLI_TRY(cli_make_context(run, v->file.size));
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
     bvx_read_volume_options_init(&o, sizeof o);
@@ -368,6 +365,14 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
     if (read != BVX_OK) return cli_fail_status(run, read, cli_input_name(path));
     CLI_TRY(place_volume(run, path, v));
     return take_window(run, path, window, v);
+}
+
+int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
+{
+    memset(v, 0, sizeof *v);
+    CLI_TRY(cli_check_selection(run, path));
+    CLI_TRY(cli_read_file(run, path, &v->file));
+    return cli_take_volume(run, path, window, v);
 }
 
 void cli_free_volume(cli_run *run, cli_volume *v)

@@ -122,6 +122,19 @@ elif command -v gzip >/dev/null 2>&1; then
     gives 'what is other than 0 without a choice' 0 'set' voxelize apart.nhdr -o all.bvx
     head -c 3000 packed.nrrd >cut.nrrd
     gives 'gzip samples cut short' 1 'damaged' voxelize cut.nrrd -o cut.bvx --level 120
+    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: raw\n\n' && cat "$fixtures/waves.raw"; } >plain.nrrd
+    gives 'a grid' 0 'set' convert plain.nrrd -o plain.bvx
+    gives 'a grid of gzip samples' 0 'set' convert packed.nrrd -o packed_grid.bvx
+    same 'the same grid' packed_grid.bvx plain.bvx
+    gives 'a window of a grid' 0 'set' convert plain.nrrd -o plain_part.bvx --window 3,5,7,40,30,20
+    gives 'a window of a grid of gzip samples' 0 'set' convert packed.nrrd -o packed_part.bvx --window 3,5,7,40,30,20
+    same 'the same window' packed_part.bvx plain_part.bvx
+    gives 'gzip samples beside a grid' 0 'the same' compare packed.nrrd plain.bvx
+    gives 'a grid of gzip samples cut short' 1 'cut.nrrd: NRRD: the packed samples are damaged' components cut.nrrd -o cut.bvx
+    gives 'a window beyond a grid of gzip samples' 1 'are not inside the file' convert packed.nrrd -o x.bvx --window 0,0,0,49,40,32
+    gives 'gzip samples beyond the memory limit' 1 'the volume would take 61440 bytes' convert packed.nrrd -o x.bvx --memory-limit 40K
+    sed 's/: gzip/: bzip2/' packed.nrrd >bzip.nrrd
+    gives 'another packer of a grid' 1 'compressed or hex samples' convert bzip.nrrd -o x.bvx
 fi
 
 # ---- .vti with blocks of zlib ----

@@ -282,3 +282,24 @@ def test_vti_with_blocks_of_zlib(tmp_path, how, head):
             bitvox.read_volume(tmp_path / "bad.vti")
         with pytest.raises(bitvox.MemoryLimitError):
             bitvox.read_volume(tmp_path / "x.vti", memory_limit=100)
+
+
+def test_grid_of_gzip_samples(tmp_path):
+    import gzip
+
+    a = (np.arange(6 * 5 * 7) % 3).astype(np.uint8)
+    head = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 6 5 7\nspacings: 1 1 2\nencoding: %s\n\n"
+    (tmp_path / "plain.nrrd").write_bytes(head % b"raw" + a.tobytes())
+    (tmp_path / "packed.nrrd").write_bytes(head % b"gzip" + gzip.compress(a.tobytes()))
+    plain = bitvox.read(tmp_path / "plain.nrrd")
+    assert plain.count == 140
+    assert bitvox.read(tmp_path / "packed.nrrd") == plain
+    assert bitvox.read(tmp_path / "packed.nrrd", window=((1, 1, 1), (3, 2, 4))) == bitvox.read(tmp_path / "plain.nrrd", window=((1, 1, 1), (3, 2, 4)))
+    packed = (tmp_path / "packed.nrrd").read_bytes()
+    for bad in (packed[:-20], packed[: len(head) + 12] + b"XXXX" + packed[len(head) + 16 :]):
+        with pytest.raises(bitvox.FormatError, match="packed samples"):
+            bitvox.loads(bad, "nrrd")
+    with pytest.raises(bitvox.FormatError, match="cut short, or more"):
+        bitvox.loads(head % b"gzip" + gzip.compress(a.tobytes() * 100), "nrrd")
+    with pytest.raises(bitvox.MemoryLimitError):
+        bitvox.loads(packed, "nrrd", memory_limit=100)

@@ -15,6 +15,7 @@ from ._image import Image
 from ._lattice import WindowLike, set_window
 from ._mended import mended
 from ._mesh import Mesh, new_mesh, subtract
+from ._nrrd import without_gzip
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
@@ -82,6 +83,13 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
     return call("read_other", path, kind)
 
 
+def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
+    """The bytes of a file as the library reads them, which has nothing to unpack."""
+    if kind == "vti":
+        return without_blocks(data, memory_limit)
+    return without_gzip(data, memory_limit) if kind == "nrrd" else mended(data, kind)
+
+
 @entered
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
@@ -112,7 +120,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     True
     """
     kind = format.lower().lstrip(".")
-    held = ffi.from_buffer(without_blocks(data, memory_limit) if kind == "vti" else mended(data, kind))
+    held = ffi.from_buffer(_plain(data, kind, memory_limit))
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
     if drop_nonfinite and kind not in MESH_FORMATS:
