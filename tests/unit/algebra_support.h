@@ -4,25 +4,13 @@
 #define ALGEBRA_SUPPORT_H
 
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 /* What is tried along x: below, at and above words. */
 static const int32_t algebra_sizes[] = {1, 63, 64, 65, 127, 128, 129};
 enum { ALGEBRA_SIZES = sizeof algebra_sizes / sizeof *algebra_sizes };
 
-static bvx_context *ctx;
 static uint64_t seed;
-
-static inline bvx_context *algebra_context(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *made = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
-    return made;
-}
 
 /* An empty window of size x, y, z at low of a lattice that has `more` voxels behind it. */
 static inline bvx_grid algebra_grid(const int32_t size[3], const int32_t low[3], const int32_t more[3])

@@ -4,50 +4,25 @@
 #define FIELD_SUPPORT_H
 
 #include "nearest/closest.h"
-#include "tools/fault.h"
 #include "tools/mesh_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx; /* one thread, the best code there is, blocks between guards */
-static fault_heap heap;
 static maker_mesh mesh;
 static uint64_t seed;
-static int quick; /* on emulated machines: fewer trials */
 
 void setUp(void)
 {
-    bvx_context_options o;
+    suite_open(1);
     seed = UINT64_C(0x5eedf1e1d);
-    quick = getenv("BVX_QUICK") != NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const held = bvx_memory_used(ctx);
-    const char *wrong;
     maker_free(&mesh);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
-    TEST_ASSERT_EQUAL_UINT64(0, held);
-}
-
-static inline bvx_context *context_with(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *c = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
-    return c;
+    suite_close();
 }
 
 static inline bvx_lattice lattice_with(double ox, double oy, double oz, double sx, double sy, double sz,

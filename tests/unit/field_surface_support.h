@@ -4,52 +4,25 @@
 #define FIELD_SURFACE_SUPPORT_H
 
 #include "tools/crossing_oracle.h"
-#include "tools/fault.h"
 #include "tools/field_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx; /* one thread, the best code there is, blocks between guards */
-static fault_heap heap;
 static uint64_t seed;
 static bvx_field field;
 static maker_mesh mesh;
-static int quick; /* on emulated machines: fewer trials */
-
-static inline bvx_context *context_with(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *c = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
-    return c;
-}
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
     seed = UINT64_C(0xf1e1d);
-    quick = getenv("BVX_QUICK") != NULL;
 }
 
 void tearDown(void)
 {
-    uint64_t held;
-    const char *wrong;
-
     field_maker_free(ctx, &field);
     maker_free(&mesh);
-    held = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
-    TEST_ASSERT_EQUAL_UINT64(0, held);
+    suite_close();
 }
 
 static inline bvx_field_surface_options surface_options(int32_t sharp)

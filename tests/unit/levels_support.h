@@ -4,50 +4,33 @@
 #define LEVELS_SUPPORT_H
 
 #include "tools/crossing_oracle.h"
-#include "tools/fault.h"
 #include "tools/level_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
 enum { LEVELS_MOST = 6 };
 
-static bvx_context *ctx; /* one thread, blocks between guards */
-static fault_heap heap;
 static maker_mesh mesh;
 static uint64_t seed;
-static int quick; /* on emulated machines: fewer trials */
 static bvx_mesh level[LEVELS_MOST];
 static bvx_level_report report[LEVELS_MOST];
 static char where[300];
 
 void setUp(void)
 {
-    bvx_context_options o;
-
+    suite_open(1);
     seed = UINT64_C(0x5eedc0de);
-    quick = getenv("BVX_QUICK") != NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     memset(level, 0, sizeof level);
     maker_clear(&mesh);
 }
 
 void tearDown(void)
 {
-    uint64_t held;
-    const char *wrong;
-
     for (int i = LEVELS_MOST; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
-    held = bvx_memory_used(ctx);
     maker_free(&mesh);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
-    TEST_ASSERT_EQUAL_UINT64(0, held);
+    suite_close();
 }
 
 static inline void drop_levels(void)

@@ -3,42 +3,23 @@
 #define MORPH_SUPPORT_H
 
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static uint64_t seed;
 static bvx_grid grid;
 
-static inline int is_brief(void)
-{
-    return getenv("BVX_QUICK") != NULL; /* on emulated machines */
-}
-
-static inline bvx_context *context_of(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *made = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
-    return made;
-}
-
 void setUp(void)
 {
+    suite_open(1);
     seed = 2718;
-    ctx = context_of(1, BVX_CPU_BEST);
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &grid);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* An empty grid in place of the last one. */

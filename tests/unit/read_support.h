@@ -7,29 +7,22 @@
 #include "mesh/polygon.h"
 #include "tools/read_limits.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bvx_context *ctx;
-
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
+    bvx_context_options o = suite_options(1, BVX_CPU_BEST);
     o.memory_limit = 64 << 20;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open_with(&o);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    fflush(stdout); /* a leak detector ends the program without */
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* Numbers of texture coordinates in range, all of them finite. Returns the
@@ -220,10 +213,7 @@ static inline void check_same_with_threads(const void *bytes, size_t size, int32
 
     strcpy(message, bvx_last_message(ctx));
     for (int32_t threads = 2; threads <= 5; threads += 3) {
-        bvx_context_options o;
-        bvx_context_options_init(&o, sizeof o);
-        o.threads = threads;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+        ctx = suite_context(threads, BVX_CPU_BEST);
         TEST_ASSERT_EQUAL_INT32(status, read_file(bytes, size, format, &b));
         if (status == BVX_OK) {
             TEST_ASSERT_EQUAL_UINT64(a.vertex_count, b.vertex_count);
@@ -261,11 +251,9 @@ static inline int check_every_cancel(const void *bytes, size_t size, int32_t for
     bvx_context *const plain = ctx;
 
     for (int stop = 0;; stop++) {
-        bvx_context_options o;
+        bvx_context_options o = suite_options(1, BVX_CPU_BEST);
         bvx_mesh m;
         int left = stop;
-        bvx_context_options_init(&o, sizeof o);
-        o.threads = 1;
         o.progress = cancel_at;
         o.progress_user = &left;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
@@ -286,10 +274,8 @@ static inline void check_every_limit(const void *bytes, size_t size, int32_t for
     bvx_status status = BVX_ERR_BUDGET;
 
     for (uint64_t limit = 1; status != BVX_OK; limit += limit / 8 + 1) {
-        bvx_context_options o;
+        bvx_context_options o = suite_options(1, BVX_CPU_BEST);
         bvx_mesh m;
-        bvx_context_options_init(&o, sizeof o);
-        o.threads = 1;
         o.memory_limit = limit;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
         status = read_file(bytes, size, format, &m);

@@ -4,31 +4,18 @@
 #define RENDER_SUPPORT_H
 
 #include "bitvox.h"
-#include "tools/fault.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
-
-static inline bvx_context *context_of(int32_t threads)
-{
-    bvx_context_options o;
-    bvx_context *c = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
-    return c;
-}
-
 void setUp(void)
 {
-    ctx = context_of(1);
+    suite_open(1);
 }
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static uint64_t random_state;

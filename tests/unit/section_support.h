@@ -4,7 +4,7 @@
 #define SECTION_SUPPORT_H
 
 #include "tools/section_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdlib.h>
 
@@ -12,7 +12,6 @@
 #define SECTION_MEND 0 /* what tests begin with */
 #endif
 
-static bvx_context *ctx;
 static section_maker stack;
 static bvx_sections_options o;
 static bvx_sections_report report;
@@ -21,7 +20,7 @@ static bvx_certificate certificate;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     bvx_sections_options_init(&o, sizeof o);
     o.report = &report;
     o.mend = SECTION_MEND;
@@ -30,12 +29,8 @@ void setUp(void)
 
 void tearDown(void)
 {
-    uint64_t used;
-
     bvx_mesh_free(ctx, &mesh);
-    used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static inline bvx_status build(void)

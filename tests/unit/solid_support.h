@@ -6,48 +6,23 @@
 #include "tools/fault.h"
 #include "tools/solid_oracle.h"
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx; /* one thread, the best code there is, blocks between guards */
-static fault_heap heap;
 static maker_mesh mesh;
 static uint64_t seed;
-static int quick;     /* on emulated machines: fewer trials */
 static int as_floats; /* hand the mesh over as packed floats */
-
-static inline bvx_context *context_with(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *c = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
-    return c;
-}
 
 void setUp(void)
 {
-    bvx_context_options o;
-
+    suite_open(1);
     seed = UINT64_C(0x5eed5011d);
-    quick = getenv("BVX_QUICK") != NULL;
     as_floats = 0;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const held = bvx_memory_used(ctx);
-    const char *wrong;
     maker_free(&mesh);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
-    TEST_ASSERT_EQUAL_UINT64(0, held);
+    suite_close();
 }
 
 static inline bvx_lattice lattice_of(int32_t x, int32_t y, int32_t z)

@@ -21,7 +21,7 @@ enum { SURFACE_CONTEXTS = sizeof surface_threads / sizeof *surface_threads };
 
 static inline bvx_context *surface_context(int n)
 {
-    return context_with(surface_threads[n % SURFACE_CONTEXTS], surface_cpu[n % SURFACE_CONTEXTS]);
+    return suite_context(surface_threads[n % SURFACE_CONTEXTS], surface_cpu[n % SURFACE_CONTEXTS]);
 }
 
 static inline bvx_window window_of(const bvx_lattice *l, const bvx_window *given)

@@ -9,8 +9,8 @@ static bvx_grid a, b, made, slow;
 
 void setUp(void)
 {
+    suite_open(1);
     seed = 77;
-    ctx = algebra_context(1, BVX_CPU_BEST);
 }
 
 void tearDown(void)
@@ -19,9 +19,7 @@ void tearDown(void)
     bvx_grid_free(ctx, &b);
     bvx_grid_free(ctx, &made);
     bvx_grid_free(ctx, &slow);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void make_operands(int32_t x, int32_t y, int32_t z)
@@ -118,8 +116,8 @@ static void test_algebra_is_the_same_for_any_threads_and_processor(void)
     for (int op = 0; op < 5; op++) {
         combine_slowly(op);
         for (int way = 0; way < 3; way++) {
-            bvx_context *const other = algebra_context(way == 1 ? 3 : 1,
-                                                       way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+            bvx_context *const other = suite_context(way == 1 ? 3 : 1,
+                                                     way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
             bvx_grid g = {0};
             TEST_ASSERT_EQUAL_INT32(BVX_OK, combine(other, op, &a, &b, &g));
             algebra_expect_equal(&slow, &g);

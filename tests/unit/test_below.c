@@ -201,7 +201,7 @@ static void test_threads_change_nothing(void)
         make_random(MIXED, 4000, l.dims, 16);
         first = below_by(ctx, &l, &b, &r);
         for (int i = 0; i < 8; i++) {
-            bvx_context *const c = context_with(threads[i % 4], i < 4 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+            bvx_context *const c = suite_context(threads[i % 4], i < 4 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             bvx_grid g = below_by(c, &l, &b, &s);
             assert_same_bits(&first, &g, "threads");
             TEST_ASSERT_EQUAL_MEMORY(&r, &s, sizeof r);

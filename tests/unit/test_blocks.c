@@ -6,17 +6,15 @@ static bvx_grid fine, coarse;
 
 void setUp(void)
 {
+    suite_open(1);
     seed = 31;
-    ctx = algebra_context(1, BVX_CPU_BEST);
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &fine);
     bvx_grid_free(ctx, &coarse);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* Voxels that a block has in the window, and those of them that are set. */
@@ -90,7 +88,6 @@ static void test_blocks_equal_each_voxel(void)
     static const int32_t factor[][3] = {{1, 1, 1}, {2, 2, 2},  {4, 4, 4},  {3, 1, 2},   {5, 3, 1},
                                         {7, 2, 5}, {64, 1, 1}, {65, 2, 2}, {127, 3, 3}, {200, 9, 9}};
     static const int32_t low[][3] = {{0, 0, 0}, {3, 1, 2}, {63, 4, 0}, {1, 2, 3}};
-    int const quick = getenv("BVX_QUICK") != NULL;
 
     for (int s = 0; s < ALGEBRA_SIZES; s++)
         for (size_t f = 0; f < sizeof factor / sizeof *factor; f++)
@@ -118,8 +115,8 @@ static void test_blocks_is_the_same_for_any_threads_and_processor(void)
     static const int32_t size[3] = {300, 40, 30}, low[3] = {5, 3, 0}, factor[3] = {3, 4, 5};
     make_fine(size, low, 50);
     for (int way = 0; way < 3; way++) {
-        bvx_context *const other = algebra_context(way == 1 ? 3 : 1,
-                                                   way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+        bvx_context *const other = suite_context(way == 1 ? 3 : 1,
+                                                 way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
         expect_blocks(other, &fine, factor);
         bvx_context_destroy(other);
     }
@@ -182,7 +179,7 @@ static void test_more_than_2_to_32_voxels(void)
     bvx_window content;
     uint64_t n;
 
-    if (getenv("BVX_QUICK") != NULL || sizeof(size_t) < 8 || available_memory() < 2097152ul)
+    if (quick || sizeof(size_t) < 8 || available_memory() < 2097152ul)
         TEST_IGNORE_MESSAGE("needs 0.5 GiB of memory, and 2 that are free");
     fine = algebra_grid(size, none, none);
     bvx_grid_set(&fine, 2047, 2047, 1024, 1); /* bit 2^32 + 2^22 - 1 */

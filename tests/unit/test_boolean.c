@@ -1,11 +1,10 @@
 /* test_boolean.c - booleans of meshes: the solid of the result against the combined solids bit for bit, its
  * vertices against the surfaces of the operands, volumes against whole numbers. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh first, second;
 static bvx_mesh_view a, b;
 static bvx_mesh made;
@@ -14,15 +13,11 @@ static uint64_t seed;
 
 void setUp(void)
 {
-    bvx_context_options o;
-
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
+    suite_open(1);
     seed = 9;
     memset(&first, 0, sizeof first);
     memset(&second, 0, sizeof second);
     memset(&report, 0, sizeof report);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
 }
 
 void tearDown(void)
@@ -30,9 +25,7 @@ void tearDown(void)
     bvx_mesh_free(ctx, &made);
     maker_free(&first);
     maker_free(&second);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static bvx_boolean_options with(int32_t resolution)

@@ -1,11 +1,10 @@
 /* test_boolean_thin.c - walls of the operands thinner than voxels: they are
  * in the result, about as thick as they are, or told as lost. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh first, second;
 static bvx_mesh made;
 static bvx_boolean_report report;
@@ -13,13 +12,9 @@ static bvx_certificate result;
 
 void setUp(void)
 {
-    bvx_context_options o;
-
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
+    suite_open(1);
     memset(&first, 0, sizeof first);
     memset(&second, 0, sizeof second);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
 }
 
 void tearDown(void)
@@ -27,9 +22,7 @@ void tearDown(void)
     bvx_mesh_free(ctx, &made);
     maker_free(&first);
     maker_free(&second);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void box(maker_mesh *m, double x0, double y0, double z0, double x1, double y1, double z1)

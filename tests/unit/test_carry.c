@@ -2,30 +2,27 @@
  * against the nearest points that bvx_closest_find gives. */
 #include "mesh/mesh.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh m;
 static uint64_t seed;
 static bvx_mesh source, target;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 12;
     maker_clear(&m);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     bvx_mesh_free(ctx, &source);
     bvx_mesh_free(ctx, &target);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&m);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- Meshes that the library owns ---- */

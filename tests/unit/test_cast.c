@@ -1,26 +1,23 @@
 /* test_cast.c - rays against asking every voxel: once by the numbers that cast.c states, which must agree to
  * the last bit, and once by slabs in the world, which must agree up to rounding. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static uint64_t seed;
 static bvx_grid grid;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 99;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &grid);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3],

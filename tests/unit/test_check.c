@@ -1,27 +1,24 @@
 /* test_check.c - certificates against comparing everything with everything, and known shapes. */
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 static uint64_t seed;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 4;
     maker_clear(&mesh);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&mesh);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static bvx_certificate check(int32_t weld)

@@ -3,27 +3,24 @@
 #include "nearest/closest.h"
 #include "mesh/view.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh m;
 static uint64_t seed;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 5;
     maker_clear(&m);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&m);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static bvx_closest_point ask(const bvx_mesh_view *view, const double p[3])

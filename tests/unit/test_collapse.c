@@ -4,20 +4,18 @@
 
 #include <stdlib.h>
 #include "simplify/room.h"
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static shape source;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static void solid_of_source(int32_t resolution, bvx_grid *solid)

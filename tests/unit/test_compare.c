@@ -1,24 +1,21 @@
 /* test_compare.c - two grids compared, against counting voxel by voxel and flooding what differs. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static uint64_t seed;
 static bvx_grid a, b;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 4242;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &a);
     bvx_grid_free(ctx, &b);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void make_grids(int32_t x, int32_t y, int32_t z)

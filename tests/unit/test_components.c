@@ -1,27 +1,23 @@
 /* test_components.c - components of runs against a flood over single voxels, for all three connectivities. */
 #include "components/room.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx, *portable;
+static bvx_context *portable;
 static uint64_t seed;
 
 void setUp(void)
 {
-    bvx_context_options o;
+    suite_open(0);
+    portable = suite_context(0, BVX_CPU_PORTABLE);
     seed = 77;
-    bvx_context_options_init(&o, sizeof o);
-    o.cpu = BVX_CPU_PORTABLE;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &portable));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx) + bvx_memory_used(portable);
-    bvx_context_destroy(ctx);
+    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(portable));
     bvx_context_destroy(portable);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- Boxes of bytes, and the flood ---- */

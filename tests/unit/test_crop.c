@@ -7,17 +7,15 @@ static bvx_grid grid, made;
 
 void setUp(void)
 {
+    suite_open(1);
     seed = 5;
-    ctx = algebra_context(1, BVX_CPU_BEST);
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &grid);
     bvx_grid_free(ctx, &made);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void make_grid(int32_t x, int32_t y, int32_t z, int32_t percent)
@@ -177,7 +175,6 @@ static void test_permute_equals_each_voxel(void)
     static const int32_t order[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     static const int32_t shapes[][3] = {{1, 2, 3},    {63, 4, 65},  {64, 64, 2}, {65, 3, 5},
                                         {127, 66, 2}, {128, 2, 64}, {129, 5, 3}};
-    int const quick = getenv("BVX_QUICK") != NULL;
 
     for (int s = 0; s < (quick ? 4 : 7); s++)
         for (int o = 0; o < 6; o++)
@@ -246,7 +243,7 @@ static void test_resample_of_far_lattices_is_empty(void)
 static void test_moves_are_the_same_for_any_threads(void)
 {
     static const int32_t axes[3] = {2, 0, 1}, flips[3] = {1, 0, 1}, low[3] = {7, 1, 1}, high[3] = {1, 2, 3};
-    bvx_context *const many = algebra_context(3, BVX_CPU_BEST);
+    bvx_context *const many = suite_context(3, BVX_CPU_BEST);
     bvx_lattice l;
 
     make_grid(300, 120, 100, 50);

@@ -2,30 +2,27 @@
 #include "tools/crossing_oracle.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
 enum { PAIRS = 20000, CORNERS = 4096 };
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 static uint64_t seed;
 static uint32_t pairs[2 * PAIRS], wanted[2 * PAIRS];
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 12;
     maker_clear(&mesh);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&mesh);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static uint64_t crossings_of(const bvx_mesh_view *v)

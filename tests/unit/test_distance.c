@@ -3,32 +3,28 @@
 #include "mesh/view.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh a, b;
 static uint64_t seed;
 static bvx_context_options one_thread;
 
 void setUp(void)
 {
+    one_thread = suite_options(1, BVX_CPU_BEST);
+    suite_open_with(&one_thread);
     seed = 9;
     maker_clear(&a);
     maker_clear(&b);
-    bvx_context_options_init(&one_thread, sizeof one_thread);
-    one_thread.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&one_thread, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&a);
     maker_free(&b);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- The closest point of one triangle ---- */

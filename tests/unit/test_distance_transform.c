@@ -135,7 +135,7 @@ static void test_distances_equal_all_pairs_at_word_edges(void)
 
     for (int e = 0; e < 7; e++)
         for (int p = 0; p < 4; p++) {
-            if (is_brief() && (e + p) % 4 != 0) continue;
+            if (quick && (e + p) % 4 != 0) continue;
             open_grid(word_edges[e], 1 + maker_below(&seed, 7), 1 + maker_below(&seed, 6), 0.75, 0.75, 0.75);
             scatter(parts[p]);
             expect_pairs(p % 2, e % 3);
@@ -144,7 +144,7 @@ static void test_distances_equal_all_pairs_at_word_edges(void)
 
 static void test_distances_equal_all_pairs_in_deep_boxes(void)
 {
-    for (int i = 0; i < (is_brief() ? 4 : 24); i++) {
+    for (int i = 0; i < (quick ? 4 : 24); i++) {
         open_grid(1 + maker_below(&seed, 20), 1 + maker_below(&seed, 24), 1 + maker_below(&seed, 24), 1.0,
                   1.0, 1.0);
         if (i % 3 == 0) scatter(1 + maker_below(&seed, 8));
@@ -157,7 +157,7 @@ static void test_distances_equal_all_pairs_in_deep_boxes(void)
 static void test_distances_of_stretched_voxels_equal_all_pairs(void)
 {
     static const double spacings[5][3] = {{1, 2, 0.5}, {1.5, 1, 1}, {0.75, 1.25, 3}, {1, 1, 8}, {4, 0.25, 1}};
-    for (int i = 0; i < (is_brief() ? 4 : 20); i++) {
+    for (int i = 0; i < (quick ? 4 : 20); i++) {
         const double *const s = spacings[i % 5];
         open_grid(1 + maker_below(&seed, 40), 1 + maker_below(&seed, 20), 1 + maker_below(&seed, 20), s[0],
                   s[1], s[2]);
@@ -169,7 +169,7 @@ static void test_distances_of_stretched_voxels_equal_all_pairs(void)
 /* Any spacings: the least of all pairs to a few roundings, and the nearest voxel is one at that distance. */
 static void test_distances_of_any_voxels_are_least_to_rounding(void)
 {
-    for (int i = 0; i < (is_brief() ? 2 : 10); i++) {
+    for (int i = 0; i < (quick ? 2 : 10); i++) {
         open_grid(1 + maker_below(&seed, 70), 1 + maker_below(&seed, 16), 1 + maker_below(&seed, 16),
                   maker_between(&seed, 0.1, 3, 999), maker_between(&seed, 0.1, 3, 999),
                   maker_between(&seed, 0.1, 3, 999));
@@ -250,7 +250,7 @@ static void test_empty_and_full_grids_are_far(void)
 static uint64_t hash_of_distances(int32_t threads, int32_t cpu)
 {
     size_t const n = voxels_of(&grid);
-    bvx_context *const other = context_of(threads, cpu);
+    bvx_context *const other = suite_context(threads, cpu);
     double *const values = room_for(n, sizeof *values);
     uint64_t *const nearest = room_for(n, 8);
     bvx_distance_options const o = options_of(BVX_DISTANCE_SIGNED, BVX_BEYOND_EMPTY, nearest);
@@ -276,7 +276,7 @@ static void test_threads_and_processors_do_not_show(void)
     static const int32_t threads[4] = {1, 2, 3, 8};
 
     for (int kind = 0; kind < 3; kind++) {
-        open_grid(is_brief() ? 65 : 129, 40, 48, 1.0, 1.0, kind == 2 ? 0.7 : 1.0);
+        open_grid(quick ? 65 : 129, 40, 48, 1.0, 1.0, kind == 2 ? 0.7 : 1.0);
         if (kind == 1) scatter_balls(12, 12);
         else scatter(150);
         uint64_t const want = hash_of_distances(1, BVX_CPU_PORTABLE);
@@ -341,7 +341,7 @@ static void test_long_rows_and_columns(void)
 {
     static const int32_t sizes[3][3] = {{100000, 1, 2}, {2, 70000, 1}, {1, 2, 70000}};
 
-    for (int k = 0; k < (is_brief() ? 1 : 3); k++) {
+    for (int k = 0; k < (quick ? 1 : 3); k++) {
         const int32_t *const s = sizes[k];
         open_grid(s[0], s[1], s[2], 0.5, 0.5, 0.5);
         size_t const n = voxels_of(&grid);

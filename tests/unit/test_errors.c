@@ -1,25 +1,23 @@
 /* test_errors.c - bvx_last_error: status, reason, function, index and
  * values of failures, which nobody has to read out of messages. */
-#include "unity.h"
+#include "suite.h"
 
 #include "bitvox.h"
 
 #include <math.h>
 #include <string.h>
 
-static bvx_context *ctx;
 static const bvx_error *error;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     error = bvx_last_error(ctx);
 }
 
 void tearDown(void)
 {
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static void failed(bvx_status expected, bvx_status status, int32_t reason, const char *function)

@@ -235,8 +235,8 @@ static void check_faces_of(int32_t merged)
     for (int32_t trial = 0; trial < (quick ? 13 : 156); trial++) {
         const int32_t *const s = shapes[trial % SHAPES];
         bvx_lattice const l = lattice_of(s[0], s[1], s[2]);
-        bvx_context *const c = context_with(threads[trial / SHAPES % 4],
-                                            trial % 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+        bvx_context *const c = suite_context(threads[trial / SHAPES % 4],
+                                             trial % 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
         int32_t const kind = trial / SHAPES % 5;
         bvx_grid g = kind == 0   ? noise_grid(c, &l, NULL, 2)
                      : kind == 1 ? noise_grid(c, &l, NULL, 1)
@@ -347,7 +347,7 @@ static void test_threads_change_nothing(void)
     for (int32_t merged = 0; merged < 2; merged++) {
         uint64_t want = 0;
         for (int32_t threads = 1; threads <= 8; threads++) {
-            bvx_context *const c = context_with(threads, BVX_CPU_BEST);
+            bvx_context *const c = suite_context(threads, BVX_CPU_BEST);
             bvx_mesh m = faces_of(c, &g, merged, BVX_F32, 0);
             uint64_t hash;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(c, &m, &hash));

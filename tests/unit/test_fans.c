@@ -2,19 +2,16 @@
 #include "section/oblique.h"
 
 #include "bitvox.h"
-#include "unity.h"
-
-static bvx_context *ctx;
+#include "suite.h"
 
 void setUp(void)
 {
-    ctx = NULL;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static uint64_t broken_of(const uint32_t *triangle, uint64_t triangles, uint64_t vertices, int asked)

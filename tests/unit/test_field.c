@@ -319,7 +319,7 @@ static void test_threads_and_code_paths_change_nothing(void)
             bvx_field one;
             one = field_by(ctx, &l, &o);
             for (int w = 0; w < 4; w++) {
-                bvx_context *const other = context_with(ways[w][0], ways[w][1]);
+                bvx_context *const other = suite_context(ways[w][0], ways[w][1]);
                 bvx_field f = field_by(other, &l, &o);
                 assert_same_field(&one, &f);
                 bvx_field_free(other, &f);

@@ -159,7 +159,7 @@ static void test_threads_change_nothing(void)
     d = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 0);
     v = dense_of(ctx, &f, BVX_FAR_PROPAGATED, 1);
     for (int w = 0; w < 3; w++) {
-        bvx_context *const other = context_with(ways[w][0], ways[w][1]);
+        bvx_context *const other = suite_context(ways[w][0], ways[w][1]);
         float *const d2 = dense_of(other, &f, BVX_FAR_PROPAGATED, 0);
         float *const v2 = dense_of(other, &f, BVX_FAR_PROPAGATED, 1);
         TEST_ASSERT_EQUAL_INT(0, memcmp(d, d2, bytes));

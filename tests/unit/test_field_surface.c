@@ -385,7 +385,7 @@ static void test_threads_and_code_paths_do_not_show(void)
     first = surface_of(ctx, NULL, &o);
     for (int32_t threads = 1; threads <= 8; threads += 3)
         for (int32_t cpu = BVX_CPU_PORTABLE; cpu >= 0; cpu -= BVX_CPU_PORTABLE) {
-            bvx_context *const other = context_with(threads, cpu);
+            bvx_context *const other = suite_context(threads, cpu);
             bvx_mesh m = surface_of(other, NULL, &o);
             assert_same_surface(&first, &m);
             bvx_mesh_free(other, &m);

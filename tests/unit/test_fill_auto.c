@@ -468,7 +468,7 @@ static void test_order_and_threads_change_nothing(void)
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
 
     for (int32_t trial = 0; trial < (quick ? 8 : 40); trial++) {
-        bvx_context *const three = context_with(3, 0);
+        bvx_context *const three = suite_context(3, 0);
         bvx_solid_report r, shuffled;
         bvx_grid g, again;
         make_some_balls(trial);

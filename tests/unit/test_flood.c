@@ -331,7 +331,7 @@ static void test_threads_change_nothing(void)
         bvx_status status = BVX_OK;
         make_bodies(trial, &l);
         for (int i = 0; i < 4; i++) {
-            bvx_context *const c = context_with(threads[i], BVX_CPU_BEST);
+            bvx_context *const c = suite_context(threads[i], BVX_CPU_BEST);
             bvx_mesh_view const view = maker_view(&mesh);
             bvx_voxelize_options o;
             bvx_grid g = {0};

@@ -3,21 +3,20 @@
 
 #include <math.h>
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static bvx_lattice lattice;
 static uint64_t seed;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 20240607;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static bvx_lattice lattice_of(int32_t x, int32_t y, int32_t z)

@@ -1,17 +1,15 @@
 /* test_hash.c - the hash of bytes against its recipe, in pieces and by types, and the hash of meshes. */
 #include "core/hash.h"
-#include "unity.h"
-
-static bvx_context *ctx;
+#include "suite.h"
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 /* The recipe of the header, byte by byte. */

@@ -3,14 +3,13 @@
 #include "core/key_tree.h"
 #include "mesh/topology.h"
 #include "tools/fault.h"
-#include "unity.h"
 #include "winding/holes.h"
+#include "suite.h"
 
 #include <stdlib.h>
 
 enum { VERTICES = 24000, TRIANGLES = 12000 };
 
-static bvx_context *ctx;
 static uint32_t triangle[2 * TRIANGLES][3], identity[VERTICES], corner[2 * TRIANGLES][3];
 static int32_t place[2 * TRIANGLES * 3][3];
 static float nowhere[2 * TRIANGLES * 3][3];
@@ -23,12 +22,12 @@ typedef struct flood_case {
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static flood_case case_of(uint64_t vertices, uint64_t triangles)

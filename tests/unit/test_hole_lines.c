@@ -2,12 +2,11 @@
  * along. */
 #include "bitvox.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
 #include "winding/holes.h"
+#include "suite.h"
 
 enum { EDGES = 300, SIDE = 8, PLACES = SIDE * SIDE * SIDE, STEPS = EDGES * SIDE };
 
-static bvx_context *ctx;
 static uint64_t seed = 5;
 static int32_t place[PLACES][3];
 static bvxi_snapped snapped;
@@ -22,7 +21,7 @@ static size_t step_count[2];
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     for (int32_t i = 0; i < PLACES; i++) {
         place[i][0] = i % SIDE;
         place[i][1] = i / SIDE % SIDE;
@@ -34,7 +33,7 @@ void setUp(void)
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static int32_t divisor_of(const int32_t d[3])

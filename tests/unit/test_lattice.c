@@ -6,22 +6,21 @@
 #include <float.h>
 #include <math.h>
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 static uint64_t seed;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 20240607;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     maker_free(&mesh);
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static bvx_lattice_options fit_options(void)

@@ -3,32 +3,26 @@
 #include "lod_oracle.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #define PI       3.14159265358979323846
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 enum { MAX_LEVELS = 8 };
 
-static bvx_context *ctx;
 static bvx_grid grid;
 static bvx_mesh level[MAX_LEVELS];
 static bvx_lod_report report[MAX_LEVELS];
 static bvx_lod_options options;
 static uint64_t seed;
-static int quick;
 
 void setUp(void)
 {
-    bvx_context_options one;
-
-    bvx_context_options_init(&one, sizeof one);
-    one.threads = 1; /* others have their test below */
+    suite_open(1);
     seed = 1;
     memset(&grid, 0, sizeof grid);
     memset(level, 0, sizeof level);
     memset(report, 0, sizeof report);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&one, &ctx));
     bvx_lod_options_init(&options, sizeof options);
     options.reports = report;
 }
@@ -42,8 +36,7 @@ void tearDown(void)
 {
     free_levels();
     bvx_grid_free(ctx, &grid);
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 /* ---- grids ---- */
@@ -1106,9 +1099,6 @@ static void test_a_memory_limit_is_kept(void)
 
 int main(void)
 {
-    const char *const q = getenv("BVX_QUICK");
-
-    quick = q != NULL && q[0] != 0 && q[0] != '0';
     UNITY_BEGIN();
     RUN_TEST(test_edge_ratio_equals_the_reference_on_random_grids);
     RUN_TEST(test_coverage_equals_the_reference_on_random_grids);

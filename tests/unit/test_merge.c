@@ -1,13 +1,10 @@
 /* test_merge.c - surfaces of windows joined: the bytes of the whole surface, however it was cut. */
-#include "tools/fault.h"
 #include "tools/mesh_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
 enum { MOST_PARTS = 128 };
 
-static bvx_context *ctx;
-static fault_heap heap;
 static uint64_t seed;
 static bvx_grid grid;
 static bvx_mesh part[MOST_PARTS];
@@ -15,11 +12,7 @@ static uint64_t parts;
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
     seed = UINT64_C(0x3e29e);
 }
 
@@ -30,12 +23,9 @@ static void free_parts(void)
 
 void tearDown(void)
 {
-    const char *wrong;
     free_parts();
     bvx_grid_free(ctx, &grid);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
+    suite_close();
 }
 
 static bvx_extract_options extract_options(void)
@@ -168,7 +158,6 @@ static void test_windows_merge_to_the_wholes_bytes(void)
 {
     static const int32_t sizes[][3] = {{1, 1, 1},  {2, 2, 2},   {63, 8, 9},  {64, 9, 8},
                                        {65, 7, 7}, {129, 6, 9}, {5, 20, 21}, {1, 9, 9}};
-    int const quick = getenv("BVX_QUICK") != NULL;
 
     for (size_t s = 0; s < sizeof sizes / sizeof sizes[0]; s++)
         for (int32_t trial = 0; trial < (quick ? 2 : 16); trial++) {

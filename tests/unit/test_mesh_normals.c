@@ -1,26 +1,23 @@
 /* test_mesh_normals.c - normals as arrays against sums over all facets, on
  * round bodies, far from and close to the origin, and refusals. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 static float vertex[3 * 4000], facet[2][3 * 4000];
 
 void setUp(void)
 {
+    suite_open(0);
     maker_clear(&mesh);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&mesh);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void all_normals(void)

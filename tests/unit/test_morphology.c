@@ -201,7 +201,7 @@ static void test_steps_equal_voxel_by_voxel_at_word_edges(void)
         for (int k = 0; k < 3; k++)
             for (int operation = 0; operation < 4; operation++, n++) {
                 bvx_morph_options const o = steps_of(neighbourhoods[k], 1 + n % 3, n / 3 % 2);
-                if (is_brief() && n % 7 != 0) continue;
+                if (quick && n % 7 != 0) continue;
                 open_grid(word_edges[e], 1 + maker_below(&seed, 6), 1 + maker_below(&seed, 5), 1, 1, 1);
                 scatter(parts[n % 3]);
                 expect_voxel_by_voxel(operation, &o);
@@ -212,7 +212,7 @@ static void test_steps_equal_voxel_by_voxel_at_word_edges(void)
 static void test_many_steps_equal_voxel_by_voxel(void)
 {
     static const int32_t steps[4] = {17, 18, 5, 9}; /* by operation */
-    for (int i = 0; i < (is_brief() ? 2 : 8); i++) {
+    for (int i = 0; i < (quick ? 2 : 8); i++) {
         bvx_morph_options const o = steps_of(i % 3 == 0 ? 6 : i % 3 == 1 ? 18 : 26, steps[i % 4], i / 4);
         open_grid(9, 5, i % 2 ? 12 : 50, 1, 1, 1);
         scatter(i / 4 ? 998 : 2);
@@ -231,7 +231,7 @@ static void test_balls_equal_voxel_by_voxel(void)
             for (int operation = 0; operation < 4; operation++, n++) {
                 const double *const s = spacings[k];
                 bvx_morph_options const o = ball_of(radii[r] * s[0], n / 4 % 2);
-                if (is_brief() && n % 5 != 0) continue;
+                if (quick && n % 5 != 0) continue;
                 open_grid(word_edges[n % 7] / 2 + 1, 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9),
                           s[0], s[1], s[2]);
                 if (n % 2) scatter(operation == ERODE || operation == OPEN ? 970 : 30);
@@ -245,7 +245,7 @@ static void test_balls_equal_distances(void)
 {
     static const double radii[4] = {2.0, 20.0, 40.0, 70.0};
 
-    for (int i = 0; i < (is_brief() ? 4 : 16); i++) {
+    for (int i = 0; i < (quick ? 4 : 16); i++) {
         int32_t const erode = i / 4 % 2, beyond = i % 3 == 0;
         double const r = radii[i % 4];
         open_grid(129, 33, 40, 1, 1, i < 8 ? 1 : 0.75);
@@ -295,7 +295,7 @@ static void test_a_ball_of_one_voxel_is_a_cross(void)
 
 static void test_identities(void)
 {
-    for (int i = 0; i < (is_brief() ? 4 : 16); i++) {
+    for (int i = 0; i < (quick ? 4 : 16); i++) {
         int32_t const beyond = i % 2;
         bvx_morph_options o = i % 4 == 3 ? ball_of(2.3, beyond)
                                          : steps_of(i % 4 == 0   ? 6
@@ -367,11 +367,11 @@ static void test_threads_and_processors_do_not_show(void)
         bvx_morph_options const o = i % 2 ? ball_of(3.7, 0) : steps_of(i == 0 ? 6 : i == 2 ? 18 : 26, 3, 0);
         int const operation = i % 4;
         uint64_t want = 0, got = 0;
-        open_grid(129, 64, is_brief() ? 20 : 90, 1, 1, 1);
+        open_grid(129, 64, quick ? 20 : 90, 1, 1, 1);
         scatter_balls(20, 9);
         for (int t = 0; t < 5; t++) {
-            bvx_context *const other = context_of(t == 0 ? 1 : threads[t - 1],
-                                                  t == 0 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
+            bvx_context *const other = suite_context(t == 0 ? 1 : threads[t - 1],
+                                                     t == 0 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
             bvx_grid g = {0};
             TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](other, &grid, &o, &g));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(other, &g, t == 0 ? &want : &got));

@@ -4,41 +4,27 @@
 #include "nearest/closest.h"
 #include "mesh/view.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static maker_mesh m;
 static float *floats;
 static uint64_t seed;
 
-static bvx_context *context_of(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *made;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
-    return made;
-}
-
 void setUp(void)
 {
+    suite_open(1);
     seed = 11;
     maker_clear(&m);
-    ctx = context_of(1, BVX_CPU_BEST);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     maker_free(&m);
     free(floats);
     floats = NULL;
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- What is asked, and all that comes back ---- */
@@ -247,7 +233,7 @@ static void expect_everywhere(const asked *q, int32_t step)
     ask(ctx, q, &a);
     expect_answer(q, &a, step);
     for (int i = 0; i < 4; i++) {
-        bvx_context *const other = context_of(threads[i], cpu[i]);
+        bvx_context *const other = suite_context(threads[i], cpu[i]);
         ask(other, q, &b);
         expect_same(&a, &b);
         free_answer(other, &b);
@@ -454,7 +440,7 @@ static void test_nearest_fills_what_was_not_in_the_band(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {0.5, 0.5, 0.5};
     static const bvx_window part = {{3, 1, 2}, {40, 30, 31}};
-    bvx_context *const other = context_of(2, BVX_CPU_BEST);
+    bvx_context *const other = suite_context(2, BVX_CPU_BEST);
     bvxi_nearest *nearest = NULL, *fresh = NULL;
     bvx_grid band = {0};
 

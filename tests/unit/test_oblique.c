@@ -99,19 +99,13 @@ static void make_ball(uint64_t seed, int planes, double cavity)
     }
 }
 
-/* On emulated machines: the longest trials are left out. */
-static int is_quick(void)
-{
-    return getenv("BVX_QUICK") != NULL;
-}
-
 /* ---- bodies ---- */
 
 static void test_a_ball_through_planes_of_any_direction(void)
 {
     static const int planes[] = {3, 6, 12, 24};
     double const volume = 4.0 / 3.0 * pi, radius[1] = {1.0};
-    int const sets = is_quick() ? 3 : 4;
+    int const sets = quick ? 3 : 4;
     double worst[4];
 
     for (int i = 0; i < sets; i++) {
@@ -165,7 +159,7 @@ static void test_near_tangent_crossings_make_no_handle(void)
         int32_t cells;
     } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
 
-    for (size_t i = 0; i < sizeof set / sizeof *set; i += is_quick() ? 3 : 1) {
+    for (size_t i = 0; i < sizeof set / sizeof *set; i += quick ? 3 : 1) {
         int const shells = set[i].cavity > 0.0 ? 2 : 1;
         make_ball(set[i].seed, 30, set[i].cavity);
         o.cells = set[i].cells;
@@ -277,7 +271,7 @@ static void test_two_balls_that_merge(void)
     static const int planes[] = {6, 12, 24, 60};
     double last = 1e300;
 
-    for (int i = 0; i < (is_quick() ? 2 : 4); i++) {
+    for (int i = 0; i < (quick ? 2 : 4); i++) {
         uint64_t seed = 7;
         double off = 0.0;
         stack_oblique(&stack);
@@ -501,7 +495,7 @@ static void test_damaged_contours_make_no_open_body(void)
 /* As the header has it, of balls. */
 static void test_oblique_bodies_take_no_more_memory_than_said(void)
 {
-    for (uint64_t cells = 32; cells <= (is_quick() ? 32 : 64); cells *= 2)
+    for (uint64_t cells = 32; cells <= (quick ? 32 : 64); cells *= 2)
         for (uint64_t planes = 5; planes <= 20; planes *= 4) {
             uint64_t const most = 10000000 + 3500 * cells * cells + 15000 * cells * planes +
                                   38000 * planes * planes;

@@ -1,9 +1,8 @@
 /* test_octree_queries.c - rays and neighbours against a look at every leaf. */
 #include "tools/mesh_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static bvx_octree *tree;
 static bvx_octree_leaf *leaf;
 static uint64_t count;
@@ -46,16 +45,14 @@ static void drop_tree(void)
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 19;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     drop_tree();
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* Low and high corner of a leaf [Units: voxels of the last level]. */

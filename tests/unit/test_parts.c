@@ -2,13 +2,13 @@
  * against a flood over single voxels and cells counted one by one. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static bvx_context *ctx, *other; /* best and portable code */
+static bvx_context *other; /* portable code, three threads */
 static uint64_t seed;
 static bvx_grid grid;
 static int32_t *found; /* by the flood: -1 for voxels that were not asked about */
@@ -16,15 +16,10 @@ static int32_t found_count;
 
 void setUp(void)
 {
-    bvx_context_options o;
-
+    suite_open(0);
+    other = suite_context(3, BVX_CPU_PORTABLE);
     seed = 4711;
     memset(&grid, 0, sizeof grid);
-    bvx_context_options_init(&o, sizeof o);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
-    o.cpu = BVX_CPU_PORTABLE;
-    o.threads = 3;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));
 }
 
 void tearDown(void)
@@ -32,15 +27,9 @@ void tearDown(void)
     bvx_grid_free(ctx, &grid);
     free(found);
     found = NULL;
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(other));
-    bvx_context_destroy(ctx);
     bvx_context_destroy(other);
-}
-
-static int quick(void)
-{
-    return getenv("BVX_QUICK") != NULL;
+    suite_close();
 }
 
 /* ---- Grids: windows of a lattice that is a little larger ---- */
@@ -183,7 +172,7 @@ static void test_parts_equal_a_flood(void)
 {
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129}, percents[6] = {0, 3, 12, 40, 85, 100};
     for (int s = 0; s < 7; s++)
-        for (int p = quick() ? 2 : 0; p < (quick() ? 4 : 6); p++) {
+        for (int p = quick ? 2 : 0; p < (quick ? 4 : 6); p++) {
             make_grid(sides[s], 1 + maker_below(&seed, 8), 1 + maker_below(&seed, 8));
             scatter(percents[p]);
             expect_parts();
@@ -194,8 +183,8 @@ static void test_parts_equal_a_flood(void)
 static void test_labels_of_long_runs(void)
 {
     make_grid(200, 1, 1);
-    for (int32_t begin = 0; begin < 140; begin += quick() ? 13 : 1)
-        for (int32_t length = 1; length <= 60 && begin + length <= 200; length += quick() ? 29 : 7) {
+    for (int32_t begin = 0; begin < 140; begin += quick ? 13 : 1)
+        for (int32_t length = 1; length <= 60 && begin + length <= 200; length += quick ? 29 : 7) {
             for (int32_t x = 0; x < 200; x++) bvx_grid_set(&grid, x, 0, 0, x >= begin && x < begin + length);
             bvx_grid_set(&grid, 199, 0, 0, 1);
             expect_parts();
@@ -270,7 +259,7 @@ static void expect_kept(const bvx_keep_options *options)
 
 static void test_keep_by_every_rule(void)
 {
-    for (int round = 0; round < (quick() ? 6 : 60); round++) {
+    for (int round = 0; round < (quick ? 6 : 60); round++) {
         int32_t seeds[9];
         bvx_keep_options o;
         bvx_keep_options_init(&o, sizeof o);
@@ -403,7 +392,7 @@ static void test_topology_equals_counted_cells(void)
     static const int32_t sides[7] = {1, 63, 64, 65, 127, 128, 129}, percents[6] = {0, 6, 30, 55, 90, 100};
 
     for (int s = 0; s < 7; s++)
-        for (int p = quick() ? 2 : 0; p < (quick() ? 4 : 6); p++) {
+        for (int p = quick ? 2 : 0; p < (quick ? 4 : 6); p++) {
             make_grid(sides[s], 1 + maker_below(&seed, 6), 1 + maker_below(&seed, 6));
             scatter(percents[p]);
             expect_topology(6);

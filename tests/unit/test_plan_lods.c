@@ -2,9 +2,8 @@
  * what its rule says, on boxes whose area is known. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 static bvx_mesh_view view;
 static bvx_lod_options options;
@@ -17,26 +16,26 @@ static void make_box(double x, double y, double z)
     view = maker_view(&mesh);
 }
 
-static void open_context(uint64_t limit)
+/* The suite's context anew, with a memory limit; 0: none. */
+static void open_again(uint64_t limit)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
+    bvx_context_options o = suite_options(1, BVX_CPU_BEST);
     o.memory_limit = limit;
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_close();
+    suite_open_with(&o);
 }
 
 void setUp(void)
 {
+    suite_open(1);
     memset(&mesh, 0, sizeof mesh);
-    open_context(0);
     bvx_lod_options_init(&options, sizeof options);
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
     maker_free(&mesh);
+    suite_close();
 }
 
 static int32_t planned(uint64_t count, int32_t padding, int32_t *limited)
@@ -84,11 +83,9 @@ static void test_memory_decides_where_it_is_short(void)
     int32_t expected = finest, limited = -1;
 
     make_box(5, 4, 3);
-    bvx_context_destroy(ctx);
-    open_context(0);
+    open_again(0);
     uint64_t const beside = bvx_memory_used(ctx) + 16 * view.vertex_count + 4 * view.triangle_count;
-    bvx_context_destroy(ctx);
-    open_context(2 * room + beside);
+    open_again(2 * room + beside);
 
     options.resolutions = &finest;
     for (int32_t n = finest; n <= 8 * finest; n++) {
@@ -111,8 +108,7 @@ static void test_never_below_the_finest_level_and_never_beyond_what_levels_take(
     int32_t limited = -1;
 
     make_box(1, 1, 1);
-    bvx_context_destroy(ctx);
-    open_context(1 << 20);
+    open_again(1 << 20);
     options.resolutions = &few;
     TEST_ASSERT_EQUAL_INT32(few, planned(1, 0, &limited));
     TEST_ASSERT_EQUAL_INT32(1, limited);

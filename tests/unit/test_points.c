@@ -2,32 +2,29 @@
  * bodies by moving a cube, and files of points. */
 #include "core/core.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { MOST_POINTS = 4000 };
 
-static bvx_context *ctx;
 static uint64_t seed;
 static double cloud[MOST_POINTS][3];
 static bvx_mesh_view view;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 99;
     memset(&view, 0, sizeof view);
     view.positions = cloud;
     view.position_type = BVX_F64;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* Coordinates on a coarse grid, so that many points share a voxel or lie on its faces. */
@@ -272,7 +269,7 @@ static void test_a_body_is_closed_and_filled(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, &o, &shell));
     TEST_ASSERT_EQUAL_UINT64(0, report.pockets + report.filled);
     o.body = 1;
-    for (int32_t gap = 0; gap < (getenv("BVX_QUICK") != NULL ? 3 : 7); gap++) {
+    for (int32_t gap = 0; gap < (quick ? 3 : 7); gap++) {
         uint64_t pockets = 0, set = 0;
         o.close_gaps = gap;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, &o, &body));

@@ -7,7 +7,7 @@
 #include "mesh/polygon.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -19,7 +19,6 @@ typedef struct flat {
     uint32_t n;
 } flat;
 
-static bvx_context *ctx;
 static bvxi_polygon work;
 static flat shape, other;
 static double (*space)[3];
@@ -28,11 +27,7 @@ static uint64_t seed;
 
 void setUp(void)
 {
-    bvx_context_options o;
-
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
     memset(&work, 0, sizeof work);
     work.ctx = ctx;
     shape.p = malloc(MOST * sizeof *shape.p);
@@ -52,9 +47,7 @@ void tearDown(void)
     free(space);
     free(cut);
     free(cut_again);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- oracles ---- */
@@ -717,8 +710,8 @@ static void test_side_exact(void)
         for (int i = 0; i < DIGITS && want == 0; i++) want = sum[i] != 0;
         zero += want == 0;
         TEST_ASSERT_EQUAL_INT32(want, bvxi_side_exact(p[0], p[1], p[2]));
-        double const quick = bvxi_side_quick(p[0][0], p[0][1], p[1][0], p[1][1], p[2][0], p[2][1]);
-        TEST_ASSERT_TRUE(quick == 0 || (quick > 0 ? 1 : -1) == want);
+        double const sign = bvxi_side_quick(p[0][0], p[0][1], p[1][0], p[1][1], p[2][0], p[2][1]);
+        TEST_ASSERT_TRUE(sign == 0 || (sign > 0 ? 1 : -1) == want);
     }
     TEST_ASSERT_TRUE(zero > 5000);
 }

@@ -1,12 +1,10 @@
 /* test_position_type.c - BVX_POSITION_AUTO: every function that makes positions gives near the origin the
  * bytes of BVX_F32, and far from it, where BVX_F32 is refused, those of BVX_F64. */
-#include "unity.h"
+#include "suite.h"
 
 #include "bitvox.h"
 
 #include <string.h>
-
-static bvx_context *ctx;
 
 /* One octahedron with 0.01 voxels, beside the origin or where a map has it; as all kinds of input. */
 typedef struct world {
@@ -349,9 +347,8 @@ static void make_world(world *w, const double origin[3])
 
 void setUp(void)
 {
+    suite_open(0);
     static const double near[3] = {0, 0, 0}, far[3] = {500000, 5600000, 0};
-
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
     make_world(&worlds[0], near);
     make_world(&worlds[1], far);
 }
@@ -364,8 +361,7 @@ void tearDown(void)
         bvx_grid_free(ctx, &worlds[i].solid);
     }
     memset(worlds, 0, sizeof worlds);
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 int main(void)

@@ -3,7 +3,7 @@
 #include "bitvox.h"
 #include "tools/read_limits.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,16 +11,12 @@
 
 enum { FILE_ROOM = 1 << 20, CORNERS = 30000 };
 
-static bvx_context *ctx;
 static char *file;
 static size_t size;
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
     file = malloc(FILE_ROOM);
     TEST_ASSERT_NOT_NULL(file);
     size = 0;
@@ -28,11 +24,8 @@ void setUp(void)
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
     free(file);
-    fflush(stdout); /* a leak detector ends the program without */
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* ---- files ---- */

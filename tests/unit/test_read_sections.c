@@ -1,13 +1,12 @@
 /* test_read_sections.c - contour files: CSL and CSV by hand, round trips,
  * every cut, and what they refuse; contours of meshes. */
 #include "tools/section_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static bvx_context *ctx;
 static bvx_sections s, t;
 static bvx_buffer file;
 static section_maker made;
@@ -15,7 +14,7 @@ static maker_mesh body;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     maker_clear(&body);
 }
 
@@ -25,9 +24,7 @@ void tearDown(void)
     bvx_sections_free(ctx, &t);
     bvx_buffer_free(ctx, &file);
     maker_free(&body);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static bvx_status read_text(const char *text, int32_t format)
@@ -234,7 +231,7 @@ static void test_csv_of_planes(void)
  * that does not grow with their square. */
 static void test_csv_of_many_sections(void)
 {
-    uint32_t const sections = getenv("BVX_QUICK") != NULL ? 2000 : 100000;
+    uint32_t const sections = quick ? 2000 : 100000;
     char *const text = malloc((size_t)sections * 60 + 100);
     int n = sprintf(text, "loop,section,x,y,position\n");
 

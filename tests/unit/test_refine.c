@@ -1,30 +1,17 @@
 /* test_refine.c - octrees against the uniform surface and a plain flood around it. */
 #include "refine_oracle.h"
+#include "suite.h"
 
 #include <stdio.h>
 
-static bvx_context *ctx;
-
-static bvx_context *context_of(int32_t threads)
-{
-    bvx_context_options o;
-    bvx_context *made = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
-    return made;
-}
-
 void setUp(void)
 {
-    ctx = context_of(1);
+    suite_open(1);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void base_of(int32_t nx, int32_t ny, int32_t nz, double spacing, bvx_lattice *base)
@@ -269,7 +256,7 @@ static void test_threads_change_nothing(void)
     star_mesh(&m, &seed, 5, 0.1);
     soup_mesh(&m, &seed, 5, 6);
     for (int32_t threads = 1; threads <= 8; threads += threads < 3 ? 1 : 5) {
-        bvx_context *const c = context_of(threads);
+        bvx_context *const c = suite_context(threads, BVX_CPU_BEST);
         check_refined(c, &m, &base, 4, &inside);
         TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(c));
         bvx_context_destroy(c);
@@ -475,7 +462,7 @@ static void test_a_limit_names_the_levels_that_fit(void)
     base_of(4, 4, 4, 1, &base);
     star_mesh(&m, &seed, 4, 0.1);
     bvx_mesh_view const view = maker_view(&m);
-    free_context = context_of(1);
+    free_context = suite_context(1, BVX_CPU_BEST);
     bvx_octree_free(free_context, refined(free_context, &view, &base, 7, -1));
     uint64_t const peak = bvx_memory_peak(free_context);
     bvx_context_destroy(free_context);

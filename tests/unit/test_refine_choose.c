@@ -2,23 +2,19 @@
 #include "refine_oracle.h"
 
 #include "refine/refine.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
 }
 
 void tearDown(void)
 {
     maker_free(&mesh);
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static bvx_mesh_view star_of(int rings, int sectors)

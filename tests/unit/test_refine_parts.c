@@ -1,21 +1,15 @@
 /* test_refine_parts.c - octrees that are finer in a window, or that stay coarse where the surface is flat. */
 #include "refine_oracle.h"
-
-static bvx_context *ctx;
+#include "suite.h"
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void base_of(int32_t n, bvx_lattice *base)

@@ -332,7 +332,7 @@ static void test_threads_do_not_show(void)
         bvx_image one = {0}, many = {0};
         for (int turn = 0; turn < 4; turn++) {
             int32_t const threads = counts[turn];
-            bvx_context *const c = context_of(threads);
+            bvx_context *const c = suite_context(threads, BVX_CPU_BEST);
             bvx_render_options o = options_of(121, 99, 3, -4, 2);
             bvx_image *const image = threads == 1 ? &one : &many;
             bvx_mesh_view const v = view_of_mesh();

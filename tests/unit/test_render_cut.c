@@ -323,7 +323,7 @@ static void test_mesh_cut_in_all_ways_is_the_same_for_all_threads(void)
         for (uint64_t i = 0; i < vertices && large; i++)
             for (int a = 0; a < 3; a++) xyz[i][a] *= scale;
         for (int turn = 0; turn < 3; turn++) {
-            bvx_context *const c = context_of(counts[turn]);
+            bvx_context *const c = suite_context(counts[turn], BVX_CPU_BEST);
             bvx_render_options o = options_of(123, 97, 3, -4, 2);
             bvx_mesh_view const v = view_of_mesh();
             o.smooth = o.wireframe = 1;

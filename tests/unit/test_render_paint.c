@@ -357,7 +357,7 @@ static void test_difference_is_the_same_for_all_threads(void)
     scatter(&a, 20);
     scatter(&b, 20);
     for (int turn = 0; turn < 3; turn++) {
-        bvx_context *const c = context_of(counts[turn]);
+        bvx_context *const c = suite_context(counts[turn], BVX_CPU_BEST);
         bvx_render_options o = options_of(141, 99, 3, -4, 2);
         o.wireframe = 1;
         o.cut_low[0] = 20.3;

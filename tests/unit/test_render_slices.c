@@ -333,7 +333,7 @@ static void test_slices_are_the_same_for_all_threads(void)
     for (int32_t axis = 0; axis < 3; axis++) {
         bvx_image first = {0}, image = {0};
         for (int turn = 0; turn < 3; turn++) {
-            bvx_context *const c = context_of(counts[turn]);
+            bvx_context *const c = suite_context(counts[turn], BVX_CPU_BEST);
             bvx_render_options const o = sheet_options(210, 177);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_slices(c, &g, axis, 7, &o, turn ? &image : &first));
             if (turn) same_pictures(&first, &image);

@@ -421,7 +421,7 @@ static void test_threads_and_code_paths_do_not_show(void)
         view = maker_view(&mesh);
         o.sharp = trial & 1;
         for (int i = 0; i < 6; i++) {
-            bvx_context *const c = context_with(threads[i % 3], cpu[i / 3]);
+            bvx_context *const c = suite_context(threads[i % 3], cpu[i / 3]);
             bvx_mesh out = repaired_by(c, &view, &o);
             uint64_t hash;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(c, &out, &hash));

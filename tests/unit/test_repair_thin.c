@@ -212,7 +212,7 @@ static void test_thick_bodies_are_left_alone(void)
 {
     static const double centre[3] = {0, 0, 0}, r[3] = {1, 0.8, 0.6};
     static const double low[3] = {-1, -0.7, -0.3}, high[3] = {1, 0.7, 0.3};
-    bvx_context *const threads = context_with(3, BVX_CPU_BEST);
+    bvx_context *const threads = suite_context(3, BVX_CPU_BEST);
 
     maker_clear(&mesh);
     maker_star(&mesh, &seed, centre, r, 0, 24, 36, 65536);

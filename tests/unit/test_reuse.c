@@ -1,14 +1,12 @@
 /* test_reuse.c - results passed again: every function that makes one gives into a
  * used result, small after large and large after small, what it gives into an empty
  * one; when memory fails meanwhile, nothing leaks and the result can be used on. */
-#include "unity.h"
+#include "suite.h"
 
 #include "bitvox.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static bvx_context *ctx;
 
 /* One model of a few voxels and one of many, as all kinds of input. */
 typedef struct model {
@@ -561,7 +559,7 @@ static void free_model(model *m)
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     make_model(&models[0], 10);
     make_model(&models[1], 23);
 }
@@ -570,8 +568,7 @@ void tearDown(void)
 {
     free_model(&models[0]);
     free_model(&models[1]);
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 int main(void)

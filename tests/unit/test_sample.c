@@ -1,25 +1,22 @@
 /* test_sample.c - trilinear samples against the formula of eight corners, gradients against differences. */
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static uint64_t seed;
 static bvx_grid grid;
 
 void setUp(void)
 {
+    suite_open(0);
     seed = 31337;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
     bvx_grid_free(ctx, &grid);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 static void make_grid(const double origin[3], const double spacing[3], const int32_t low[3],

@@ -327,8 +327,7 @@ static uint64_t hash_of(const test_volume *t, int32_t threads, int32_t cpu)
     bvx_mesh m = {0};
     uint64_t hash;
 
-    bvx_context_destroy(ctx);
-    open_context(threads, cpu);
+    open_again(threads, cpu);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_scalar(ctx, &t->view, &o, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &m, &hash));
     bvx_mesh_free(ctx, &m);

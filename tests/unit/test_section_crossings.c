@@ -2,24 +2,21 @@
  * All pairs of small random stacks, in whole numbers. */
 #include "tools/crossing_oracle.h"
 #include "tools/section_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdlib.h>
 
-static bvx_context *ctx;
 static section_maker stack;
 static bvx_sections_report report;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* A random stack with coordinates in [1, 16), on a grid of random size; 0
@@ -57,7 +54,7 @@ static uint64_t count_crossings(const bvx_mesh *mesh)
 static void test_triangles_do_not_cross_where_all_is_kept(void)
 {
     static const int cells[] = {3, 6, 12, 24};
-    int const rounds = getenv("BVX_QUICK") != NULL ? 2 : 40;
+    int const rounds = quick ? 2 : 40;
     uint64_t seed = 21, kept = 0, unkept = 0, crossed[2] = {0, 0}, branching = 0;
 
     for (int i = 0; i < 4; i++)
@@ -86,7 +83,7 @@ static void test_triangles_do_not_cross_where_all_is_kept(void)
 /* Marching cubes alone: tapered, so that no flat cap of points in line is in the way. */
 static void test_triangles_of_the_classic_way_do_not_cross(void)
 {
-    int const rounds = getenv("BVX_QUICK") != NULL ? 2 : 40;
+    int const rounds = quick ? 2 : 40;
     uint64_t seed = 9;
 
     for (int n = 0; n < rounds;) {

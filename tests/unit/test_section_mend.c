@@ -256,7 +256,7 @@ static uint64_t random_loops(uint64_t *seed, int whole)
 static void test_random_loops_keep_what_is_inside(void)
 {
     uint64_t seed = 21, mended = 0, refused = 0, empty = 0, cancelled = 0;
-    int const all = getenv("BVX_QUICK") != NULL ? 60 : getenv("BITVOX_LARGE") != NULL ? 1500 : 600;
+    int const all = quick ? 60 : getenv("BITVOX_LARGE") != NULL ? 1500 : 600;
 
     for (int i = 0; i < all; i++) {
         uint64_t const points = random_loops(&seed, i & 1);
@@ -282,9 +282,7 @@ static void test_random_loops_keep_what_is_inside(void)
 static void test_large_tangles(void)
 {
     static const int32_t sizes[4] = {80, 120, 160, 200};
-    int const all = getenv("BVX_QUICK") != NULL      ? 4
-                    : getenv("BITVOX_LARGE") != NULL ? 40
-                                                     : 12; /* each size and side */
+    int const all = quick ? 4 : getenv("BITVOX_LARGE") != NULL ? 40 : 12; /* each size and side */
     uint64_t seed = 77, refused = 0;
 
     for (int i = 0; i < all; i++) {

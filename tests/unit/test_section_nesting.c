@@ -278,7 +278,7 @@ static void random_walls(uint64_t *seed)
 static void test_random_walls(void)
 {
     uint64_t seed = 3, nested = 0, joined = 0, good = 0;
-    int const all = getenv("BVX_QUICK") != NULL ? 15 : 300;
+    int const all = quick ? 15 : 300;
 
     for (int i = 0; i < all; i++) {
         random_walls(&seed);

@@ -3,27 +3,24 @@
  * crossings, distances against all segments, rings, loops that touch, caps. */
 #include "section/trace.h"
 #include "tools/section_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 
-static bvx_context *ctx;
 static section_maker made;
 static bvx_sections_options o;
 static bvxi_stack stack;
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     bvx_sections_options_init(&o, sizeof o);
     stack_clear(&made);
 }
 
 void tearDown(void)
 {
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* An odd number of segments to the right of a place that is moved by (e_u, e_v),

@@ -30,7 +30,7 @@ static void random_options(uint64_t *seed)
 /* Slow machines are requested less. */
 static int rounds(int full)
 {
-    return getenv("BVX_QUICK") != NULL ? full / 20 : full;
+    return quick ? full / 20 : full;
 }
 
 static void test_random_stacks_are_closed_and_keep_all_points(void)

@@ -1,22 +1,19 @@
 /* test_slice.c - contours of boxes on planes, whose areas are known; sheets
  * that share an edge; planes that meet nothing. */
 #include "bitvox.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <string.h>
 
-static bvx_context *ctx;
-
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static const uint32_t box_triangles[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,

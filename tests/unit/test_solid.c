@@ -290,7 +290,7 @@ static void test_bad_indices_name_the_triangle(void)
     {
         bvx_mesh_view const v = maker_view(&mesh);
         for (int32_t threads = 2; threads <= 4; threads++) {
-            bvx_context *const c = context_with(threads, BVX_CPU_BEST);
+            bvx_context *const c = suite_context(threads, BVX_CPU_BEST);
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
                                     fill_with(c, &v, &l, NULL, BVX_FILL_NONZERO, &untouched, NULL));
             TEST_ASSERT_EQUAL_STRING(bvx_last_message(ctx), bvx_last_message(c));

@@ -238,8 +238,8 @@ static void test_crossings_know_the_volume_of_overlapping_bodies(void)
  * code and the order of triangles do not show. */
 static void test_what_is_told_depends_on_mesh_and_lattice(void)
 {
-    bvx_context *const threads = context_with(3, BVX_CPU_BEST);
-    bvx_context *const portable = context_with(1, BVX_CPU_PORTABLE);
+    bvx_context *const threads = suite_context(3, BVX_CPU_BEST);
+    bvx_context *const portable = suite_context(1, BVX_CPU_PORTABLE);
     bvx_solid_report first;
     bvx_window const part = {{20, 20, 20}, {30, 30, 11}};
     bvx_voxelize_options o;

@@ -103,7 +103,7 @@ static void assert_all_contexts_agree(const bvx_lattice *l)
         bvx_solid_report r, s;
         bvx_grid a = solid_by(ctx, l, NULL, fill, &r);
         for (int32_t n = 0; n < 7; n++) {
-            bvx_context *const c = context_with(threads[n % 5], n < 5 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+            bvx_context *const c = suite_context(threads[n % 5], n < 5 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             bvx_grid b = solid_by(c, l, NULL, fill, &s);
             assert_same_bits(&a, &b, "threads or code path");
             TEST_ASSERT_EQUAL_MEMORY(&r, &s, sizeof r);

@@ -1,47 +1,24 @@
 /* test_surface.c - bvx_extract_surface against marching cubes done cell by
  * cell: every position, every triangle. */
-#include "tools/fault.h"
 #include "tools/surface_oracle.h"
 
 #include <math.h>
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
-static fault_heap heap;
 static uint64_t seed;
 static bvx_grid grid;
-static int quick;
-
-static bvx_context *context_with(int32_t threads, int32_t cpu)
-{
-    bvx_context_options o;
-    bvx_context *c = NULL;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
-    return c;
-}
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
     seed = UINT64_C(0x5a7face);
-    quick = getenv("BVX_QUICK") != NULL;
 }
 
 void tearDown(void)
 {
-    const char *wrong;
     bvx_grid_free(ctx, &grid);
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
+    suite_close();
 }
 
 static bvx_extract_options extract_options(void)
@@ -475,7 +452,8 @@ static void test_threads_and_code_paths_agree(void)
         sprinkle(2 + 4 * trial);
         a = surface_by(ctx, &o);
         for (int32_t n = 1; n <= 10; n++) {
-            bvx_context *const c = context_with(n <= 8 ? n : n - 8, n <= 8 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+            bvx_context *const c = suite_context(n <= 8 ? n : n - 8,
+                                                 n <= 8 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             bvx_mesh b = surface_by(c, &o);
             assert_same_mesh(&a, &b);
             bvx_mesh_free(c, &b);

@@ -87,8 +87,7 @@ static void test_threshold_of_every_type_order_and_direction(void)
 
 static void test_threshold_is_the_same_on_all_paths_and_threads(void)
 {
-    bvx_context_destroy(ctx);
-    open_context(3, BVX_CPU_PORTABLE);
+    open_again(3, BVX_CPU_PORTABLE);
     check_type(BVX_SAMPLE_F32, -9, 9);
     check_type(BVX_SAMPLE_U16, 0, 65535);
     check_type(BVX_SAMPLE_I8, -128, 127);

@@ -1,25 +1,21 @@
 /* test_tree_file.c - octrees as .bvx files: against a plain walk of the layout, read back, damaged in every
  * byte, and with damage whose checksums are right. */
 #include "refine_oracle.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static maker_mesh mesh;
 
 enum { HEAD = 128, LEVEL = 24 };
 
 void setUp(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o.threads = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    suite_open(1);
 }
 
 void tearDown(void)
 {
     maker_free(&mesh);
-    TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 /* ---- trees ---- */

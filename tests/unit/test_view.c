@@ -1,14 +1,13 @@
 /* test_view.c - reading meshes of any type, stride and alignment; bounds; refusals. */
 #include "core/core.h"
 #include "mesh/view.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { MAX_VERTICES = 6000, MAX_TRIANGLES = 6000 };
 
-static bvx_context *ctx;
 static uint64_t random_state;
 static double positions[MAX_VERTICES][3]; /* the truth; all numbers are floats too */
 static uint32_t triangles[MAX_TRIANGLES][3];
@@ -16,13 +15,13 @@ static unsigned char position_bytes_of[MAX_VERTICES * 40 + 8], index_bytes_of[MA
 
 void setUp(void)
 {
+    suite_open(0);
     random_state = 1;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static uint32_t random_below(uint32_t n)

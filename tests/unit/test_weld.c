@@ -3,25 +3,24 @@
 #include "mesh/topology.h"
 #include "tools/fault.h"
 #include "tools/mesh_maker.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdlib.h>
 
 enum { MOST = 600 };
 
-static bvx_context *ctx;
 static double positions[MOST][3];
 static float floats[MOST][3];
 static uint32_t representative[MOST];
 
 void setUp(void)
 {
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
 }
 
 void tearDown(void)
 {
-    bvx_context_destroy(ctx);
+    suite_close();
 }
 
 static bvx_mesh_view view_of(uint64_t n, uint32_t type)

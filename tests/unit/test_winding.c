@@ -457,7 +457,7 @@ static void test_threads_and_code_paths_change_nothing(void)
         else make_bodies(trial, &l);
         first = solid_by(ctx, &l, NULL, BVX_FILL_WINDING, &r);
         for (int i = 0; i < 8; i++) {
-            bvx_context *const c = context_with(threads[i % 4], i < 4 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+            bvx_context *const c = suite_context(threads[i % 4], i < 4 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             bvx_grid g = solid_by(c, &l, NULL, BVX_FILL_WINDING, &s);
             assert_same_bits(&first, &g, "threads");
             TEST_ASSERT_EQUAL_MEMORY(&r, &s, sizeof r);

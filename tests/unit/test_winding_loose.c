@@ -197,7 +197,7 @@ static void test_windows_threads_and_code_paths_change_nothing(void)
         make_loose(trial, &l);
         whole = solid_of(&l, rules[trial % 3]);
         for (int32_t i = 0; i < 4; i++) {
-            bvx_context *const c = context_with(1 + i, i < 2 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
+            bvx_context *const c = suite_context(1 + i, i < 2 ? BVX_CPU_BEST : BVX_CPU_PORTABLE);
             part = solid_by(c, &l, NULL, rules[trial % 3], NULL);
             assert_same_bits(&whole, &part, "threads");
             bvx_grid_free(c, &part);

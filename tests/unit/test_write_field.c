@@ -166,7 +166,7 @@ static void test_threads_and_code_paths_change_nothing(void)
         for (int32_t vectors = 0; vectors < 2; vectors++) {
             bvx_buffer one = file_of(&f, vectors, formats[i]);
             for (int w = 0; w < 3; w++) {
-                bvx_context *const other = context_with(ways[w][0], ways[w][1]);
+                bvx_context *const other = suite_context(ways[w][0], ways[w][1]);
                 bvx_buffer b = {0};
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_field(other, &f, vectors, formats[i], &b));
                 TEST_ASSERT_EQUAL_UINT64(one.size, b.size);

@@ -2,9 +2,8 @@
 #include "io/bytes.h"
 #include "tools/mesh_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
-static bvx_context *ctx;
 static bvx_octree *tree;
 
 void setUp(void)
@@ -16,7 +15,7 @@ void setUp(void)
     bvx_refine_options o;
     maker_mesh m = {0};
 
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
+    suite_open(0);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
     for (int a = 0; a < 3; a++) {
         low[a] = origin[a] + 0.3 * spacing[a];
@@ -34,9 +33,7 @@ void setUp(void)
 void tearDown(void)
 {
     bvx_octree_free(ctx, tree);
-    uint64_t const used = bvx_memory_used(ctx);
-    bvx_context_destroy(ctx);
-    TEST_ASSERT_EQUAL_UINT64(0, used);
+    suite_close();
 }
 
 /* The number behind a text in the file's head. */

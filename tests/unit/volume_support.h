@@ -3,41 +3,32 @@
 #ifndef VOLUME_SUPPORT_H
 #define VOLUME_SUPPORT_H
 
-#include "tools/fault.h"
 #include "tools/mesh_maker.h"
 
-#include "unity.h"
+#include "suite.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static bvx_context *ctx;
-static fault_heap heap;
 static uint64_t seed;
 
-/* A context with the given threads over a watched heap. */
-static inline void open_context(int32_t threads, int32_t cpu)
+/* The suite's context anew, with other threads and code. */
+static inline void open_again(int32_t threads, int32_t cpu)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
-    o = fault_options(&o, &heap);
-    o.threads = threads;
-    o.cpu = cpu;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    bvx_context_options const o = suite_options(threads, cpu);
+    suite_close();
+    suite_open_with(&o);
 }
 
 void setUp(void)
 {
-    open_context(1, BVX_CPU_BEST);
+    suite_open(1);
     seed = UINT64_C(0x70107e);
 }
 
 void tearDown(void)
 {
-    const char *wrong;
-    bvx_context_destroy(ctx);
-    wrong = fault_end(&heap);
-    TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
+    suite_close();
 }
 
 static inline size_t type_size(int32_t type)
