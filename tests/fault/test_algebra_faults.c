@@ -1,6 +1,6 @@
 /* test_algebra_faults.c - set algebra, blocks, windows and booleans of meshes with every allocation failing
  * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 /* ---- Inputs, made once ---- */
@@ -55,9 +55,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Operations: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static bvx_status end_grid(bvx_context *ctx, bvx_status status, bvx_grid *grid)
 {
@@ -203,107 +200,48 @@ static bvx_status join_lens(void *user, bvx_context *ctx)
     return boolean_with(ctx, 2, BVX_BOOLEAN_UNION, 0);
 }
 
-typedef struct algebra_case {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want; /* the mark of a good run */
-} algebra_case;
-
-static algebra_case cases[] = {
-    {"union", unite, 0},
-    {"intersection", intersect, 0},
-    {"difference", take_away, 0},
-    {"xor", differ, 0},
-    {"complement", invert, 0},
-    {"downsample", reduce, 0},
-    {"coverage", cover, 0},
-    {"content", find_content, 0},
-    {"crop", crop, 0},
-    {"pad", pad, 0},
-    {"permute", permute, 0},
-    {"resample", resample, 0},
-    {"boolean union", join_meshes, 0},
-    {"boolean difference, sharp", cut_meshes, 0},
-    {"boolean union, thin", join_lens, 0},
+static fault_row cases[] = {
+    {"union", unite, 1, 1, 0},
+    {"intersection", intersect, 1, 1, 0},
+    {"difference", take_away, 1, 1, 0},
+    {"xor", differ, 1, 1, 0},
+    {"complement", invert, 1, 1, 0},
+    {"downsample", reduce, 1, 1, 0},
+    {"coverage", cover, 1, 1, 0},
+    {"content", find_content, 1, 1, 0},
+    {"crop", crop, 1, 1, 0},
+    {"pad", pad, 1, 1, 0},
+    {"permute", permute, 1, 1, 0},
+    {"resample", resample, 1, 1, 0},
+    {"boolean union", join_meshes, 1, 1, 0},
+    {"boolean difference, sharp", cut_meshes, 1, 1, 0},
+    {"boolean union, thin", join_lens, 1, 1, 0},
 };
-enum { CASES = sizeof cases / sizeof cases[0] };
-
-/* A good run always makes the same. */
-static bvx_status run_case(void *user, bvx_context *ctx)
-{
-    const algebra_case *const c = user;
-    bvx_status const status = c->run(NULL, ctx);
-    if (status == BVX_OK && mark != c->want) left_behind = 2;
-    return status;
-}
-
-static algebra_case *take_case(int i)
-{
-    left_behind = 0;
-    assert_int_equal(cases[i].run(NULL, maker), BVX_OK);
-    cases[i].want = mark;
-    return &cases[i];
-}
-
-static void assert_well(const algebra_case *c, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", c->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", c->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", c->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_set_algebra_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < CASES; i++) {
-            algebra_case *const c = take_case(i);
-            uint64_t allocations = 0;
-            assert_well(c, fault_every_allocation(run_case, c, &o, &allocations));
-            assert_true(allocations > 0);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(cases));
 }
 
 static void test_set_algebra_cancels_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < CASES; i++) {
-            algebra_case *const c = take_case(i);
-            uint64_t calls = 0;
-            assert_well(c, fault_every_cancel(run_case, c, &o, &calls));
-            assert_true(calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(cases));
 }
 
 static void test_set_algebra_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < CASES; i++) {
-        algebra_case *const c = take_case(i);
-        assert_well(c, fault_every_limit(run_case, c, &o, 40));
-    }
+    limit_memory(FAULT_ROWS(cases), 40);
 }
 
 static void test_set_algebra_lives_in_an_arena(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < CASES; i++) {
-        algebra_case *const c = take_case(i);
-        assert_well(c, fault_every_arena(run_case, c, &o, 1 << 21, 30));
-    }
+    live_in_arenas(FAULT_ROWS(cases), 1 << 21, 30);
 }
 
 /* A result of the caller's words stays his, also when the call is cancelled. */

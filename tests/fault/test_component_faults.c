@@ -1,6 +1,6 @@
 /* test_component_faults.c - parts of grids and clouds of points with every allocation failing once, cancelled
  * at every progress call, and under every memory limit. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 enum { CLOUD = 900, TEXT = CLOUD * 12 };
@@ -49,9 +49,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 {
@@ -153,80 +150,30 @@ static bvx_status read(void *user, bvx_context *ctx)
     return BVX_OK;
 }
 
-typedef struct part_call {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t least; /* allocations */
-    uint64_t want;  /* the mark of a good run */
-} part_call;
-
-static part_call calls[] = {{"components", list, 3, 0},   {"label", label, 3, 0},
-                            {"keep", keep, 6, 0},         {"cavities", cavities, 6, 0},
-                            {"topology", topology, 6, 0}, {"points", points, 6, 0},
-                            {"read", read, 1, 0}};
-enum { CALLS = sizeof calls / sizeof calls[0] };
-
-/* A good run always makes the same. */
-static bvx_status run_call(void *user, bvx_context *ctx)
-{
-    const part_call *const c = user;
-    bvx_status const status = c->run(NULL, ctx);
-    if (status == BVX_OK && mark != c->want) left_behind = 2;
-    return status;
-}
-
-static part_call *take_call(int i)
-{
-    left_behind = 0;
-    assert_int_equal(calls[i].run(NULL, maker), BVX_OK);
-    calls[i].want = mark;
-    return &calls[i];
-}
-
-static void assert_well(const part_call *c, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", c->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", c->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", c->name);
-}
+static fault_row calls[] = {
+    {"components", list, 3, 1, 0},   {"label", label, 3, 1, 0},       {"keep", keep, 6, 1, 0},
+    {"cavities", cavities, 6, 1, 0}, {"topology", topology, 6, 1, 0}, {"points", points, 6, 1, 0},
+    {"read", read, 1, 1, 0},
+};
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_parts_fails_once(void **state)
 {
-    bvx_context_options const o = default_options();
-
     (void)state;
-    for (int i = 0; i < CALLS; i++) {
-        part_call *const c = take_call(i);
-        uint64_t allocations = 0;
-        assert_well(c, fault_every_allocation(run_call, c, &o, &allocations));
-        assert_true(allocations >= c->least);
-    }
+    fail_every_allocation(FAULT_ROWS(calls));
 }
 
 static void test_parts_cancel_at_every_progress_call(void **state)
 {
-    bvx_context_options const o = default_options();
-
     (void)state;
-    for (int i = 0; i < CALLS; i++) {
-        part_call *const c = take_call(i);
-        uint64_t asked = 0;
-        assert_well(c, fault_every_cancel(run_call, c, &o, &asked));
-        assert_true(asked > 0);
-    }
+    cancel_at_every_call(FAULT_ROWS(calls));
 }
 
 static void test_parts_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < CALLS; i++) {
-        part_call *const c = take_call(i);
-        assert_well(c, fault_every_limit(run_call, c, &o, 40));
-    }
+    limit_memory(FAULT_ROWS(calls), 40);
 }
 
 /* A grid kept or filled in place is as before when the call fails. */

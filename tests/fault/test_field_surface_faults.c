@@ -1,7 +1,7 @@
 /* test_field_surface_faults.c - surfaces of fields, plain and sharp: every allocation
  * failing once, cancelled at every progress call, under every memory limit. After
  * each failure there is no mesh, nothing is held, and the same context does the work. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/field_maker.h"
 
 static maker_mesh box;
@@ -9,8 +9,6 @@ static bvx_mesh_view view;
 static bvx_field field;
 static bvx_grid changed;
 static bvx_context *maker;
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in its result */
 
 static int make_inputs(void **state)
 {
@@ -97,77 +95,30 @@ static bvx_status run_changed(void *user, bvx_context *ctx)
     return make_surface(ctx, -1, &view, &changed);
 }
 
-enum { SURFACES = 4 };
-static fault_operation_fn *const surfaces[SURFACES] = {run_plain, run_sharp, run_sharp_by_vectors,
-                                                       run_changed};
-
-typedef struct trial {
-    fault_operation_fn *run;
-    uint64_t want;
-} trial;
-
-static bvx_status run_trial(void *user, bvx_context *ctx)
-{
-    const trial *const t = user;
-    bvx_status const status = t->run(NULL, ctx);
-    if (status == BVX_OK && mark != t->want) left_behind = 2;
-    return status;
-}
-
-static trial trial_of(int i)
-{
-    trial t = {surfaces[i], 0};
-    left_behind = 0;
-    assert_int_equal(t.run(NULL, maker), BVX_OK);
-    t.want = mark;
-    return t;
-}
-
-static void assert_well(int i, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("surface %d: %s", i, wrong);
-    if (left_behind == 1) fail_msg("surface %d: a failed call left something in its mesh", i);
-    if (left_behind != 0) fail_msg("surface %d: another mesh than usual", i);
-}
+static fault_row surfaces[] = {
+    {"plain", run_plain, 7, 3, 0},
+    {"sharp", run_sharp, 13, 7, 0},
+    {"sharp, by vectors", run_sharp_by_vectors, 13, 7, 0},
+    {"changed", run_changed, 13, 7, 0},
+};
 
 static void test_every_allocation_of_a_field_surface_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < SURFACES; i++) {
-            bvx_context_options o = default_options();
-            trial t = trial_of(i);
-            uint64_t allocations = 0;
-            o.threads = threads;
-            assert_well(i, fault_every_allocation(run_trial, &t, &o, &allocations));
-            assert_true(allocations >= (i == 0 ? 7u : 13u));
-        }
+    fail_every_allocation(FAULT_ROWS(surfaces));
 }
 
 static void test_cancel_at_every_progress_call_of_a_field_surface(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < SURFACES; i++) {
-            bvx_context_options o = default_options();
-            trial t = trial_of(i);
-            uint64_t calls = 0;
-            o.threads = threads;
-            assert_well(i, fault_every_cancel(run_trial, &t, &o, &calls));
-            assert_true(calls >= (i == 0 ? 3u : 7u));
-        }
+    cancel_at_every_call(FAULT_ROWS(surfaces));
 }
 
 /* Limits from 1 byte to what the surface needs. */
 static void test_every_memory_limit_of_a_field_surface(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < SURFACES; i++) {
-        trial t = trial_of(i);
-        assert_well(i, fault_every_limit(run_trial, &t, &o, 60));
-    }
+    limit_memory(FAULT_ROWS(surfaces), 60);
 }
 
 int main(void)

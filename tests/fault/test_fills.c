@@ -1,6 +1,6 @@
 /* test_fills.c - votes, floods, regions, terrains, comparisons, seeds and fills with every allocation failing
  * once, cancelled at every progress call, under every memory limit and in arenas of every size. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 /* ---- Inputs, made once ---- */
@@ -65,9 +65,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Fills: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 {
@@ -221,95 +218,37 @@ static bvx_status grid_fill(void *user, bvx_context *ctx)
     return keep_grid(ctx, status, &g);
 }
 
-typedef struct fill_kind {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want; /* the mark of a good run */
-} fill_kind;
-
-static fill_kind fills[] = {
-    {"vote", vote, 0},       {"regions", regions, 0}, {"flood", flood, 0},     {"below", below, 0},
-    {"compare", compare, 0}, {"seed", seed, 0},       {"pockets", pockets, 0}, {"fill", grid_fill, 0},
-    {"overlap", overlap, 0}, {"auto", automatic, 0},  {"losses", losses, 0},
+static fault_row fills[] = {
+    {"vote", vote, 4, 1, 0},       {"regions", regions, 4, 1, 0}, {"flood", flood, 4, 1, 0},
+    {"below", below, 4, 1, 0},     {"compare", compare, 4, 1, 0}, {"seed", seed, 4, 1, 0},
+    {"pockets", pockets, 4, 1, 0}, {"fill", grid_fill, 4, 1, 0},  {"overlap", overlap, 4, 1, 0},
+    {"auto", automatic, 4, 1, 0},  {"losses", losses, 4, 1, 0},
 };
-enum { KINDS = sizeof fills / sizeof fills[0] };
-
-/* A good run always makes the same. */
-static bvx_status run_fill(void *user, bvx_context *ctx)
-{
-    const fill_kind *const f = user;
-    bvx_status const status = f->run(NULL, ctx);
-    if (status == BVX_OK && mark != f->want) left_behind = 2;
-    return status;
-}
-
-static fill_kind *take_fill(int i)
-{
-    left_behind = 0;
-    assert_int_equal(fills[i].run(NULL, maker), BVX_OK);
-    fills[i].want = mark;
-    return &fills[i];
-}
-
-static void assert_well(const fill_kind *f, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", f->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", f->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", f->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_fills_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            fill_kind *const f = take_fill(i);
-            uint64_t allocations = 0;
-            assert_well(f, fault_every_allocation(run_fill, f, &o, &allocations));
-            assert_true(allocations > 3);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(fills));
 }
 
 static void test_fills_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            fill_kind *const f = take_fill(i);
-            uint64_t calls = 0;
-            assert_well(f, fault_every_cancel(run_fill, f, &o, &calls));
-            assert_true(calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(fills));
 }
 
 static void test_fills_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        fill_kind *const f = take_fill(i);
-        assert_well(f, fault_every_limit(run_fill, f, &o, 60));
-    }
+    limit_memory(FAULT_ROWS(fills), 60);
 }
 
 static void test_fills_live_in_an_arena(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        fill_kind *const f = take_fill(i);
-        assert_well(f, fault_every_arena(run_fill, f, &o, 2 << 20, 40));
-    }
+    live_in_arenas(FAULT_ROWS(fills), 2 << 20, 40);
 }
 
 int main(void)

@@ -1,12 +1,10 @@
 /* test_morph_faults.c - morphology and distances with every allocation failing once, cancelled at every
  * progress call, under every memory limit. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 static bvx_grid cubic, stretched;
 static bvx_context *maker;
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static void make_grid(double dz, bvx_grid *g)
 {
@@ -170,83 +168,36 @@ static bvx_status squares(void *user, bvx_context *ctx)
     return status;
 }
 
-typedef struct morph_kind {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want; /* the mark of a good run */
-} morph_kind;
-
-static morph_kind kinds[] = {
-    {"close", close_by_steps, 0},          {"open", open_by_steps, 0}, {"ball", open_by_a_ball, 0},
-    {"large", erode_by_a_large_ball, 0},   {"hollow", hollow, 0},      {"distance", distances, 0},
-    {"stretched", stretched_distances, 0}, {"squares", squares, 0},    {"dilate", dilate_by_steps, 0},
+static fault_row kinds[] = {
+    {"close", close_by_steps, 4, 1, 0},
+    {"open", open_by_steps, 4, 1, 0},
+    {"ball", open_by_a_ball, 4, 1, 0},
+    {"large", erode_by_a_large_ball, 4, 1, 0},
+    {"hollow", hollow, 4, 1, 0},
+    {"distance", distances, 4, 1, 0},
+    {"stretched", stretched_distances, 4, 1, 0},
+    {"squares", squares, 4, 1, 0},
+    {"dilate", dilate_by_steps, 4, 1, 0},
 };
-enum { KINDS = sizeof kinds / sizeof kinds[0] };
-
-static bvx_status run_kind(void *user, bvx_context *ctx)
-{
-    const morph_kind *const k = user;
-    bvx_status const status = k->run(NULL, ctx);
-    if (status == BVX_OK && mark != k->want) left_behind = 2;
-    return status;
-}
-
-static morph_kind *take_kind(int i)
-{
-    left_behind = 0;
-    assert_int_equal(kinds[i].run(NULL, maker), BVX_OK);
-    kinds[i].want = mark;
-    return &kinds[i];
-}
-
-static void assert_well(const morph_kind *k, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", k->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", k->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", k->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            morph_kind *const k = take_kind(i);
-            uint64_t allocations = 0;
-            assert_well(k, fault_every_allocation(run_kind, k, &o, &allocations));
-            assert_true(allocations > 3);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(kinds));
 }
 
 static void test_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            morph_kind *const k = take_kind(i);
-            uint64_t calls = 0;
-            assert_well(k, fault_every_cancel(run_kind, k, &o, &calls));
-            assert_true(calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(kinds));
 }
 
 static void test_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        morph_kind *const k = take_kind(i);
-        assert_well(k, fault_every_limit(run_kind, k, &o, 40));
-    }
+    limit_memory(FAULT_ROWS(kinds), 40);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* test_queries.c - nearest points, carried colours, rays, samples and comparisons with every allocation
  * failing once, cancelled at every progress call, under every memory limit and in arenas of every size. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "mesh/mesh.h"
 #include "tools/mesh_maker.h"
 
@@ -65,9 +65,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Queries: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static bvx_status find(void *user, bvx_context *ctx)
 {
@@ -136,95 +133,35 @@ static bvx_status compare(void *user, bvx_context *ctx)
     return status;
 }
 
-typedef struct query {
-    const char *name;
-    fault_operation_fn *run;
-    int allocates; /* it takes memory */
-    uint64_t want; /* the mark of a good run */
-} query;
-
-static query queries[] = {
-    {"find", find, 1, 0},     {"carry", carry, 1, 0},     {"cast", cast, 1, 0},
-    {"sample", sample, 0, 0}, {"compare", compare, 1, 0},
+static fault_row queries[] = {
+    {"find", find, 1, 1, 0},     {"carry", carry, 1, 1, 0},     {"cast", cast, 1, 1, 0},
+    {"sample", sample, 0, 1, 0}, {"compare", compare, 1, 1, 0},
 };
-enum { KINDS = sizeof queries / sizeof queries[0] };
-
-/* A good run always makes the same. */
-static bvx_status run_query(void *user, bvx_context *ctx)
-{
-    const query *const q = user;
-    bvx_status const status = q->run(NULL, ctx);
-    if (status == BVX_OK && mark != q->want) left_behind = 2;
-    return status;
-}
-
-static query *take_query(int i)
-{
-    left_behind = 0;
-    assert_int_equal(queries[i].run(NULL, maker), BVX_OK);
-    queries[i].want = mark;
-    return &queries[i];
-}
-
-static void assert_well(const query *q, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", q->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", q->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", q->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_queries_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            query *const q = take_query(i);
-            uint64_t allocations = 0;
-            assert_well(q, fault_every_allocation(run_query, q, &o, &allocations));
-            assert_int_equal(allocations > 0, q->allocates);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(queries));
 }
 
 static void test_queries_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            query *const q = take_query(i);
-            uint64_t calls = 0;
-            assert_well(q, fault_every_cancel(run_query, q, &o, &calls));
-            assert_true(calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(queries));
 }
 
 static void test_queries_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        query *const q = take_query(i);
-        if (q->allocates) assert_well(q, fault_every_limit(run_query, q, &o, 60));
-    }
+    limit_memory(FAULT_ROWS(queries), 60);
 }
 
 static void test_queries_live_in_an_arena(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        query *const q = take_query(i);
-        assert_well(q, fault_every_arena(run_query, q, &o, 1 << 20, 40));
-    }
+    live_in_arenas(FAULT_ROWS(queries), 1 << 20, 40);
 }
 
 /* Results that live on while others come and go do not hold the arena's scratch. */
@@ -246,7 +183,7 @@ static void test_a_tree_lives_beside_other_work(void **state)
     assert_int_equal(bvx_closest_create(ctx, &star_view, &closest), BVX_OK);
     for (int round = 0; round < 50; round++) assert_int_equal(carry(NULL, ctx), BVX_OK);
     for (int round = 0; round < 50; round++) assert_int_equal(compare(NULL, ctx), BVX_OK);
-    take_query(0);
+    begin_row(&queries[0]);
     memset(found, 0, sizeof found);
     assert_int_equal(bvx_closest_find(ctx, closest, points, QUERIES, found), BVX_OK);
     assert_true(bvx_hash(found, sizeof found, 0) == queries[0].want);

@@ -1,7 +1,7 @@
 /* test_render_faults.c - pictures of cut, coloured and lined meshes, of cut grids, of differences and of
  * slices: every allocation failing once, cancelled at every progress call, under every memory limit. After
  * each failure there is no picture, nothing is held, and the same context does the work. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 /* ---- Inputs, made once ---- */
@@ -50,9 +50,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Pictures ---- */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in its result */
 
 static bvx_render_options cut_options(void)
 {
@@ -115,85 +112,32 @@ static bvx_status render_slices(void *user, bvx_context *ctx)
     return end_with_image(ctx, bvx_render_slices(ctx, &solid, 1, 6, &o, &image), &image);
 }
 
-static const struct {
-    const char *name;
-    fault_operation_fn *run;
-} pictures[] = {{"mesh", render_mesh},
-                {"grid", render_grid},
-                {"difference", render_difference},
-                {"slices", render_slices}};
-enum { PICTURES = sizeof pictures / sizeof pictures[0] };
-
-typedef struct trial {
-    fault_operation_fn *run;
-    uint64_t want;
-} trial;
-
-static bvx_status run_trial(void *user, bvx_context *ctx)
-{
-    const trial *const t = user;
-    bvx_status const status = t->run(NULL, ctx);
-    if (status == BVX_OK && mark != t->want) left_behind = 2;
-    return status;
-}
-
-static trial trial_of(int i)
-{
-    trial t = {NULL, 0};
-    t.run = pictures[i].run;
-    left_behind = 0;
-    assert_int_equal(t.run(NULL, maker), BVX_OK);
-    t.want = mark;
-    return t;
-}
-
-static void assert_well(int i, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", pictures[i].name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its picture", pictures[i].name);
-    if (left_behind != 0) fail_msg("%s: another picture than usual", pictures[i].name);
-}
+static fault_row pictures[] = {
+    {"mesh", render_mesh, 2, 2, 0},
+    {"grid", render_grid, 2, 2, 0},
+    {"difference", render_difference, 2, 2, 0},
+    {"slices", render_slices, 2, 2, 0},
+};
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_a_picture_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < PICTURES; i++) {
-            bvx_context_options o = default_options();
-            trial t = trial_of(i);
-            uint64_t allocations = 0;
-            o.threads = threads;
-            assert_well(i, fault_every_allocation(run_trial, &t, &o, &allocations));
-            assert_true(allocations >= 2);
-        }
+    fail_every_allocation(FAULT_ROWS(pictures));
 }
 
 static void test_cancel_at_every_progress_call_of_a_picture(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < PICTURES; i++) {
-            bvx_context_options o = default_options();
-            trial t = trial_of(i);
-            uint64_t calls = 0;
-            o.threads = threads;
-            assert_well(i, fault_every_cancel(run_trial, &t, &o, &calls));
-            assert_true(calls >= 2);
-        }
+    cancel_at_every_call(FAULT_ROWS(pictures));
 }
 
 /* Limits from 1 byte to what the picture needs. */
 static void test_every_memory_limit_of_a_picture(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < PICTURES; i++) {
-        trial t = trial_of(i);
-        assert_well(i, fault_every_limit(run_trial, &t, &o, 60));
-    }
+    limit_memory(FAULT_ROWS(pictures), 60);
 }
 
 int main(void)

@@ -1,7 +1,7 @@
 /* test_stages.c - every stage with every allocation failing once, cancelled at every progress call, under
  * every memory limit, and in an arena with no other memory. After each failure results are empty, nothing is
  * held, and the same context does the work. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>
@@ -89,9 +89,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Stages: each frees what it got, leaves its mark, and says on failure whether its results are empty  */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static void note_left(const void *result, const void *before, size_t size)
 {
@@ -414,102 +411,45 @@ static bvx_status render(void *user, bvx_context *ctx)
     return status;
 }
 
-typedef struct stage {
-    const char *name;
-    fault_operation_fn *run;
-    int cancels;   /* it asks for progress */
-    int allocates; /* it takes memory */
-} stage;
-
-static const stage stages[] = {
-    {"voxelize, parity", voxelize_parity, 1, 1},
-    {"voxelize, nonzero", voxelize_nonzero, 1, 1},
-    {"voxelize, parity with holes", voxelize_holes, 1, 1},
-    {"voxelize, nonzero with holes", voxelize_holes_nonzero, 1, 1},
-    {"extract", extract, 1, 1},
-    {"extract with keys", extract_keys, 1, 1},
-    {"count", extract_count, 1, 1},
-    {"merge", merge, 1, 1},
-    {"check", check, 1, 1},
-    {"normals", normals, 0, 1},
-    {"crossings", crossings, 1, 1},
-    {"distance", distance, 1, 1},
-    {"read STL", read_stl, 1, 1},
-    {"read OBJ", read_obj, 1, 1},
-    {"read PLY", read_ply, 1, 1},
-    {"read OBJ, finite", read_finite, 1, 1},
-    {"write STL", write_stl, 0, 1},
-    {"write OBJ", write_obj, 0, 1},
-    {"write PLY", write_ply, 0, 1},
-    {"write NPY", write_npy, 0, 1},
-    {"LOD by resolution", lods_by_resolution, 1, 1},
-    {"LOD by coverage", lods_by_coverage, 1, 1},
-    {"LOD by target", lods_by_target, 1, 1},
-    {"render", render, 1, 1},
+static fault_row stages[] = {
+    {"voxelize, parity", voxelize_parity, 1, 1, 0},
+    {"voxelize, nonzero", voxelize_nonzero, 1, 1, 0},
+    {"voxelize, parity with holes", voxelize_holes, 1, 1, 0},
+    {"voxelize, nonzero with holes", voxelize_holes_nonzero, 1, 1, 0},
+    {"extract", extract, 1, 1, 0},
+    {"extract with keys", extract_keys, 1, 1, 0},
+    {"count", extract_count, 1, 1, 0},
+    {"merge", merge, 1, 1, 0},
+    {"check", check, 1, 1, 0},
+    {"normals", normals, 1, 0, 0},
+    {"crossings", crossings, 1, 1, 0},
+    {"distance", distance, 1, 1, 0},
+    {"read STL", read_stl, 1, 1, 0},
+    {"read OBJ", read_obj, 1, 1, 0},
+    {"read PLY", read_ply, 1, 1, 0},
+    {"read OBJ, finite", read_finite, 1, 1, 0},
+    {"write STL", write_stl, 1, 0, 0},
+    {"write OBJ", write_obj, 1, 0, 0},
+    {"write PLY", write_ply, 1, 0, 0},
+    {"write NPY", write_npy, 1, 0, 0},
+    {"LOD by resolution", lods_by_resolution, 1, 1, 0},
+    {"LOD by coverage", lods_by_coverage, 1, 1, 0},
+    {"LOD by target", lods_by_target, 1, 1, 0},
+    {"render", render, 1, 1, 0},
 };
-enum { STAGES = sizeof stages / sizeof stages[0] };
-
-/* A stage of the table, checked further: a failed run leaves nothing, a good one always makes the same. */
-typedef struct trial {
-    const stage *of;
-    uint64_t want;
-} trial;
-
-static bvx_status run_trial(void *user, bvx_context *ctx)
-{
-    const trial *const t = user;
-    bvx_status const status = t->of->run(NULL, ctx);
-    if (status == BVX_OK && mark != t->want) left_behind = 2;
-    return status;
-}
-
-static trial trial_of(const stage *s)
-{
-    trial t = {NULL, 0};
-    t.of = s;
-    left_behind = 0;
-    assert_int_equal(s->run(NULL, maker), BVX_OK);
-    t.want = mark;
-    return t;
-}
-
-static void assert_well(const stage *s, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", s->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", s->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", s->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < STAGES; i++) {
-            trial t = trial_of(&stages[i]);
-            uint64_t allocations = 0;
-            assert_well(&stages[i], fault_every_allocation(run_trial, &t, &o, &allocations));
-            if (stages[i].allocates) assert_true(allocations > 0);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(stages));
 }
 
 static void test_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < STAGES; i++) {
-            trial t = trial_of(&stages[i]);
-            uint64_t calls = 0;
-            assert_well(&stages[i], fault_every_cancel(run_trial, &t, &o, &calls));
-            if (stages[i].cancels && calls == 0) fail_msg("%s: never asks for progress", stages[i].name);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(stages));
 }
 
 /* More rows than the solid takes at once (65535 along an axis) are still
@@ -542,41 +482,10 @@ static void test_progress_grows_over_several_blocks(void **state)
     }
 }
 
-/* Limits from 1 byte to what the stage needs. */
 static void test_every_memory_limit(void **state)
 {
-    enum { STEPS = 60 };
     (void)state;
-    for (int i = 0; i < STAGES; i++) {
-        trial t = trial_of(&stages[i]);
-        uint64_t need;
-        bvx_memory_reset_peak(maker);
-        need = bvx_memory_used(maker);
-        assert_int_equal(run_trial(&t, maker), BVX_OK);
-        assert_int_equal(bvx_memory_used(maker), need);
-        need = bvx_memory_peak(maker) - need;
-        for (uint64_t n = 0; n <= STEPS; n++) {
-            /* 1 .. need - 1, need */
-            uint64_t const limit = n == STEPS ? need : 1 + (need - 2) * n / (STEPS - 1);
-            fault_heap heap = {0};
-            bvx_context_options const base = default_options();
-            bvx_context_options o = fault_options(&base, &heap);
-            bvx_context *ctx;
-            bvx_status status;
-            o.memory_limit = limit;
-            o.threads = 1;
-            ctx = context_with(&o);
-            status = run_trial(&t, ctx);
-            if (status != (n == STEPS ? BVX_OK : BVX_ERR_BUDGET))
-                fail_msg("%s: status %d under a limit of %lu, its peak is %lu", stages[i].name, (int)status,
-                         (unsigned long)limit, (unsigned long)need);
-            if (status != BVX_OK) assert_non_null(strstr(bvx_last_message(ctx), "limit"));
-            assert_int_equal(bvx_memory_used(ctx), 0);
-            assert_true(bvx_memory_peak(ctx) <= limit);
-            bvx_context_destroy(ctx);
-            assert_well(&stages[i], fault_end(&heap));
-        }
-    }
+    limit_memory(FAULT_ROWS(stages), 60);
 }
 
 /* In an arena of every size the stage works, twice, or says that there is no memory; the heap is never
@@ -588,9 +497,10 @@ static void test_stages_live_in_an_arena(void **state)
     unsigned char *const memory = malloc(most + 16);
     (void)state;
     assert_non_null(memory);
-    for (int i = 0; i < STAGES; i++) {
-        trial t = trial_of(&stages[i]);
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int good = 0;
+
+        begin_row(&stages[i]);
         uint64_t const calls = heap_calls;
         for (size_t n = 1; n <= STEPS; n++) {
             bvx_context_options o = default_options();
@@ -606,8 +516,8 @@ static void test_stages_live_in_an_arena(void **state)
                 assert_true(size < 2048);
                 continue;
             }
-            first = run_trial(&t, ctx);
-            second = run_trial(&t, ctx);
+            first = run_row(&stages[i], ctx);
+            second = run_row(&stages[i], ctx);
             assert_int_equal(first, second);
             assert_true(first == BVX_OK || first == BVX_ERR_MEMORY);
             assert_int_equal(bvx_memory_used(ctx), 0);
@@ -620,7 +530,7 @@ static void test_stages_live_in_an_arena(void **state)
         }
         assert_true(good > 0);
         if (heap_calls != calls) fail_msg("%s: asked the heap though it had an arena", stages[i].name);
-        assert_well(&stages[i], NULL);
+        end_row(&stages[i], NULL);
     }
     free(memory);
 }
@@ -702,8 +612,8 @@ static void test_callers_arrays_survive_failures(void **state)
         by_rows.fill = BVX_FILL_PARITY;
         status = bvx_voxelize_solid(ctx, &holes_view, &lattice, &by_rows, &grid);
         if (status == BVX_OK) {
-            trial const t = trial_of(&stages[2]);
-            want = t.want;
+            begin_row(&stages[2]);
+            want = stages[2].want;
             heap.fail_at = 0;
             assert_int_equal(bvx_grid_hash(ctx, &grid, &hash), BVX_OK);
             assert_int_equal(hash, want);

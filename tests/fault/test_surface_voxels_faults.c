@@ -1,7 +1,7 @@
 /* test_surface_voxels_faults.c - surface voxels, their attached triangles
  * and voxel faces with every allocation failing once, cancelled at every
  * progress call, under every memory limit and in arenas of every size. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 static maker_mesh star;
@@ -37,9 +37,6 @@ static int free_inputs(void **state)
 }
 
 /* ---- Calls: each frees what it got, leaves its mark, and says on failure whether its results are empty - */
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in a result */
 
 static bvx_status surface(bvx_context *ctx, int32_t mode, int attach)
 {
@@ -126,98 +123,39 @@ static bvx_status faces_merged(void *user, bvx_context *ctx)
     return faces_of(ctx, 1);
 }
 
-typedef struct surface_call {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want; /* the mark of a good run */
-} surface_call;
-
-static surface_call calls[] = {
-    {"conservative", conservative, 0},
-    {"conservative, attached", conservative_attached, 0},
-    {"thin, attached", thin_attached, 0},
-    {"sampled, attached", sampled_attached, 0},
-    {"faces", faces, 0},
-    {"faces, merged", faces_merged, 0},
+static fault_row calls[] = {
+    {"conservative", conservative, 2, 1, 0},
+    {"conservative, attached", conservative_attached, 2, 1, 0},
+    {"thin, attached", thin_attached, 2, 1, 0},
+    {"sampled, attached", sampled_attached, 2, 1, 0},
+    {"faces", faces, 2, 1, 0},
+    {"faces, merged", faces_merged, 2, 1, 0},
 };
-enum { CALLS = sizeof calls / sizeof calls[0] };
-
-/* A good run always makes the same. */
-static bvx_status run_call(void *user, bvx_context *ctx)
-{
-    const surface_call *const c = user;
-    bvx_status const status = c->run(NULL, ctx);
-    if (status == BVX_OK && mark != c->want) left_behind = 2;
-    return status;
-}
-
-static surface_call *take_call(int i)
-{
-    left_behind = 0;
-    assert_int_equal(calls[i].run(NULL, maker), BVX_OK);
-    calls[i].want = mark;
-    return &calls[i];
-}
-
-static void assert_well(const surface_call *c, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", c->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", c->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", c->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < CALLS; i++) {
-            surface_call *const c = take_call(i);
-            uint64_t allocations = 0;
-            assert_well(c, fault_every_allocation(run_call, c, &o, &allocations));
-            assert_true(allocations > 1);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(calls));
 }
 
 static void test_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < CALLS; i++) {
-            surface_call *const c = take_call(i);
-            uint64_t progress_calls = 0;
-            assert_well(c, fault_every_cancel(run_call, c, &o, &progress_calls));
-            assert_true(progress_calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(calls));
 }
 
 static void test_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < CALLS; i++) {
-        surface_call *const c = take_call(i);
-        assert_well(c, fault_every_limit(run_call, c, &o, 40));
-    }
+    limit_memory(FAULT_ROWS(calls), 40);
 }
 
 static void test_in_an_arena(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < CALLS; i++) {
-        surface_call *const c = take_call(i);
-        assert_well(c, fault_every_arena(run_call, c, &o, 1 << 23, 30));
-    }
+    live_in_arenas(FAULT_ROWS(calls), 1 << 23, 30);
 }
 
 int main(void)

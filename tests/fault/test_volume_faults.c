@@ -1,6 +1,6 @@
 /* test_volume_faults.c - volumes: thresholds, surfaces of levels, labels and readers with every allocation
  * failing once, cancelled at every progress call, under every memory limit and in arenas of every size. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 
 #include <stdio.h>
@@ -62,9 +62,6 @@ static int free_volumes(void **state)
 }
 
 /* ---- Operations: each frees what it got and leaves its mark ---- */
-
-static uint64_t mark;
-static int left_behind;
 
 static bvx_status do_threshold(void *user, bvx_context *ctx)
 {
@@ -148,94 +145,35 @@ static bvx_status do_packed(void *user, bvx_context *ctx)
     return read_one(ctx, packed_file, packed_size);
 }
 
-typedef struct operation {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want;
-} operation;
-
-static operation operations[] = {
-    {"threshold", do_threshold, 0}, {"surface", do_scalar, 0}, {"labels", do_labels, 0},
-    {"text", do_text, 0},           {"packed", do_packed, 0},
+static fault_row operations[] = {
+    {"threshold", do_threshold, 1, 1, 0}, {"surface", do_scalar, 1, 1, 0}, {"labels", do_labels, 1, 1, 0},
+    {"text", do_text, 1, 1, 0},           {"packed", do_packed, 1, 1, 0},
 };
-enum { OPERATIONS = sizeof operations / sizeof operations[0] };
-
-static bvx_status run_operation(void *user, bvx_context *ctx)
-{
-    const operation *const q = user;
-    bvx_status const status = q->run(NULL, ctx);
-    if (status == BVX_OK && mark != q->want) left_behind = 2;
-    return status;
-}
-
-static operation *take_operation(int i)
-{
-    bvx_context_options const o = default_options();
-    bvx_context *const ctx = context_with(&o);
-    left_behind = 0;
-    assert_int_equal(operations[i].run(NULL, ctx), BVX_OK);
-    operations[i].want = mark;
-    bvx_context_destroy(ctx);
-    return &operations[i];
-}
-
-static void assert_well(const operation *q, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", q->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", q->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", q->name);
-}
 
 /* ---- Tests ---- */
 
 static void test_every_allocation_of_volumes_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < OPERATIONS; i++) {
-            operation *const q = take_operation(i);
-            bvx_context_options o = default_options();
-            uint64_t allocations = 0;
-            o.threads = threads;
-            assert_well(q, fault_every_allocation(run_operation, q, &o, &allocations));
-            assert_true(allocations > 0);
-        }
+    fail_every_allocation(FAULT_ROWS(operations));
 }
 
 static void test_volumes_cancel_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2)
-        for (int i = 0; i < OPERATIONS; i++) {
-            operation *const q = take_operation(i);
-            bvx_context_options o = default_options();
-            uint64_t calls = 0;
-            o.threads = threads;
-            assert_well(q, fault_every_cancel(run_operation, q, &o, &calls));
-            assert_true(calls > 0);
-        }
+    cancel_at_every_call(FAULT_ROWS(operations));
 }
 
 static void test_volumes_under_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < OPERATIONS; i++) {
-        operation *const q = take_operation(i);
-        assert_well(q, fault_every_limit(run_operation, q, &o, 40));
-    }
+    limit_memory(FAULT_ROWS(operations), 40);
 }
 
 static void test_volumes_live_in_an_arena(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < OPERATIONS; i++) {
-        operation *const q = take_operation(i);
-        assert_well(q, fault_every_arena(run_operation, q, &o, 1 << 23, 20));
-    }
+    live_in_arenas(FAULT_ROWS(operations), 1 << 23, 20);
 }
 
 /* What a caller's function for packed data does wrong, after it has written a part of them. */

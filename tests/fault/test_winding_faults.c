@@ -1,6 +1,6 @@
 /* test_winding_faults.c - the rule winding, and ratios between centres, with every allocation failing once,
  * cancelled at every progress call and under every memory limit. */
-#include "fault/context.h"
+#include "fault/rows.h"
 #include "tools/mesh_maker.h"
 #include "winding/holes.h"
 
@@ -48,9 +48,6 @@ static int free_inputs(void **state)
     maker_free(&loose);
     return 0;
 }
-
-static uint64_t mark;   /* a hash of what the last good run made */
-static int left_behind; /* a failed call left something in its result */
 
 static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view, const bvx_lattice *on)
 {
@@ -118,78 +115,29 @@ static bvx_status ratios(void *user, bvx_context *ctx)
     return BVXI_CALL(ctx, ratios_of_holes(ctx));
 }
 
-typedef struct wind_kind {
-    const char *name;
-    fault_operation_fn *run;
-    uint64_t want;
-} wind_kind;
-
-static wind_kind kinds[] = {
-    {"holes", fill_holes, 0}, {"loose", fill_loose, 0}, {"closed", fill_closed, 0}, {"ratios", ratios, 0}};
-enum { KINDS = sizeof kinds / sizeof kinds[0] };
-
-static bvx_status run_kind(void *user, bvx_context *ctx)
-{
-    const wind_kind *const k = user;
-    bvx_status const status = k->run(NULL, ctx);
-    if (status == BVX_OK && mark != k->want) left_behind = 2;
-    return status;
-}
-
-static wind_kind *take_kind(int i)
-{
-    left_behind = 0;
-    assert_int_equal(kinds[i].run(NULL, maker), BVX_OK);
-    kinds[i].want = mark;
-    return &kinds[i];
-}
-
-static void assert_well(const wind_kind *k, const char *wrong)
-{
-    if (wrong != NULL) fail_msg("%s: %s", k->name, wrong);
-    if (left_behind == 1) fail_msg("%s: a failed call left something in its result", k->name);
-    if (left_behind == 2) fail_msg("%s: another result than usual", k->name);
-}
+static fault_row kinds[] = {
+    {"holes", fill_holes, 4, 1, 0},
+    {"loose", fill_loose, 4, 1, 0},
+    {"closed", fill_closed, 4, 1, 0},
+    {"ratios", ratios, 4, 1, 0},
+};
 
 static void test_every_allocation_fails_once(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            wind_kind *const k = take_kind(i);
-            uint64_t allocations = 0;
-            assert_well(k, fault_every_allocation(run_kind, k, &o, &allocations));
-            assert_true(allocations > 3);
-        }
-    }
+    fail_every_allocation(FAULT_ROWS(kinds));
 }
 
 static void test_cancelled_at_every_progress_call(void **state)
 {
     (void)state;
-    for (int32_t threads = 1; threads <= 3; threads += 2) {
-        bvx_context_options o = default_options();
-        o.threads = threads;
-        for (int i = 0; i < KINDS; i++) {
-            wind_kind *const k = take_kind(i);
-            uint64_t calls = 0;
-            assert_well(k, fault_every_cancel(run_kind, k, &o, &calls));
-            assert_true(calls > 0);
-        }
-    }
+    cancel_at_every_call(FAULT_ROWS(kinds));
 }
 
 static void test_every_memory_limit(void **state)
 {
-    bvx_context_options o = default_options();
     (void)state;
-    o.threads = 1;
-    for (int i = 0; i < KINDS; i++) {
-        wind_kind *const k = take_kind(i);
-        assert_well(k, fault_every_limit(run_kind, k, &o, 60));
-    }
+    limit_memory(FAULT_ROWS(kinds), 60);
 }
 
 static void test_corners_beyond_the_vertices_are_named(void **state)
