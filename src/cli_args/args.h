@@ -140,8 +140,7 @@ struct cli_options {
     int32_t connectivity; /* index into cli_neighbours */
 
     /* fields */
-    double half_width;           /* of the band; 0: no end */
-    int32_t vectors, value_type; /* value_type: BVX_F32, BVX_F64 */
+    int32_t vectors;
 
     /* octrees */
     int32_t states; /* BVX_STATE_... added */

@@ -15,6 +15,7 @@ typedef struct morph_options {
     bvx_distance_options distance;
     int32_t neighbourhood; /* index into cli_neighbours */
     int32_t drain_side;    /* 0 to 5: x-low, x-high, y-low ... */
+    int32_t value_type;    /* of distances, BVX_F32 or BVX_F64 */
 } morph_options;
 
 static void start_morph(void *options)
@@ -25,6 +26,7 @@ static void start_morph(void *options)
     bvx_hollow_options_init(&o->hollow, sizeof o->hollow);
     bvx_distance_options_init(&o->distance, sizeof o->distance);
     o->drain_side = 4;
+    o->value_type = BVX_F32;
 }
 
 #define OWN(name) CLI_OWN(morph_options, name)
@@ -60,7 +62,7 @@ static const cli_argument morph_rows[] = {
     CHOICE("--beyond", "WHAT", OWN(distance.beyond), beyond_names, 0,
            "what lies beyond the grid: empty or set voxels; distance: or nothing\n"
            "[empty; distance: nothing]"),
-    CHOICE("--value-type", "TYPE", SHARED(value_type), cli_value_type_names, BVX_F32,
+    CHOICE("--value-type", "TYPE", OWN(value_type), cli_value_type_names, BVX_F32,
            "distance: f32 or f64 [f32]"),
     {.also = cli_takes_all},
     {0}};
@@ -442,10 +444,11 @@ static void tell_distances(const cli_run *run, const morph_job *job, cli_made *m
 
 static int make_distances(cli_run *run, morph_job *job, cli_made *made)
 {
+    const morph_options *const own = run->own;
     bvx_field *const field = &job->apart;
     bvx_status status;
 
-    field->value_type = cli_given(run, "--value-type") ? run->options->value_type : BVX_F32;
+    field->value_type = own->value_type;
     /* Every voxel has a distance: a field without a band. */
     field->half_width = (double)INFINITY;
     field->sign = BVX_SIGN_NONE;

@@ -3,6 +3,7 @@
 #include "cli_args/rows.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 /* ---- its options ---- */
@@ -13,6 +14,7 @@ static void start_voxelize(void *options)
 
     bvx_voxelize_options_init(&o->solid, sizeof o->solid);
     bvx_points_options_init(&o->cloud, sizeof o->cloud);
+    bvx_field_options_init(&o->field, sizeof o->field);
 }
 
 #define OWN(name) CLI_OWN(cli_voxelize_options, name)
@@ -32,7 +34,7 @@ static const cli_argument voxelize_rows[] = {
            "touches; thin: those that keep a flood through faces out; sampled:\n"
            "those of points less than a voxel apart; field: distances from the\n"
            "voxels' centres to the surface, negative inside [solid]"),
-    FROM_TO("--half-width", "W", SHARED(half_width), 0, 1e9,
+    FROM_TO("--half-width", "W", OWN(field.half_width), 0, 1e9,
             "with --mode field: how far from the surface centres have a distance,\n"
             "in voxels; 0: all have one [3]"),
     CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_SIGN_AUTO,
@@ -41,7 +43,7 @@ static const cli_argument voxelize_rows[] = {
            "normal: the side of the closest place or triangle; none; auto: as\n"
            "--fill auto [auto]"),
     FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
-    CHOICE("--value-type", "TYPE", SHARED(value_type), cli_value_type_names, BVX_F32,
+    CHOICE("--value-type", "TYPE", OWN(field.value_type), cli_value_type_names, BVX_F32,
            "with --mode field: f32 or f64 [f32]"),
     {.also = cli_takes_fill},
     WHOLE("--close-gaps", "N", SHARED(close_gaps), 0, 65535,
@@ -90,6 +92,8 @@ typedef struct voxel_job {
 
 /* ---- what is requested ---- */
 
+enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 65536 };
+
 /* Facts of the line. */
 enum {
     SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
@@ -104,6 +108,23 @@ static uint32_t facts_of_mode(const cli_run *run)
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
            (own->solid.check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
+
+const cli_rule cli_cloud_rules[] = {
+    {.when = CLI_OF_CLOUD,
+     .given =
+         "--mode --fill --add-shell --check-edges --check-thin --compare-fills --half-width --sign --vectors "
+         "--value-type --sharp --no-sharp",
+     .message = "%o is for meshes; %i is a cloud of points"},
+    {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
+    {.when = CLI_OF_VOLUME,
+     .given = "--minimum --body",
+     .message = "%o is for clouds of points; %i is a volume"},
+    {.when = CLI_OF_CLOUD, .given = "--close-gaps", .lacking = "--body", .message = "%o needs --body"},
+    {.when = CLI_OF_CLOUD,
+     .given = "--body",
+     .beside = "--window",
+     .message = "%o needs the whole lattice, no %b"},
+    {0}};
 
 static const cli_rule fill_rules[] = {
     {.unless = CLI_FILLS_BELOW, .given = "--base --second --up", .message = "%o needs --fill below"},
@@ -235,6 +256,17 @@ static int choose_lattice(cli_run *run, voxel_job *job)
     return cli_check_grid_format(run, o->output, l, job->window.size[0] != 0 ? job->window.size : l->dims);
 }
 
+static void choose_field_padding(cli_run *run)
+{
+    const cli_voxelize_options *const own = run->own;
+    cli_options *const o = run->options;
+    double const width = own->field.half_width;
+
+    /* The band reaches so far beyond the mesh; a field without an end takes the usual room. */
+    if (!cli_given(run, "--padding") && !o->origin.given)
+        o->padding = width > 0.0 && width < FIELD_MOST_PADDING ? (int32_t)ceil(width) : FIELD_HALF_WIDTH;
+}
+
 /* The surface of a solid ends where the mesh does, also at the lattice's sides. */
 static void make_room_for_surface(cli_run *run)
 {
@@ -271,6 +303,17 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
 
+static bvx_status make_cloud(const cli_run *run, voxel_job *job, bvx_points_report *report)
+{
+    const cli_voxelize_options *const own = run->own;
+    bvx_points_options p = own->cloud;
+
+    p.close_gaps = run->options->close_gaps;
+    p.window = job->window;
+    p.report = report;
+    return bvx_voxelize_points(run->context, &job->view, &run->report.lattice, &p, &job->grid);
+}
+
 static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
@@ -292,6 +335,123 @@ static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_ma
     cli_text_add(t, "}");
 }
 
+static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made *made)
+{
+    const cli_voxelize_options *const own = run->own;
+    cli_text *const lines = &made->text, *const t = &made->members;
+
+    cli_text_add(lines, "  points      %" PRIu64, r->inside);
+    if (r->outside != 0) cli_text_add(lines, ", and %" PRIu64 " outside", r->outside);
+    cli_text_add(lines, "\n  occupied    %" PRIu64 "\n", r->occupied);
+    if (own->cloud.body) cli_text_add(lines, "  filled      %" PRIu64 "\n", r->filled);
+
+    cli_text_add(t, ", \"cloud\": {\"inside\": %" PRIu64, r->inside);
+    cli_json_count(t, "outside", r->outside);
+    cli_json_count(t, "occupied", r->occupied);
+    cli_json_count(t, "filled", r->filled);
+    cli_json_count(t, "pockets", r->pockets);
+    cli_text_add(t, "}");
+
+    if (made->set == 0) cli_advise(made, "the result is empty: no voxel holds so many points");
+    else if (own->cloud.body && r->pockets == 0)
+        cli_advise(
+            made,
+            "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
+            ", or larger voxels",
+            run->options->close_gaps);
+}
+
+/* ---- --compare-fills ---- */
+
+static int compare_fills(cli_run *run, voxel_job *job)
+{
+    bvx_compare_fills_options o;
+    bvx_status status;
+
+    bvx_compare_fills_options_init(&o, sizeof o);
+    o.close_gaps = run->options->close_gaps;
+    cli_stage_begin(run, "compare fills");
+    status = bvx_compare_fills(run->context, &job->view, &run->report.lattice, &o, &job->fills);
+    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
+}
+
+static void tell_fill_table(cli_text *t, const bvx_fill_comparison *c)
+{
+    cli_text_add(t, "  rules       %12s\n", "voxels");
+    for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
+        cli_text_add(t, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i],
+                     i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
+    cli_text_add(t, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
+                 c->disagreeing, c->surface_voxels);
+    if (c->lost_voxels == 0) cli_text_add(t, "  no walls are lost\n");
+    else
+        cli_text_add(t,
+                     "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64
+                     " voxels of the surface\n",
+                     c->lost_places, c->lost_voxels);
+}
+
+static void report_fill_table(cli_text *t, const bvx_fill_comparison *c)
+{
+    cli_text_add(t, ", \"fills\": {\"set\": {");
+    for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
+        cli_text_add(t, "%s\"%s\": %" PRIu64, i == BVX_FILL_PARITY ? "" : ", ", cli_fill_names[i], c->set[i]);
+    cli_text_add(t, "}");
+    cli_json_count(t, "surface_voxels", c->surface_voxels);
+    cli_json_count(t, "disagreeing", c->disagreeing);
+    cli_json_count(t, "lost_voxels", c->lost_voxels);
+    cli_json_count(t, "lost_places", c->lost_places);
+    cli_json_truth(t, "flood_leaked", c->flood_leaked);
+    cli_text_add(t, "}");
+}
+
+/* ---- --mode field ---- */
+
+static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside, cli_made *made)
+{
+    cli_text *const t = &made->members;
+
+    cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
+                 o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
+    if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
+    cli_text_add(&made->text, "\n");
+
+    cli_text_add(t, ", \"field\": {\"sign\": \"%s\"", cli_sign_names[f->sign]);
+    cli_json_value(t, "half_width", f->half_width);
+    cli_json_count(t, "values", f->value_count);
+    cli_json_count(t, "inside", inside);
+    cli_json_truth(t, "vectors", o->vectors);
+    cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
+    if (f->value_count == 0) cli_advise(made, "no voxel's centre is within %.9g of the mesh", f->half_width);
+}
+
+static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
+{
+    const cli_voxelize_options *const own = run->own;
+    bvx_field *const field = &job->field;
+    bvx_field_options o = own->field;
+    bvx_status status;
+    uint64_t inside = 0;
+
+    /* --half-width 0: the band has no end. */
+    if (o.half_width == 0.0) o.half_width = (double)INFINITY;
+    o.sign = run->options->sign;
+    o.no_vectors = !run->options->vectors;
+    o.window = job->window;
+    status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
+    /* Without a sign nothing is known to be inside. */
+    if (status == BVX_OK && field->inside.words != NULL)
+        status = bvx_grid_count(run->context, &field->inside, &inside);
+    if (status != BVX_OK) return status;
+
+    made->field = field;
+    made->set = field->value_count;
+    tell_field(run->options, field, inside, made);
+    return BVX_OK;
+}
+
+/* ---- the result ---- */
+
 /* What calls of the library tell, each of its own kind of voxels. */
 typedef struct voxel_reports {
     bvx_solid_report solid;
@@ -303,15 +463,11 @@ typedef struct voxel_reports {
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
-    const bvx_lattice *const l = &run->report.lattice;
-    bvx_status status;
 
-    if (!job->cloud && own->mode == CLI_MODE_FIELD)
-        return cli_make_field(run, &job->view, l, &job->window, &job->field, made);
-    if (job->cloud) status = cli_make_cloud(run, &job->view, l, &job->window, &reports->cloud, &job->grid);
-    else if (own->mode != CLI_MODE_SOLID) status = make_surface(run, job, &reports->surface);
-    else status = make_solid_voxels(run, job, &reports->solid);
-    return status;
+    if (job->cloud) return make_cloud(run, job, &reports->cloud);
+    if (own->mode == CLI_MODE_FIELD) return make_field(run, job, made);
+    if (own->mode == CLI_MODE_SOLID) return make_solid_voxels(run, job, &reports->solid);
+    return make_surface(run, job, &reports->surface);
 }
 
 static bvx_status keep_voxels(cli_run *run, voxel_job *job, cli_made *made)
@@ -328,10 +484,13 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
     const cli_voxelize_options *const own = run->own;
     int const solid = !job->cloud && own->mode == CLI_MODE_SOLID;
 
-    if (job->cloud) cli_tell_cloud(run, &reports->cloud, made);
+    if (job->cloud) tell_cloud(run, &reports->cloud, made);
     else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
     else tell_surface(run, &reports->surface, made);
-    if (solid && own->compare_fills) cli_tell_fills(&job->fills, made);
+    if (solid && own->compare_fills) {
+        tell_fill_table(&made->text, &job->fills);
+        report_fill_table(&made->members, &job->fills);
+    }
 
     if (made->set == 0 && !job->cloud)
         cli_advise(made, "the result is empty: %s",
@@ -357,8 +516,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     cli_stage_end(run);
     /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
-    if (status == BVX_OK && own->compare_fills)
-        result = cli_compare_fills(run, &job->view, &run->report.lattice, &job->fills);
+    if (status == BVX_OK && own->compare_fills) result = compare_fills(run, job);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     if (made->field != NULL || result != CLI_DONE) return result;
 
@@ -394,7 +552,7 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
     /* The lattice is wider than the mesh by what lies around its surface. */
     if (own->mode == CLI_MODE_FIELD) {
         run->progress.writing = 5.0;
-        cli_choose_field_padding(run);
+        choose_field_padding(run);
     } else {
         make_room_for_surface(run);
     }

@@ -55,26 +55,14 @@ void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_re
 typedef struct cli_voxelize_options {
     bvx_voxelize_options solid;
     bvx_points_options cloud;
+    bvx_field_options field;
     int32_t mode; /* CLI_MODE_... */
     int32_t compare_fills, all_labels;
     const char *second; /* the other terrain's file */
 } cli_voxelize_options;
 
-/* ---- clouds.c: voxels of a cloud of points ---- */
-
 /* The options of clouds for meshes and volumes, and those of meshes for clouds. */
 extern const cli_rule cli_cloud_rules[];
-/* Voxels of a cloud on this lattice, and what is reported of them. */
-bvx_status cli_make_cloud(const cli_run *run, const bvx_mesh_view *points, const bvx_lattice *lattice,
-                          const bvx_window *window, bvx_points_report *report, bvx_grid *grid);
-void cli_tell_cloud(const cli_run *run, const bvx_points_report *report, cli_made *made);
-
-/* ---- fill_table.c: --compare-fills ---- */
-
-int cli_compare_fills(cli_run *run, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                      bvx_fill_comparison *comparison);
-/* The comparison as lines of text and as a member of the JSON report. */
-void cli_tell_fills(const bvx_fill_comparison *comparison, cli_made *made);
 
 /* ---- voxelize_volume.c ---- */
 

@@ -8,23 +8,6 @@
 
 enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
 
-#define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
-
-int cli_input_kind(cli_run *run, const char *path, int *kind)
-{
-    int32_t const format = cli_input_format(run, path);
-    *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
-    if (*kind != 0) return CLI_DONE;
-    if (strcmp(path, "-") == 0)
-        return cli_usage(run,
-                         "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
-                         " " CLI_GRIDS ")");
-    if (format == BVX_FORMAT_GLB)
-        return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
-    return cli_fail(
-        run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
-}
-
 /* ---- grids ---- */
 
 /* A tree's fourth byte differs from a grid's. */
@@ -150,21 +133,6 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
     *grid = in.grid;
     *placed = in.placed;
     return status;
-}
-
-int cli_window_option(cli_run *run, bvx_window *window)
-{
-    const cli_list *const l = &run->options->window;
-
-    memset(window, 0, sizeof *window);
-    for (int a = 0; a < 3 && l->count != 0; a++) {
-        if (l->value[a] >= l->value[a + 3])
-            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not after %" PRId64,
-                             l->value[a + 3], l->value[a]);
-        window->low[a] = (int32_t)l->value[a];
-        window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);
-    }
-    return CLI_DONE;
 }
 
 /* ---- either ---- */

@@ -15,6 +15,8 @@ int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
 char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
 /* The format of an input by --format or its name, BVX_FORMAT_... */
 int32_t cli_input_format(const cli_run *run, const char *path);
+/* What an input would be by its name; refuses what is not read. */
+int cli_input_kind(cli_run *run, const char *path, int *kind);
 /* How messages call an input. */
 const char *cli_input_name(const char *path);
 /* Refuse a lattice that the format of a grid's file cannot hold. */
@@ -59,15 +61,11 @@ typedef struct cli_input {
     int placed; /* 0: neither file nor side-car tells a grid's lattice */
 } cli_input;
 
-/* What an input would be by its name; refuses what is not read. */
-int cli_input_kind(cli_run *run, const char *path, int *kind);
 /* Read a grid, or a window of it (NULL or all zero: all), and its side-car; creates run->context when there
  * is none. An octree becomes the grid of its last level, or that of --expand. */
 int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_grid *grid, int *placed);
 /* The same, but an octree stays what it is. */
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *input);
-/* --window; all zero when it is not given. */
-int cli_window_option(cli_run *run, bvx_window *window);
 int cli_read_input(cli_run *run, const char *path, cli_input *input); /* a mesh or a grid */
 void cli_free_input(cli_run *run, cli_input *input);
 
@@ -146,6 +144,8 @@ void cli_join_boxes(cli_box *box, const cli_box *other);
 bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
 bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);
+/* --window; all zero when it is not given. */
+int cli_window_option(cli_run *run, bvx_window *window);
 /* The diagonal of a box, wherever doubles hold it. */
 double cli_diagonal(const double low[3], const double high[3]);
 

@@ -1,6 +1,7 @@
-/* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding. */
+/* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding, --window. */
 #include "cli_inputs/inputs.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -107,6 +108,21 @@ bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_l
     fit_target const target = {.points = view};
 
     return make_lattice(run, &target, lattice);
+}
+
+int cli_window_option(cli_run *run, bvx_window *window)
+{
+    const cli_list *const l = &run->options->window;
+
+    memset(window, 0, sizeof *window);
+    for (int a = 0; a < 3 && l->count != 0; a++) {
+        if (l->value[a] >= l->value[a + 3])
+            return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not after %" PRId64,
+                             l->value[a + 3], l->value[a]);
+        window->low[a] = (int32_t)l->value[a];
+        window->size[a] = (int32_t)(l->value[a + 3] - l->value[a]);
+    }
+    return CLI_DONE;
 }
 
 double cli_diagonal(const double low[3], const double high[3])

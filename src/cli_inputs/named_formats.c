@@ -7,6 +7,8 @@
 
 enum { VOX_SIDE = 256 };
 
+#define INPUT_ENDINGS CLI_MESHES_READ ", or " CLI_GRIDS " .nhdr .raw, also with .gz"
+
 int cli_kind_of_format(int32_t format)
 {
     /* The sets of formats are bits. */
@@ -52,6 +54,21 @@ const char *cli_input_name(const char *path)
 int32_t cli_input_format(const cli_run *run, const char *path)
 {
     return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);
+}
+
+int cli_input_kind(cli_run *run, const char *path, int *kind)
+{
+    int32_t const format = cli_input_format(run, path);
+    *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
+    if (*kind != 0) return CLI_DONE;
+    if (strcmp(path, "-") == 0)
+        return cli_usage(run,
+                         "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
+                         " " CLI_GRIDS ")");
+    if (format == BVX_FORMAT_GLB)
+        return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
+    return cli_fail(
+        run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
 }
 
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])

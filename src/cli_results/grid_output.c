@@ -1,4 +1,4 @@
-/* grid_output.c - a grid as one file, or as two where its format keeps no lattice: all or nothing. */
+/* grid_output.c - a grid, or a field, as one file, or as two where its format keeps no lattice: all or nothing. */
 #include "cli_results/results.h"
 
 #include <inttypes.h>
@@ -73,6 +73,17 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
     return cli_finish_voxels(
         run, bvx_write_grid(run->context, grid, bvx_format_of_name(run->options->output), &file), &file,
         grid);
+}
+
+int cli_write_field(cli_run *run, const bvx_field *field)
+{
+    int32_t const format = bvx_format_of_name(run->options->output);
+    bvx_buffer file = {0};
+
+    cli_stage_begin(run, "write");
+    cli_stage_calls(run, 2);
+    return cli_finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),
+                             &file, &field->band);
 }
 
 void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *g, uint64_t set, int placed)

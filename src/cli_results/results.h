@@ -77,6 +77,8 @@ int cli_check_grid_name(cli_run *run, const char *path);
 /* Open the outputs of a grid, write it as run->options.output and keep it. */
 int cli_open_grid_output(cli_run *run, const char *path);
 int cli_write_grid(cli_run *run, const bvx_grid *grid);
+/* The same of distances. */
+int cli_write_field(cli_run *run, const bvx_field *field);
 /* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the
  * caller began: written and kept, where a call of the library made it. Frees it. */
 int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
@@ -145,16 +147,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
                         const char *unit_of, cli_made *made);
 /* The files' names. */
 void cli_tell_written(const cli_run *run, int count, cli_made *made);
-
-/* ---- field_output.c: distances as files; voxelize --mode field ---- */
-
-/* Where no padding is given: as much as the band around the mesh takes. */
-void cli_choose_field_padding(cli_run *run);
-/* Write a field as one file or two. */
-int cli_write_field(cli_run *run, const bvx_field *field);
-/* Measure on this lattice; the field is made->field. */
-bvx_status cli_make_field(const cli_run *run, const bvx_mesh_view *view, const bvx_lattice *lattice,
-                          const bvx_window *window, bvx_field *field, cli_made *made);
 
 /* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
 
