@@ -109,16 +109,13 @@ static uint32_t facts_of_mode(const cli_run *run)
            (own->solid.check_thin == 1 ? LOOKS_FOR_THIN : 0u);
 }
 
-const cli_rule cli_cloud_rules[] = {
+static const cli_rule cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
      .given =
          "--mode --fill --add-shell --check-edges --check-thin --compare-fills --half-width --sign --vectors "
          "--value-type --sharp --no-sharp",
      .message = "%o is for meshes; %i is a cloud of points"},
     {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
-    {.when = CLI_OF_VOLUME,
-     .given = "--minimum --body",
-     .message = "%o is for clouds of points; %i is a volume"},
     {.when = CLI_OF_CLOUD, .given = "--close-gaps", .lacking = "--body", .message = "%o needs --body"},
     {.when = CLI_OF_CLOUD,
      .given = "--body",
@@ -160,7 +157,7 @@ static const cli_rule mesh_rules[] = {
      .unless = CLI_TO_DISTANCES,
      .message = "%f: fields are written as .npy, .nrrd or .vti"},
     {.also = fill_rules},
-    {.when = CLI_OF_CLOUD, .also = cli_cloud_rules},
+    {.when = CLI_OF_CLOUD, .also = cloud_rules},
     {.when = CLI_OF_GRID,
      .message =
          "%i is a grid already: 'bitvox convert' writes it in another format; --level, --range or --label "
@@ -536,7 +533,7 @@ static int read_meshes(cli_run *run, voxel_job *job)
     const cli_options *const o = run->options;
 
     CLI_TRY(cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud));
-    CLI_TRY(cli_check_rules(run, cli_cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL));
+    CLI_TRY(cli_check_rules(run, cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL));
     if (own->second != NULL) CLI_TRY(cli_read_mesh(run, own->second, &job->second));
     bvx_mesh_view_of(&job->mesh, &job->view);
     bvx_mesh_view_of(&job->second, &job->second_view);

@@ -61,9 +61,6 @@ typedef struct cli_voxelize_options {
     const char *second; /* the other terrain's file */
 } cli_voxelize_options;
 
-/* The options of clouds for meshes and volumes, and those of meshes for clouds. */
-extern const cli_rule cli_cloud_rules[];
-
 /* ---- voxelize_volume.c ---- */
 
 /* voxelize of a volume: to a grid, or by the output's ending to one mesh or one a label. */

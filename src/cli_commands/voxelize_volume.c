@@ -23,7 +23,7 @@ static const cli_rule volume_rules[] = {
          "--check-thin --compare-fills --base --second --up --half-width --sign --vectors --value-type "
          "--sharp --no-sharp",
      .message = "%o is for meshes; %i is a volume"},
-    {.also = cli_cloud_rules},
+    {.given = "--minimum --body", .message = "%o is for clouds of points; %i is a volume"},
     {0}};
 
 /* Facts of the output's name. */

@@ -35,7 +35,7 @@ typedef struct cli_rule {
     const struct cli_rule *also; /* the rows of this table; NULL: the end */
 } cli_rule;
 
-/* Set run->options->facts, once all options and names stand; from then on one of them is asked for like this. */
+/* Set run->options->facts, once all options and names stand; CLI_HOLDS says whether one of them holds. */
 void cli_find_facts(cli_run *run);
 #define CLI_HOLDS(run, fact) (((run)->options->facts & (fact)) != 0)
 /* Say what the first row that holds says; CLI_DONE where none does. */

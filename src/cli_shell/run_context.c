@@ -66,11 +66,3 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     status = bvx_context_create(&o, &run->context);
     return cli_check_call(run, status, NULL);
 }
-
-void cli_note_peak(cli_run *run, uint64_t bytes)
-{
-    uint64_t const all = bytes + bvx_memory_peak(run->context);
-    cli_lock();
-    if (all > run->report.peak_bytes) run->report.peak_bytes = all;
-    cli_unlock();
-}

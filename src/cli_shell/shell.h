@@ -105,6 +105,8 @@ typedef struct cli_report {
 void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
 /* Write it to standard output, or with -o - to standard error; 0 when that failed. */
 int cli_report_print(cli_run *run, int status);
+/* So many bytes are held beside what the context has now. */
+void cli_note_peak(cli_run *run, uint64_t bytes);
 
 /* ---- messages.c: what is said to people ---- */
 
@@ -306,7 +308,5 @@ uint64_t cli_memory_there(void);
 
 /* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
-/* So many bytes are held beside what the context has now. */
-void cli_note_peak(cli_run *run, uint64_t bytes);
 
 #endif
