@@ -1,5 +1,5 @@
-/* bits.h - words of 64 voxels: counting, masks, prefix parity; rows of bits read from any bit on; a block
- * of 64 x 64 bits turned over its diagonal; the number of set bits before a bit, in constant time. Not
+/* bits.h - words of 64 voxels: counting, masks, prefix parity; rows of bits read from any bit on; a block of
+ * 64 x 64 bits turned over its diagonal; the number of set bits before a bit, in constant time. Not
  * installed. */
 #ifndef BVXI_BITS_H
 #define BVXI_BITS_H

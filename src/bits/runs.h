@@ -1,5 +1,5 @@
-/* runs.h - the runs of equal bits in rows of words, all rows taken as one long line; the runs of one row
- * of voxels, one after the other. Not installed. */
+/* runs.h - runs of equal bits: of all rows of a grid as one long line, or of one row of voxels, one after
+ * the other. Whole words are passed in one step, so a run costs the words that it covers. Not installed. */
 #ifndef BVXI_RUNS_H
 #define BVXI_RUNS_H
 

@@ -1,5 +1,8 @@
-/* sort.h - short rows of crossings in order: insertion for the usual few, a heap where a row is crowded,
- * so that no input makes it quadratic; places on a curve through space. Not installed. */
+/* sort.h - two orders of numbers. Crossings of a row are few, so insertion sorts them; a heap takes over
+ * where a row is crowded, so that no input makes it quadratic. Positions in space are ordered along a curve.
+ * Not installed.
+ *
+ * Source of the curve: Morton. A computer oriented geodetic data base. 1966. */
 #ifndef BVXI_SORT_H
 #define BVXI_SORT_H
 

@@ -1,6 +1,8 @@
-/* components.c - connected components of rows of voxels by union-find over runs, the pairs that touch
- * found 64 voxels at a time; runs of empty or set voxels joined to spaces (components.c), and handed out
- * again with their numbers. */
+/* components.c - connected components of a grid by union-find over runs of voxels, 64 voxels at a time; then
+ * the runs one by one, each with the index of its component.
+ *
+ * A component's index follows from its first voxel only, so neither threads nor the order of unions show.
+ * Components of set voxels and spaces of empty ones (room.h) are found alike. */
 #include "components/room.h"
 
 /* ---- Connected components of rows of voxels by union-find over runs, the pairs that touch found 64

@@ -1,4 +1,8 @@
-/* context.c - create and destroy what carries allocator, limits, threads and callbacks. */
+/* context.c - contexts made and destroyed: options checked, allocator or arena, threads and code path
+ * chosen.
+ *
+ * A context lives in memory of its own allocator, or at the front of its arena, so the library needs no
+ * memory of its own. A build or thread whose arithmetic would change results gets none. */
 #include "context.h"
 
 static const bvx_context_options context_defaults = {0};

@@ -1,4 +1,5 @@
-/* context.h - the context's own fields; only core/ includes this. */
+/* context.h - the fields of a context. Only core/ includes this: other rooms use the calls of core.h, so
+ * what a context holds can change in one room. Not installed. */
 #ifndef BVXI_CONTEXT_H
 #define BVXI_CONTEXT_H
 

@@ -1,4 +1,5 @@
-/* core.h - what every room stands on: context, memory, messages, parallel work, progress. Not installed. */
+/* core.h - what every room stands on: the context, memory, messages, parallel work, progress, and the macros
+ * with which steps return early. Lowest of all rooms: it includes no other. Not installed. */
 #ifndef BVXI_CORE_H
 #define BVXI_CORE_H
 

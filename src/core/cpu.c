@@ -2,7 +2,7 @@
  *
  * -DBVX_NO_CPU_DETECTION leaves the question out, for linkers without the compiler's runtime (__cpu_model),
  * as zig cc for musl and Windows has them: the portable paths run, or with -mavx2 -mbmi -mbmi2 -mpopcnt what
- * these promise. */
+ * these promise. Either way results have the same bits. */
 #include "context.h"
 
 #if defined(BVX_NO_CPU_DETECTION) && defined(__AVX2__) && defined(__BMI__) && defined(__BMI2__) && \

@@ -1,5 +1,8 @@
-/* decimal.c - decimal text to binary numbers, correctly rounded, for any number of digits, without a
- * locale or a heap; binary numbers to the shortest decimal text, without a locale or a heap. */
+/* decimal.c - decimal text to binary numbers, correctly rounded for any number of digits, and binary numbers
+ * to their shortest text. Both in integers: no locale, no heap, the same on every machine.
+ *
+ * Reading and printing share the powers of ten of decimal.h. Each has its sources at its own heading
+ * below. */
 #include "core/core.h"
 #include "core/decimal.h"
 

@@ -1,6 +1,5 @@
-/* decimal.h - what reading and printing of decimal numbers share: powers of ten in 128 bits. Only they
- * include this; d * 10^k against c * 2^q in whole numbers of a fixed size. Only decimal*.c include this.
- * Not installed. */
+/* decimal.h - what reading and printing of decimal numbers share: powers of ten in 128 bits, and integers of
+ * a fixed size that compare d * 10^k with c * 2^q exactly. Only decimal.c includes this. Not installed. */
 #ifndef BVXI_DECIMAL_H
 #define BVXI_DECIMAL_H
 

@@ -1,6 +1,8 @@
-/* memory.c - every byte of the library: allocator, limit and peak, and scratch that is freed by what was
- * taken since; memory from one block that the caller gives; the scratch of a context that has no arena, in
- * the order in which it was taken. */
+/* memory.c - every byte of the library: what is allocated counts against the context's limit and peak, and
+ * scratch that a failure leaves behind is freed by a mark.
+ *
+ * Blocks come from the context's allocator, or from an arena that the caller gave, whose two ends serve
+ * results and scratch. Guarantee: after a call that failed none of its scratch is held. */
 #include "context.h"
 
 /* ---- Every byte of the library: allocator, limit and peak, and scratch that is freed by what was taken

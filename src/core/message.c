@@ -1,4 +1,7 @@
-/* message.c - statuses and reasons, their texts, and what went wrong in parts and in one line. */
+/* message.c - what went wrong, for people and for programs: the fixed texts of statuses and reasons, and the
+ * last failure in parts and in one line.
+ *
+ * A message is formatted without stdio and locale, into the context, so a failure allocates nothing. */
 #include "context.h"
 #include "core.h"
 

@@ -1,4 +1,7 @@
-/* parallel.c - tasks in batches, and the one fraction of a public call that they report. */
+/* parallel.c - tasks in batches, and the one fraction from 0 to 1 that a public call reports.
+ *
+ * Guarantee: what a task computes depends on its index, and the number of tasks on the shape of the work, so
+ * the number of threads shows in no result. */
 #include "context.h"
 
 /* ---- Progress ---- */

@@ -1,5 +1,5 @@
-/* simd_arrays.h - the operations of simd.h in plain C, which say what they
- * are. Not installed; simd.h includes it. */
+/* simd_arrays.h - the operations of simd.h in plain C: they define what each operation is, and run where
+ * there are no vectors. Not installed; simd.h includes it. */
 #ifndef BVXI_SIMD_ARRAYS_H
 #define BVXI_SIMD_ARRAYS_H
 

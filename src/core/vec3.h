@@ -1,5 +1,5 @@
-/* vec3.h - three coordinates in doubles; an angle by + - * / only, the same on every machine. Not
- * installed. */
+/* vec3.h - three coordinates in doubles, and an angle by + - * / only, since the C library's functions
+ * differ between machines. The order of operations is fixed: results depend on it. Not installed. */
 #ifndef BVXI_VEC3_H
 #define BVXI_VEC3_H
 

@@ -1,5 +1,7 @@
-/* dense.c - a field as an array with a number, or three, for every centre; distances outside the band from
- * closest points that neighbours pass on. */
+/* dense.c - a sparse field as an array with a number, or three, for every centre: bvx_field_dense.
+ *
+ * Beyond the band stands the half-width, a lower bound of the distance, or what closest points give that
+ * neighbours pass on, an upper bound. Rows are written by themselves, so threads do not show. */
 #include "field/room.h"
 #include "nearest/closest.h"
 #include "mesh/view.h"

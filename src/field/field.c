@@ -1,7 +1,7 @@
 /* field.c - distance fields freed, checked and read.
  *
- * A value's number is its row's first number and the set bits before it in the row: no index of the values is
- * kept. */
+ * The index of a value is that of its row's first one plus the set bits before it in the row, so no index of
+ * the values is kept. Guarantee: what bvxi_field_check has passed can be read without further checks. */
 #include "field/room.h"
 
 /* ---- freed ---- */

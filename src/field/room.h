@@ -1,4 +1,5 @@
-/* room.h - distance fields checked and walked. Not installed. */
+/* room.h - distance fields for other rooms: checked, read a word of centres at a time, continued beyond
+ * their band. Not installed. */
 #ifndef BVXI_FIELD_ROOM_H
 #define BVXI_FIELD_ROOM_H
 

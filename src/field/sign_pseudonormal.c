@@ -1,5 +1,9 @@
-/* sign_pseudonormal.c - on which side of its closest feature a centre lies; inside by the plane of the
- * closest triangle; inside by the angle-weighted normal of the closest feature. */
+/* sign_pseudonormal.c - inside or outside by the closest feature: by the plane of the closest triangle, or
+ * by the angle-weighted normal of the closest triangle, edge or vertex.
+ *
+ * Source: Baerentzen, Aanaes. Signed Distance Computation Using the Angle Weighted Pseudonormal. 2005.
+ * Guarantee of the second: right on closed, oriented meshes that do not cross themselves. Threads do not
+ * show: each value's side is decided by itself. */
 #include "field/room.h"
 #include "field/signs.h"
 #include "nearest/closest.h"

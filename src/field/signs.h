@@ -1,4 +1,4 @@
-/* signs.h - the rules that decide which centres of a field are inside. Not installed. */
+/* signs.h - the rules that decide which centres of a field are inside, one call each. Not installed. */
 #ifndef BVXI_SIGNS_H
 #define BVXI_SIGNS_H
 

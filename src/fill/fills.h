@@ -1,5 +1,5 @@
-/* fills.h - the rules that fill more than rows: votes of axes, floods, regions, terrain; the rule that
- * fills a mesh where nobody names one. Not installed. */
+/* fills.h - what the rules for inside share beyond filling rows: the vote of three axes, floods, regions,
+ * terrain, and the choice of a rule for a mesh. Not installed. */
 #ifndef BVXI_FILLS_H
 #define BVXI_FILLS_H
 

@@ -1,5 +1,5 @@
-/* thin_walls.h - walls of a closed body that are thinner than a lattice can
- * hold, for other rooms. Not installed. */
+/* thin_walls.h - walls of a closed body that are thinner than a lattice can hold: the search for them, for
+ * rooms that report or keep them. Not installed. */
 #ifndef BVXI_THIN_WALLS_H
 #define BVXI_THIN_WALLS_H
 

@@ -1,4 +1,7 @@
-/* bricks.c - the rows of 8 x 8 rows joined into one, and each of its bytes into a bit. */
+/* bricks.c - which bricks of 8 x 8 x 8 voxels hold a set one, as a grid 512 times smaller that rays and
+ * searches look at first.
+ *
+ * Eight rows by eight are joined by OR, 64 voxels at a time; each byte of the result then becomes a bit. */
 #include "grid/grid.h"
 
 enum { BRICK_GRAIN = 64 /* least rows of bricks a piece */ };

@@ -1,5 +1,8 @@
-/* extended_function.c - the samples' places and weights along each axis; the extended voxel function:
- * trilinear between voxel centres, compared with a threshold. */
+/* extended_function.c - the voxel function of a grid between its centres, and where it changes along edges
+ * of a coarser lattice; also the positions and weights of the samples.
+ *
+ * Everything is rational with one denominator an axis, so no rounding moves a sample. Source at its heading
+ * below. */
 #include "grid/downsample.h"
 
 /* ---- The samples' places and weights along each axis ---- */

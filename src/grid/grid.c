@@ -1,5 +1,8 @@
-/* grid.c - bit grids made, freed, counted and hashed; what operations on grids ask before and after: of
- * one lattice and window? another grid? filled to the end? */
+/* grid.c - bit grids made, freed, counted and hashed, and the checks that every operation on grids begins
+ * with.
+ *
+ * Guarantee: what bvxi_grid_check has passed can be read by words without further checks; words of two grids
+ * are the same or apart. */
 #include "grid/grid.h"
 #include "core/hash.h"
 

@@ -1,5 +1,5 @@
-/* grid.h - grids checked and walked; which bricks of 8 x 8 x 8 voxels hold a set one: a grid 512 times
- * smaller. Not installed. */
+/* grid.h - what operations on grids share: checks, words of results, rows, and bricks of 8 x 8 x 8 voxels
+ * that tell where nothing is set. Not installed. */
 #ifndef BVXI_GRID_H
 #define BVXI_GRID_H
 

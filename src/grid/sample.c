@@ -1,5 +1,7 @@
-/* sample.c - trilinear samples of a grid and their gradients; a grid seen at the centres of another
- * lattice. */
+/* sample.c - values of a grid away from its own centres: trilinear samples with gradients (bvx_grid_sample),
+ * and the same set on another lattice (bvx_grid_resample).
+ *
+ * Guarantee: one stated evaluation in doubles each, so the bits are the same everywhere. */
 #include "grid/grid.h"
 #include "bits/runs.h"
 

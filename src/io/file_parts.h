@@ -1,4 +1,7 @@
-/* file_parts.h - files made of long runs of equal things, written side by side. Not installed. */
+/* file_parts.h - files made of long runs of equal things, such as vertices and then triangles, whose text is
+ * written by several threads and joined. Not installed.
+ *
+ * Guarantee: the bytes do not depend on the threads. */
 #ifndef BVXI_FILE_PARTS_H
 #define BVXI_FILE_PARTS_H
 

@@ -1,4 +1,5 @@
-/* format.c - which format a file name stands for, and which ones hold what. */
+/* format.c - which format the ending of a file name stands for: bvx_format_of_name; and the refusal of a
+ * format that a call does not have. */
 #include "io/formats.h"
 
 /* 1 when the n characters at text are ending, in either case of letters. */

@@ -1,5 +1,5 @@
-/* formats.h - what readers and writers of all formats share: the bytes of a file that is read, its words, and buffers for
- * one that is written. Not installed. */
+/* formats.h - what readers and writers of all formats share: the source that a reader walks (with progress
+ * and failures that name the byte or line), its words, and the buffer that a writer fills. Not installed. */
 #ifndef BVXI_FORMATS_H
 #define BVXI_FORMATS_H
 

@@ -1,4 +1,7 @@
-/* source.c - the bytes of a file while they are read: passes, progress, pieces side by side, and messages that say where. */
+/* source.c - the bytes of a file while they are read: progress once a megabyte, pieces read side by side,
+ * and messages that say where.
+ *
+ * Guarantee: of several pieces the first one that fails, in the order of the file, is the one reported. */
 #include "io/formats.h"
 
 enum { SOURCE_ASK_BYTES = 1 << 20, SOURCE_WORD_SHOWN = 24, SOURCE_GROUP = 64 };

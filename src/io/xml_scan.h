@@ -1,4 +1,5 @@
-/* xml_scan.h - the tags of an XML text one after the other; bytes written in base 64. Not installed. */
+/* xml_scan.h - the tags of an XML text one after the other, without a tree and without a heap, as VTK's
+ * files need it; and bytes written in base 64. Not installed. */
 #ifndef BVXI_XML_SCAN_H
 #define BVXI_XML_SCAN_H
 

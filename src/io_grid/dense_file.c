@@ -1,5 +1,8 @@
-/* dense_file.c - what files of a number for each voxel share: their lattice, numbers to a grid, a grid to
- * bytes. */
+/* dense_file.c - what formats with a number for each voxel share: the lattice that a file says it has,
+ * samples of any type to bits, bits to bytes.
+ *
+ * Guarantee: a file's size is held against its header before a grid is made, so a small file cannot request
+ * a large one. */
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 

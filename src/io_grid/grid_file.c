@@ -1,5 +1,5 @@
-/* grid_file.c - grids from and to the bytes of files: the checks around readers and writers, and which of
- * them a format has. */
+/* grid_file.c - grids from and to the bytes of files: bvx_read_grid and bvx_write_grid. Arguments are
+ * checked here, then the format's own reader or writer runs. */
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 

@@ -1,5 +1,5 @@
-/* grid_formats.h - the readers and writers after bvx_read_grid and
- * bvx_write_grid, and what they share. Not installed. */
+/* grid_formats.h - the readers and writers of grids, one a format, and what they share. They trust their
+ * arguments: grid_file.c has checked them. Not installed. */
 #ifndef BVXI_GRID_FORMATS_H
 #define BVXI_GRID_FORMATS_H
 

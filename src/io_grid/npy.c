@@ -1,4 +1,4 @@
-/* npy.c - NumPy's .npy: arrays to grids, grids to arrays. */
+/* npy.c - NumPy's .npy, to grids and from them. Sources and guarantees at the headings below. */
 #include "io_grid/grid_formats.h"
 
 /* ---- Read ---- */

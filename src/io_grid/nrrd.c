@@ -1,4 +1,5 @@
-/* nrrd.c - NRRD, to grids and from them; its head is read by nrrd_head.c. */
+/* nrrd.c - NRRD, to grids and from them: where the samples stand in the file and in space; nrrd_head.c reads
+ * the header. Source at the heading below. */
 #include "io_grid/nrrd_head.h"
 #include "io_grid/grid_formats.h"
 

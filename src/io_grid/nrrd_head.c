@@ -1,6 +1,8 @@
-/* nrrd_head.c - the lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or
- * the list of data files; the fields of an NRRD head and what stands after their colons; the data files
- * that a detached NRRD head names. */
+/* nrrd_head.c - the header of an NRRD file: its lines up to the blank line or the list of data files, what
+ * its fields mean, and the names of detached data files.
+ *
+ * Source: Kindlmann. Definition of NRRD File Format. Guarantee: a header that was read has all fields that
+ * its samples need. */
 #include "io_grid/nrrd_head.h"
 
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list

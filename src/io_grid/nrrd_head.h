@@ -1,4 +1,5 @@
-/* nrrd_head.h - the head of an NRRD file, taken apart. Not installed. */
+/* nrrd_head.h - the header of an NRRD file, taken apart; nrrd_head.c fills it, nrrd.c uses it. Not
+ * installed. */
 #ifndef BVXI_NRRD_HEAD_H
 #define BVXI_NRRD_HEAD_H
 

@@ -1,4 +1,7 @@
-/* tree_file.c - octrees from and to our own format. */
+/* tree_file.c - octrees to and from our own format, .bvx; tree_file.h has the layout.
+ *
+ * Guarantee: all checks are done on the file's bytes before a tree is allocated, so a damaged file costs
+ * nothing and can make no tree that later calls stumble over. */
 #include "io_grid/tree_file.h"
 #include "io/formats.h"
 

@@ -1,4 +1,5 @@
-/* vox.c - MagicaVoxel's .vox, to grids and from them. */
+/* vox.c - MagicaVoxel's .vox of one model, to grids and from them. Source at the heading below. Everything
+ * is checked before there is a grid. */
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 

@@ -1,4 +1,5 @@
-/* vti.c - VTK's XML image data, to grids and from them. */
+/* vti.c - VTK's XML image data, to grids and from them. Sources and the choice among several arrays at the
+ * headings below. */
 #include "io_grid/grid_formats.h"
 #include "io/xml_scan.h"
 

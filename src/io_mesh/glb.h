@@ -1,5 +1,5 @@
-/* glb.h - what the files that make a GLB share; colours as glTF wants them at vertices: linear light. Not
- * installed. */
+/* glb.h - what the files that write a GLB share: vertices repeated along seams of textures, arrays of a
+ * mesh, colours as linear light, which glTF wants. Not installed. */
 #ifndef BVXI_GLB_H
 #define BVXI_GLB_H
 

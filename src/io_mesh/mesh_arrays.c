@@ -1,4 +1,5 @@
-/* mesh_arrays.c - the arrays of a mesh that is read, in exact sizes. */
+/* mesh_arrays.c - the arrays of a mesh that is read, made in exact sizes; colours and texture coordinates
+ * that not all of the mesh has are dropped again. */
 #include "io_mesh/mesh_formats.h"
 
 bvx_status bvxi_make_positions(bvx_context *ctx, bvx_mesh *mesh, int32_t type, uint64_t count)

@@ -1,6 +1,5 @@
-/* mesh_formats.h - the readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share;
- * polygons of a mesh that is read: laid down as fans first, cut when all vertices are known; what the
- * numbers of a file leave of a mesh. Not installed. */
+/* mesh_formats.h - the readers and writers of meshes, one a format, and what they share: arrays in exact
+ * sizes, polygons that are cut when all vertices are known, corners that are not finite. Not installed. */
 #ifndef BVXI_MESH_FORMATS_H
 #define BVXI_MESH_FORMATS_H
 

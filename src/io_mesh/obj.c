@@ -1,4 +1,8 @@
-/* obj.c - Wavefront OBJ, to meshes and from them. */
+/* obj.c - Wavefront OBJ, to meshes and from them.
+ *
+ * Reading takes two passes over pieces of whole lines: the first counts, so that arrays have their exact
+ * size and each piece knows its position in them. Guarantee: pieces follow from the file's size only, so
+ * threads do not show. Nothing that a file names is opened. */
 #include "io_mesh/obj_text.h"
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"

@@ -1,5 +1,5 @@
-/* obj_text.h - the words, lines and statements of an OBJ file, and the
- * pieces that it is read in. Not installed. */
+/* obj_text.h - words, lines and statements of an OBJ file, and the pieces that it is read in. Both passes of
+ * obj.c walk a file by these, so that their counts agree. Not installed. */
 #ifndef BVXI_OBJ_TEXT_H
 #define BVXI_OBJ_TEXT_H
 

@@ -1,4 +1,5 @@
-/* off.c - OFF, to meshes and from them. */
+/* off.c - OFF and its kin (COFF, NOFF, STOFF), to meshes and from them. What is read, and where line ends
+ * matter, stands at the headings below. */
 #include "io_mesh/mesh_formats.h"
 #include "io/file_parts.h"
 

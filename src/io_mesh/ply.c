@@ -1,4 +1,7 @@
-/* ply.c - PLY, to meshes and from them; head and rows are read by ply_header.c and ply_rows.c. */
+/* ply.c - PLY, to meshes and from them. ply_header.c says what each value of a row is for, ply_rows.c takes
+ * the rows, and this file makes the mesh.
+ *
+ * Source: Turk. The PLY Polygon File Format. 1994. */
 #include "io_mesh/ply_file.h"
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"

@@ -1,5 +1,5 @@
-/* ply_file.h - what the header of a PLY file says about the bytes after it; the rows of a PLY file as they
- * are read, by text or bytes alike. Not installed. */
+/* ply_file.h - a PLY file while it is read: what its header says, and its rows, taken alike from text and
+ * from bytes. Not installed. */
 #ifndef BVXI_PLY_FILE_H
 #define BVXI_PLY_FILE_H
 

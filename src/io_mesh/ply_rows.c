@@ -1,6 +1,7 @@
-/* ply_rows.c - what the values of a row of a PLY file mean: corners, strips, coordinates, colours; and
- * what is wrong with one that cannot be; the rows of an ASCII PLY file; the rows of a binary PLY file, in
- * either byte order. */
+/* ply_rows.c - the rows of a PLY file, from text or from bytes of either order: corners, strips,
+ * coordinates, colours; and messages for what is wrong with one.
+ *
+ * Text and bytes give the same calls, so a mesh does not depend on the kind of file. */
 #include "io_mesh/ply_file.h"
 
 /* ---- What the values of a row of a PLY file mean: corners, strips, coordinates, colours; and what is

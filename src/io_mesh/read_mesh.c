@@ -1,4 +1,5 @@
-/* read_mesh.c - a mesh from the bytes of a file: the checks around the readers. */
+/* read_mesh.c - a mesh from the bytes of a file: bvx_read_mesh, bvx_read_mesh_finite. The checks around the
+ * formats' own readers: arguments, text of two bytes a letter, corners that are not finite. */
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
 

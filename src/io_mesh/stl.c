@@ -1,4 +1,7 @@
-/* stl.c - STL, to meshes and from them. */
+/* stl.c - STL, ASCII and binary, to meshes and from them. Triangles bring their own corners, which are
+ * welded as they come: raw corners are never stored.
+ *
+ * Guarantee: vertices are numbered by their first use, whatever the table looks like. */
 #include "core/key_tree.h"
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"

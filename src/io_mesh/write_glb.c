@@ -1,5 +1,8 @@
-/* write_glb.c - vertices repeated where their corners have several texture coordinates; a mesh to binary
- * glTF 2.0, or several levels of detail to one such file. */
+/* write_glb.c - a mesh, or several levels of detail, to binary glTF 2.0; first vertices are repeated where
+ * their corners have several texture coordinates.
+ *
+ * Source: Khronos Group. glTF 2.0 Specification. 2017; for levels Microsoft. MSFT_lod. Guarantee: repeated
+ * vertices stand in the order of their first use. */
 #include "io_mesh/glb.h"
 #include "io_mesh/mesh_formats.h"
 #include "mesh/mesh.h"

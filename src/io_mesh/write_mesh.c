@@ -1,5 +1,8 @@
-/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file:
- * checks around the writers, what they share. */
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: bvx_write_mesh, bvx_write_levels,
+ * bvx_check_written.
+ *
+ * The checks around the formats' own writers: arguments, normals, and whether rounding to 32-bit floats
+ * would spoil the mesh. */
 #include "io_mesh/mesh_formats.h"
 #include "mesh/mesh.h"
 #include "mesh/facet.h"

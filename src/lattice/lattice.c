@@ -1,4 +1,7 @@
-/* lattice.c - lattices checked, made from parts, and windows of them. */
+/* lattice.c - lattices checked, made from parts (bvx_lattice_make), and windows of them.
+ *
+ * The number of fraction bits follows from the size, so that lattice coordinates stay below 2^30 (lattice.h
+ * has the bit budget). */
 #include "lattice/lattice.h"
 
 int32_t bvxi_fraction_bits(int32_t n)

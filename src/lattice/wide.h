@@ -1,5 +1,5 @@
-/* wide.h - 128-bit signed sums of products, by the compiler or by two
- * limbs; tests hold both against each other. */
+/* wide.h - signed sums of products in 128 bits, by the compiler's own type or by two limbs. Tests hold each
+ * against the other. Not installed. */
 #ifndef BVXI_WIDE_H
 #define BVXI_WIDE_H
 

@@ -1,4 +1,5 @@
-/* facet.h - the normal of a flat triangle; smooth normals of vertices, weighted by area. Not installed. */
+/* facet.h - the normal of a flat triangle, the same to the bit however its corners are numbered; and smooth
+ * normals of vertices. Not installed. */
 #ifndef BVXI_FACET_H
 #define BVXI_FACET_H
 

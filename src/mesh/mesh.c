@@ -1,6 +1,7 @@
-/* mesh.c - the plain mesh struct: opened for a result, freed, viewed, hashed; the area of a mesh's
- * triangles: sums of doubles in the triangles' order, the same everywhere; the parts of a mesh that hang
- * together through vertices. */
+/* mesh.c - the mesh struct: arrays made for a result or taken from the caller, freed, viewed, hashed; the
+ * area of a mesh, and its parts that are joined through vertices.
+ *
+ * Guarantee: a result's arrays are reused where they suffice, and what a caller brought is never freed. */
 #include "mesh/mesh.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"

@@ -1,5 +1,4 @@
-/* mesh.h - meshes made to receive a result; sort 64-bit keys that carry a 32-bit number each. Not
- * installed. */
+/* mesh.h - meshes made to receive a result, and the sort of keys that carry a number. Not installed. */
 #ifndef BVXI_MESH_H
 #define BVXI_MESH_H
 

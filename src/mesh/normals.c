@@ -1,4 +1,7 @@
-/* normals.c - smooth normals of vertices; normals of a mesh's vertices and facets as arrays. */
+/* normals.c - normals of a mesh: bvx_mesh_normals; smooth ones are the sums of facets' normals by area,
+ * which need no division, so facets without area need no care.
+ *
+ * Source: Gouraud. Continuous Shading of Curved Surfaces. 1971. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
 

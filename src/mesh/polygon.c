@@ -1,5 +1,8 @@
-/* polygon.c - on which side of a line a point lies, without any rounding; a polygon in space cut into
- * triangles; a polygon that is not simple cut into triangles as well as can be, in bounded time. */
+/* polygon.c - polygons in space cut into triangles: exactly where they are planar and simple, as well as can
+ * be, in bounded time, where they are not.
+ *
+ * On which side of a line a point lies is decided without rounding. Sources at the headings below.
+ * Guarantee: the cut depends on the polygon and nothing else. */
 #include "mesh/polygon.h"
 
 /* ---- On which side of a line a point lies, without any rounding ---- */

@@ -1,5 +1,5 @@
-/* polygon.h - polygons cut into triangles, as mesh readers need it; a polygon laid into a plane, and the
- * ways to cut it. Only the polygon files include this. Not installed. */
+/* polygon.h - polygons cut into triangles, for readers of meshes (bvxi_polygon_cut); and the ring in a plane
+ * that only polygon.c and polygon_sweep.c know. Not installed. */
 #ifndef BVXI_POLYGON_H
 #define BVXI_POLYGON_H
 

@@ -1,6 +1,6 @@
-/* topology.h - vertices at equal positions; edges, fans and pieces of indexed triangles; has a mesh sharp
- * edges, as machine parts have?; the parts of a mesh that hang together, and triangles that are there
- * twice; which triangles of a mesh run the other way round than those beside them. Not installed. */
+/* topology.h - how a mesh hangs together: vertices at one position, edges and fans, parts, triangles that
+ * are there twice, the sense of neighbours, sharp edges. One call each; all of them take indices that were
+ * checked. Not installed. */
 #ifndef BVXI_TOPOLOGY_H
 #define BVXI_TOPOLOGY_H
 

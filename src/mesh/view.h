@@ -1,5 +1,5 @@
-/* view.h - reading a caller's mesh: any position and index type, any stride, any alignment; a mesh without
- * what is not finite; a power of two that keeps products of coordinates within doubles. Not installed. */
+/* view.h - reading a caller's mesh: any position and index type, any stride, any alignment. bvxi_view_check
+ * comes first; the getters then trust types, strides and counts. Not installed. */
 #ifndef BVXI_VIEW_H
 #define BVXI_VIEW_H
 

@@ -1,4 +1,8 @@
-/* weld.c - which vertices stand at the same position; triangles that are there once. */
+/* weld.c - which vertices are at the same position, and which triangles are there once.
+ *
+ * Vertices enter a table in their order, so the one that stands for a position is the first of it, whatever
+ * the table looks like. Positions are compared, not only their hashes; for input made against the hash a
+ * tree takes over. Cost: O(vertices). */
 #include "mesh/topology.h"
 #include "mesh/view.h"
 #include "core/key_tree.h"

@@ -1,5 +1,5 @@
-/* morph.h - growing and shrinking boxes of bits; a word and its neighbours along x, in slices whose rows
- * lie one after the other. Not installed. */
+/* morph.h - growing and shrinking sets of voxels: the operation as numbers, boxes of bits to work on, a word
+ * and its neighbours along x. Not installed. */
 #ifndef BVXI_MORPH_H
 #define BVXI_MORPH_H
 

@@ -1,5 +1,7 @@
-/* morph_steps.c - masks that keep the bits of one row of a slice out of the next; dilation and erosion by
- * 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep. */
+/* morph_steps.c - dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one
+ * sweep over the slices.
+ *
+ * Source: Serra. Image Analysis and Mathematical Morphology. 1982. Guarantee: exact, whatever the threads. */
 #include "morphology/morph.h"
 
 /* ---- Masks that keep the bits of one row of a slice out of the next ---- */

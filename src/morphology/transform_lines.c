@@ -1,7 +1,8 @@
-/* transform_lines.c - distances along a row of bits to the nearest target, 16 voxels at a time; distances
- * along a column in whole numbers: the lower envelope of parabolas, or where all is near a search;
- * distances along a column in doubles: the lower envelope of parabolas whose crossings are decided
- * exactly. */
+/* transform_lines.c - distances along one line of voxels, from which transform.c makes those in space: along
+ * a row of bits to the nearest target, then along columns by the lower envelope of parabolas.
+ *
+ * Guarantee: exact. Integers decide for cubic voxels; for others the crossings of parabolas are decided
+ * without rounding. Sources: Meijster, Roerdink, Hesselink. 2000; see transform.c. */
 #include "morphology/transform.h"
 
 /* ---- Distances along a row of bits to the nearest target, 16 voxels at a time ---- */

@@ -1,5 +1,8 @@
-/* closest_body.h - boxes and triangles of the search, several at a time.
- * Included by closest.c once for each level of core/simd.h. */
+/* closest_body.h - the search of closest.c for one point: boxes of a node and triangles that wait, several
+ * at a time. Included by closest.c once for each level of core/simd.h.
+ *
+ * Floats decide only which boxes are looked at; distances are evaluated in doubles, so every level gives the
+ * same bits. */
 
 /* Squared distances in floats to the boxes in four nodes side by side, of
  * which the tree has children; returns the bits of those that are not above

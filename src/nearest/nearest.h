@@ -1,4 +1,5 @@
-/* nearest.h - the closest points of a mesh for many centres of voxels at once. Not installed. */
+/* nearest.h - the closest points of a mesh for many centres of voxels at once, for other rooms: a mesh made
+ * ready, bands, values. Not installed. */
 #ifndef BVXI_NEAREST_H
 #define BVXI_NEAREST_H
 

@@ -1,5 +1,9 @@
-/* nearest_brick.c - which of equally near triangles is taken, by geometry only; the nearest triangles of a
- * brick of 4 x 4 x 4 centres. */
+/* nearest_brick.c - the nearest triangles of a brick of 4 x 4 x 4 centres, and which of equally near ones is
+ * taken.
+ *
+ * One search of the tree serves all 64 centres, since their nearest triangles are mostly the same few. What
+ * floats cannot decide is evaluated in doubles. Guarantee: the choice depends on geometry only, on no
+ * numbering. */
 #include "nearest/nearest_brick.h"
 #include "nearest/closest.h"
 #include "mesh/facet.h"

@@ -1,6 +1,5 @@
-/* nearest_brick.h - pairs of a centre and a triangle, evaluated together; what may hold the nearest point
- * of some centre of a cell; triangles that may be nearest to eight centres; the nearest triangles of
- * bricks of 4 x 4 x 4 centres. Not installed. */
+/* nearest_brick.h - the steps of a search for a brick of 4 x 4 x 4 centres: leaves listed for a cell,
+ * triangles for eight centres, pairs evaluated together. Not installed. */
 #ifndef BVXI_NEAREST_BRICK_H
 #define BVXI_NEAREST_BRICK_H
 

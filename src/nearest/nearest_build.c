@@ -1,5 +1,8 @@
-/* nearest_build.c - triangles in frames of their own, eight at a time; the hierarchy of boxes over a
- * mesh's triangles. */
+/* nearest_build.c - the tree that nearest_brick.c searches: triangles along a curve through space, eight a
+ * leaf, eight boxes a node.
+ *
+ * A leaf keeps each triangle in a frame of its own, in which a distance is one in a plane and a height.
+ * Sources at the headings below. */
 #include "nearest/nearest_tree.h"
 #include "nearest/nearest_brick.h"
 #include "core/simd.h"

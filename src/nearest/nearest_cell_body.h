@@ -1,5 +1,5 @@
-/* nearest_cell_body.h - eight boxes against a cell, and the search for leaves. Included by
- * nearest_cell.c once for each level of core/simd.h. */
+/* nearest_cell_body.h - which leaves may hold the nearest point of some centre of a cell: eight boxes at a
+ * time. Included by nearest_cell.c once for each level of core/simd.h, with the same bits in each. */
 
 /* ---- Eight children against a cell ---- */
 

@@ -1,5 +1,5 @@
-/* nearest_eight_body.h - the sieves of eight centres. Included by nearest_eight.c
- * once for each level of core/simd.h. */
+/* nearest_eight_body.h - which listed leaves, then which of their triangles, may be nearest to one of eight
+ * centres. Included by nearest_eight.c once for each level of core/simd.h, with the same bits in each. */
 
 /* ---- Leaves ---- */
 

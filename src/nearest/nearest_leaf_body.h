@@ -1,5 +1,5 @@
-/* nearest_leaf_body.h - frames of eight triangles. Included by
- * nearest_build.c once for each level of core/simd.h. */
+/* nearest_leaf_body.h - frames of eight triangles at a time: the longest edge, and the foot of the altitude
+ * on it. Included by nearest_build.c once for each level of core/simd.h, with the same bits in each. */
 
 BVXI_SIMD_CODE static inline floats8 BVXI_SIMD(near_inverse)(floats8 x)
 {

@@ -1,5 +1,5 @@
-/* nearest_pairs_body.h - four pairs of a point and a triangle. Included by
- * nearest_pairs.c once for each level of core/simd.h. */
+/* nearest_pairs_body.h - four pairs of a point and a triangle evaluated at a time. Included by
+ * nearest_pairs.c once for each level of core/simd.h, with the same bits in each. */
 
 BVXI_SIMD_CODE static inline void BVXI_SIMD(load_near_four)(const double (*from)[BVXI_NEAR_PAIRS], int32_t i,
                                                             doubles4 to[3])

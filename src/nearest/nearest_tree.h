@@ -1,5 +1,6 @@
-/* nearest_tree.h - a hierarchy of boxes over triangles that answers many centres at once; triangles along
- * a curve through space. Not installed. */
+/* nearest_tree.h - the tree of boxes over triangles that answers many centres at once. It is searched in
+ * floats, which decide only what cannot win, so neither the tree nor a reordering shows in any result. Not
+ * installed. */
 #ifndef BVXI_NEAREST_TREE_H
 #define BVXI_NEAREST_TREE_H
 

@@ -1,5 +1,6 @@
-/* nearest_walk.h - a window's centres in cubes of 16 x 16 x 16, a brick of
- * 4 x 4 x 4 after the other. Not installed. */
+/* nearest_walk.h - the order in which centres of a window are visited: cubes of 16 x 16 x 16, in them bricks
+ * of 4 x 4 x 4, so that neighbours in time are neighbours in space. It follows from the window only. Not
+ * installed. */
 #ifndef BVXI_NEAREST_WALK_H
 #define BVXI_NEAREST_WALK_H
 

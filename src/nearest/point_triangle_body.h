@@ -1,5 +1,6 @@
-/* point_triangle_body.h - closest points on four triangles. Included by
- * point_triangle_four.h once for each level of core/simd.h. */
+/* point_triangle_body.h - closest points on four triangles at a time; it finds the lanes where it is surely
+ * what point_triangle.c gives and leaves the others to that. Included by point_triangle_four.h once for each
+ * level of core/simd.h. */
 
 /* The closest points q to p on the triangles a b c, and the squares of their distances. Returns the bits of
  * the lanes that hold what point_triangle.c gives, but for the sign of zeros in q; the others (needles, and

@@ -1,4 +1,7 @@
-/* boolean.c - union, intersection, difference and xor of two meshes: bvx_boolean. */
+/* boolean.c - union, intersection, difference and xor of two meshes: bvx_boolean. The lattice first, then
+ * two solids, a word operation, and a surface whose vertices lie on the mesh that bounds the result there.
+ *
+ * Guarantee: closed, manifold and free of crossings, whatever the meshes are (surface/field_surface.c). */
 #include "nearest/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"

@@ -1,4 +1,5 @@
-/* crossed_edges.c - centres beside a surface, 64 at a time: a word and its six neighbours. */
+/* crossed_edges.c - the centres that have a neighbour on the other side of a surface: only these need a
+ * distance. 64 at a time, from a word and its six neighbours. */
 #include "pipeline/steps.h"
 
 enum { ENDS_GRAIN = 4096 /* least words a piece */ };

@@ -1,4 +1,5 @@
-/* repair.h - one mesh on its way to a closed one; shared by the files of bvx_repair. Not installed. */
+/* repair.h - one mesh on its way to a closed one: what the steps of bvx_repair know of it and pass on. Files
+ * of pipeline/ only include this. Not installed. */
 #ifndef BVXI_REPAIR_H
 #define BVXI_REPAIR_H
 

@@ -1,4 +1,8 @@
-/* repair_input.c - what repair starts from: the mesh made ready, and its lattice. */
+/* repair_input.c - what repair starts from: the lattice, and the mesh with each triangle once, its parts
+ * known and flipped triangles turned.
+ *
+ * A triangle that is there twice would count as two turns of the surface. Where a patch cannot be turned one
+ * way the rule for inside becomes VOTE. */
 #include "mesh/topology.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"

@@ -1,5 +1,5 @@
-/* repair_inside.c - which centres lie inside the repaired body: the sign
- * rule's solid, and shells where it has nothing. */
+/* repair_inside.c - which centres lie inside the repaired body: the solid of the sign rule, joined with
+ * shells around sheets, where it has nothing. */
 #include "pipeline/repair.h"
 #include "fill/fills.h"
 

@@ -1,5 +1,8 @@
-/* repair_sheets.c - sheets of a mesh that is repaired: which triangles are of a body instead, and shells
- * around the others. */
+/* repair_sheets.c - sheets of a mesh that is repaired: triangles that enclose nothing are found, those that
+ * together make a body are excepted, and shells are laid around the rest.
+ *
+ * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding
+ * Numbers. 2013. */
 #include "nearest/nearest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"

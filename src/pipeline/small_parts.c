@@ -1,5 +1,8 @@
-/* small_parts.c - small parts of a solid: dropped by their size, or as crumbs that the meshes have no part
- * for. */
+/* small_parts.c - small parts of a solid and small cavities: dropped and filled below a size, or as crumbs
+ * that no mesh has a part for.
+ *
+ * Acute edges and narrow grooves leave crumbs, where centres lie inside here and there. Guarantee: a part
+ * that a piece of a mesh has for itself stays. */
 #include "pipeline/steps.h"
 #include "components/room.h"
 #include "nearest/closest.h"

@@ -1,6 +1,5 @@
-/* steps.h - the ends of lattice edges that a surface crosses: the only centres that need a distance; small
- * parts of a solid that the meshes it was made from have no part for; the lattice that fits an operation
- * on two boxes, and whether it is fine enough for them. Not installed. */
+/* steps.h - steps that repair and booleans share: centres beside a surface, crumbs, the lattice for two
+ * bodies and whether it is fine enough. Not installed. */
 #ifndef BVXI_STEPS_H
 #define BVXI_STEPS_H
 

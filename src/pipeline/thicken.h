@@ -1,5 +1,5 @@
-/* thicken.h - walls too thin for a lattice, widened until it holds them,
- * and put back to the mesh. Not installed. */
+/* thicken.h - walls too thin for a lattice: widened until it holds them, then put back to the mesh. Not
+ * installed. */
 #ifndef BVXI_THICKEN_H
 #define BVXI_THICKEN_H
 

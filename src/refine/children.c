@@ -1,5 +1,7 @@
-/* children.c - the octants of a cube that a triangle touches, all eight at once; the octants that each of
- * many triangles touches, in doubles where these are sure. */
+/* children.c - which of a voxel's eight children a triangle touches, all eight at once: exactly in integers,
+ * or for many triangles in doubles where these are sure.
+ *
+ * Source: as touch/conservative.c. Guarantee: the same answer by both ways. */
 #include "refine/cubes.h"
 
 /* ---- The octants of a cube that a triangle touches, all eight at once ---- */

@@ -1,5 +1,5 @@
-/* cubes.h - 4 x 4 x 4 voxels in a word: an octet and the octets of its children; which children of a voxel
- * a triangle touches. Not installed. */
+/* cubes.h - 4 x 4 x 4 voxels as bits of a word, an octet and the octets of its children, in which states.c
+ * floods; and which children a triangle touches, as the level's steps call it. Not installed. */
 #ifndef BVXI_CUBES_H
 #define BVXI_CUBES_H
 

@@ -1,4 +1,7 @@
-/* octree.c - octrees made, freed, counted and looked into. */
+/* octree.c - octrees made, freed, counted and looked into: bvx_octree_count, bvx_octree_at, bvx_octree_find
+ * and their like.
+ *
+ * A level keeps bits and ranks: no pointers, and no index of the voxels. */
 #include "refine/room.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* refine.h - what the steps of bvx_refine share. Not installed. */
+/* refine.h - what the steps of bvx_refine share: the job, the grids that it starts from, the touched voxels
+ * of a level, and one call for each step. Not installed. */
 #ifndef BVXI_REFINE_H
 #define BVXI_REFINE_H
 

@@ -1,5 +1,9 @@
-/* states.c - the flood among the base's voxels, a row of bits at a time; what is outside: boundary states
- * handed from voxel to voxel until nothing changes. */
+/* states.c - what is outside in an octree: a flood among the base's voxels, a row of bits at a time, and
+ * boundary states passed from voxel to voxel through all sizes, until nothing changes.
+ *
+ * Source: Liu, Jing, Zhang, Zhao. Refinement of surface voxels by boundary states (docs/papers.md, 4), with
+ * a worklist in place of one pass. Guarantee: the set that is outside does not depend on the order of
+ * work. */
 #include "refine/states.h"
 #include "refine/cubes.h"
 

@@ -1,5 +1,5 @@
-/* states.h - boundary states on their way: what the flood of octets
- * (states.c) and that of the base (states.c) share. Not installed. */
+/* states.h - boundary states on their way: what is known of an octet and of a cube, and the lists of those
+ * with news. Only states.c includes this. Not installed. */
 #ifndef BVXI_STATES_H
 #define BVXI_STATES_H
 

@@ -1,4 +1,5 @@
-/* camera.c - axes of a view and the scale that fills its frame. */
+/* camera.c - where a picture is taken from: three axes of length 1, and the scale at which the model fills
+ * the frame. A model is first scaled by a power of two, so nothing overflows. */
 #include "render/camera.h"
 
 #include "mesh/view.h"

@@ -1,4 +1,5 @@
-/* camera.h - where the picture is taken from: parallel rays, the model fitted to the frame. Not installed. */
+/* camera.h - the camera of a picture: parallel rays, a model fitted to the frame, positions in samples. Not
+ * installed. */
 #ifndef BVXI_CAMERA_H
 #define BVXI_CAMERA_H
 

@@ -1,4 +1,5 @@
-/* picture.h - what pictures of meshes and of grids share: options, sample buffers, shading. Not installed. */
+/* picture.h - what pictures of meshes and of grids share: options, samples, and what a drawn sample shows,
+ * which shade.c makes pixels of. Not installed. */
 #ifndef BVXI_PICTURE_H
 #define BVXI_PICTURE_H
 

@@ -1,5 +1,8 @@
-/* raster.c - a convex polygon row by row, with a depth buffer; triangles sorted into bands by counting; a
- * triangle clipped against a box, plane after plane. */
+/* raster.c - convex polygons into samples with a depth each, triangles sorted into bands of rows, and
+ * triangles clipped against a box.
+ *
+ * Guarantee: edges are walked in integers, so polygons that share an edge leave no gap and take no sample
+ * twice; bands do not show. Sources at the headings below. */
 #include "render/raster.h"
 #include "lattice/lattice.h"
 

@@ -1,6 +1,5 @@
-/* raster.h - convex polygons into samples with a depth each; which triangles reach into which band of
- * rows; what a box leaves of a triangle; lines along edges: how dark a sample beside one is; which way the
- * surface of a voxel set faces. Not installed. */
+/* raster.h - the raster of a picture: polygons, bands, clipping, lines along edges, and which way the
+ * surface of voxels faces. Corners are fixed-point numbers with a bit budget. Not installed. */
 #ifndef BVXI_RASTER_H
 #define BVXI_RASTER_H
 

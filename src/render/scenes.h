@@ -1,4 +1,5 @@
-/* scenes.h - one voxel set, or two drawn as one, set up for a picture; a mesh set up for a picture, between drawing and shading. Not installed. */
+/* scenes.h - models set up for a picture: one voxel set or two drawn as one, and a mesh between drawing and
+ * shading. Not installed. */
 #ifndef BVXI_SCENES_H
 #define BVXI_SCENES_H
 

@@ -1,5 +1,8 @@
-/* shade.c - a normal from the voxels around; drawn samples to pixels: one light near the eye, ambient
- * light from the depths around, a thin outline. */
+/* shade.c - drawn samples to pixels: one light near the eye, ambient light from the depths around, a thin
+ * outline; and a normal for a voxel from the voxels around it.
+ *
+ * Sources at the headings below. Guarantee: no transcendental functions, so the bytes are the same
+ * everywhere. */
 #include "render/raster.h"
 #include "render/picture.h"
 

@@ -1,5 +1,5 @@
-/* collapse_state.h - quadrics of colours, for levels that keep the borders of colours; a mesh while its
- * edges collapse, all of it or a cell only. Not installed. */
+/* collapse_state.h - a mesh while its edges collapse, all of it or a cell only: vertices, quadrics, queue,
+ * tree of boxes; and the quadrics of colours. Only simplify/ includes this. Not installed. */
 #ifndef BVXI_COLLAPSE_STATE_H
 #define BVXI_COLLAPSE_STATE_H
 

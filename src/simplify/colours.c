@@ -1,5 +1,7 @@
-/* colours.c - what it costs to move a vertex away from where its colour is; colours for a surface measured
- * from a mesh: those of the mesh's nearest points, blended by their weights. */
+/* colours.c - what it costs to move a vertex away from where its colour is; and colours for a surface that
+ * was measured from a mesh.
+ *
+ * Source: Hoppe. New Quadric Metric for Simplifying Meshes with Appearance Attributes. 1999. */
 #include "simplify/collapse_state.h"
 #include "simplify/room.h"
 #include "mesh/facet.h"

@@ -1,5 +1,5 @@
-/* room.h - fewer triangles, for other rooms: a mesh whose edges collapse, and levels that continue from each
- * other. Not installed. */
+/* room.h - fewer triangles, for other rooms: a mesh whose edges collapse to a target, and chains of levels.
+ * Not installed. */
 #ifndef BVXI_SIMPLIFY_ROOM_H
 #define BVXI_SIMPLIFY_ROOM_H
 

@@ -1,6 +1,8 @@
-/* simplify_mesh.c - triangles as files have them made ready to be simplified as sheets: each once, and
- * those of a patch turned one way; levels of a mesh as it is, with its borders where it has some:
- * bvx_mesh_simplify. */
+/* simplify_mesh.c - levels of a mesh as it is, with its borders where it has some: bvx_mesh_simplify. First
+ * its triangles are made ready: each once, and those of a patch turned one way.
+ *
+ * Guarantee: a mesh that is oriented already is left as it is, so the order of its triangles changes
+ * nothing. */
 #include "simplify/room.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"

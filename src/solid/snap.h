@@ -1,4 +1,5 @@
-/* snap.h - a mesh's vertices on the fixed-point lattice, and the rows they lie between. Not installed. */
+/* snap.h - a mesh's vertices on the fixed-point lattice, and for each how many rows of centres lie below it,
+ * so that most triangles are known to cross none. Not installed. */
 #ifndef BVXI_SNAP_H
 #define BVXI_SNAP_H
 

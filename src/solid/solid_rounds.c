@@ -1,5 +1,8 @@
-/* solid_rounds.c - chunks of triangles find their crossings with rows, tiles of rows take them: in rounds, as
- * many as the memory for crossings requires. */
+/* solid_rounds.c - crossings of triangles with rows, in rounds: pieces of the mesh find theirs, tiles of
+ * rows take them. There are as many rounds as the memory for crossings requires.
+ *
+ * A tile is one task and alone writes its rows, so nothing is atomic. Guarantee: what a row gets does not
+ * depend on rounds or threads. */
 #include "solid/solid.h"
 
 /* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */

@@ -1,4 +1,5 @@
-/* tiles.h - a block of rows cut into rectangles, one task each, from its shape only. Not installed. */
+/* tiles.h - a block of rows cut into rectangles, one task each. The cut follows from the block's shape only,
+ * never from the number of threads. Not installed. */
 #ifndef BVXI_TILES_H
 #define BVXI_TILES_H
 

@@ -1,4 +1,5 @@
-/* cells.h - 64 cells between four rows: corners, which are active, their case numbers. Not installed. */
+/* cells.h - the corners of 64 cells from the words of four rows: which cells the surface passes, and their
+ * cases. Not installed. */
 #ifndef BVXI_CELLS_H
 #define BVXI_CELLS_H
 

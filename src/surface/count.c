@@ -1,4 +1,5 @@
-/* count.c - the first pass of marching cubes: crossings and triangles of each row of cells. */
+/* count.c - the first pass of marching cubes: crossings and triangles of each row of cells, 64 cells at a
+ * time. Their prefix sums tell each row of the second pass where to write. See march.c for the source. */
 #include "surface/cells.h"
 
 /* Gives the bits at or past size[0] that are set in the slot's first row: every row is the first of one

@@ -1,4 +1,8 @@
-/* edge_cut.c - where a lattice edge is cut: by the vectors of its ends, or by the planes of facets. */
+/* edge_cut.c - where a lattice edge is cut: by the vectors from its ends to their closest points, or by the
+ * planes of the facets there.
+ *
+ * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013, 2.3, with its formula
+ * corrected. Guarantee: strictly inside the edge, for any values. */
 #include "surface/field_surface.h"
 #include "core/vec3.h"
 #include "nearest/closest.h"

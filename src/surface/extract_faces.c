@@ -1,4 +1,6 @@
-/* extract_faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces, bvx_faces_count. */
+/* extract_faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces, bvx_faces_count.
+ * Single faces and merged ones have files of their own (faces.h); here options are checked, and the mesh is
+ * counted and made. */
 #include "surface/faces.h"
 #include "surface/march.h"
 #include "mesh/mesh.h"

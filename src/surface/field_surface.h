@@ -1,5 +1,5 @@
-/* field_surface.h - where a lattice edge is cut, from the vectors to the closest points of both its ends;
- * surfaces with vertices where a field of closest points has them, for other rooms. Not installed. */
+/* field_surface.h - surfaces with vertices where a field has them, for other rooms: what places a cut of a
+ * lattice edge, and the call that runs marching cubes with it. Not installed. */
 #ifndef BVXI_FIELD_SURFACE_H
 #define BVXI_FIELD_SURFACE_H
 

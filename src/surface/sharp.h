@@ -1,5 +1,5 @@
-/* sharp.h - sharp edges and corners of a field's surface: vertices inside cells; what the passes of
- * sharp.c share: cells of a row with their loops, vertices, normals. Not installed. */
+/* sharp.h - sharp edges and corners of a field's surface: loops of cells that get a vertex inside the cell,
+ * and the passes that find, place and join these. Not installed. */
 #ifndef BVXI_SHARP_H
 #define BVXI_SHARP_H
 

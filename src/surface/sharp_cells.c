@@ -1,4 +1,5 @@
-/* sharp_cells.c - which loops are sharp, and where their apexes lie: see sharp.c. */
+/* sharp_cells.c - the first pass over sharp edges: which loops are sharp, and where their apex lies, nearest
+ * to the planes of their facets but inside the cell. Source and method: sharp.c. */
 #include "surface/sharp.h"
 
 /* Facets meet in a point when it lies this near to all their planes. [Units: largest spacings] */

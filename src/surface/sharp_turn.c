@@ -1,4 +1,5 @@
-/* sharp_turn.c - which sides between two fans run better from apex to apex: see sharp.c. */
+/* sharp_turn.c - the last pass over sharp edges: an edge between two fans is flipped where it runs better
+ * from apex to apex, as a sharp edge does. Source and method: sharp.c. */
 #include "surface/sharp.h"
 
 /* A turned side must follow its facets better by this, or flat places would

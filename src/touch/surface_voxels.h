@@ -1,5 +1,5 @@
-/* surface_voxels.h - a mesh's surface as voxels: what the three definitions of it share; the exact runs of
- * voxels that one triangle of any size touches. Not installed. */
+/* surface_voxels.h - a mesh's surface as voxels: what the three definitions share (triangles by tiles of
+ * rows, what is done with a touched voxel), and the exact runs of voxels of one triangle. Not installed. */
 #ifndef BVXI_SURFACE_VOXELS_H
 #define BVXI_SURFACE_VOXELS_H
 

@@ -1,6 +1,6 @@
-/* touch_cells.h - which of the two by two by two voxels about a lattice point, or of three by three by
- * three, a triangle misses: loops without branches, in doubles that hold every number; triangles taken
- * some hundred at a time: their corners and boxes as arrays. Not installed. */
+/* touch_cells.h - which of 2 x 2 x 2 voxels about a lattice point, or of 3 x 3 x 3, a triangle misses: for
+ * small triangles, some hundred at a time. Loops without branches, in doubles that hold every number
+ * exactly. Not installed. */
 #ifndef BVXI_TOUCH_CELLS_H
 #define BVXI_TOUCH_CELLS_H
 

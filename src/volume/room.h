@@ -1,5 +1,5 @@
-/* room.h - volumes of samples, for other rooms: views checked and read, arrays of numbers to rows of bits by any rule
- * (whatever axis runs fastest), a range of values as the bits of a grid. Not installed. */
+/* room.h - volumes of samples, for other rooms: views checked and read, and samples to rows of bits by any
+ * rule, whichever axis runs fastest. Not installed. */
 #ifndef BVXI_VOLUME_ROOM_H
 #define BVXI_VOLUME_ROOM_H
 

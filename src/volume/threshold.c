@@ -1,5 +1,8 @@
-/* threshold.c - runs of samples to words of bits: in range or not, and what there is to count; the voxels
- * whose sample lies in a range: bvx_threshold. */
+/* threshold.c - the voxels whose sample lies in a range: bvx_threshold. Runs of 64 samples become words, by
+ * loops without a branch on a sample.
+ *
+ * Guarantee: exact for all types, no sample is rounded; the portable loops say what the vector ones must
+ * give. */
 #include "volume/room.h"
 #include "core/simd.h"
 

@@ -1,5 +1,5 @@
-/* threshold_runs_body.h - floats, eight at a time. Included by
- * threshold.c once for each level of core/simd.h. */
+/* threshold_runs_body.h - runs of floats in range or not, eight at a time, with their extremes. Included by
+ * threshold.c once for each level of core/simd.h, with the same bits in each. */
 
 /* What range_run_f32 does, for the whole words of a row without gaps: bits by the signs of comparisons,
  * extremes and whether there is anything but finite numbers on the way. Extremes ignore NaN in either

@@ -1,4 +1,5 @@
-/* volume.c - views of scalar volumes: checked before anything is read through them. */
+/* volume.c - views of volumes, checked before anything is read through them: type, strides of either sign,
+ * and that all samples lie within what addresses can express. */
 #include "volume/room.h"
 #include "lattice/lattice.h"
 

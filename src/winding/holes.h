@@ -1,5 +1,5 @@
-/* holes.h - where a mesh is open: its boundary as closed loops, and a sheet over them; generalized winding
- * numbers between centres, for surfaces over holes. Not installed. */
+/* holes.h - where a mesh is open: its boundary as closed loops, a sheet over them, and winding numbers
+ * between centres where surfaces need them. Not installed. */
 #ifndef BVXI_HOLES_H
 #define BVXI_HOLES_H
 

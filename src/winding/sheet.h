@@ -1,5 +1,5 @@
-/* sheet.h - how much of all directions a sheet over the holes of a mesh covers; polynomials in x, y, z and
- * the derivatives of 1 / distance, for parts of a sheet that are far off. Not installed. */
+/* sheet.h - the solid angle of a sheet over the holes of a mesh: nodes that stand for far parts, the sums at
+ * one place, and for very many holes polynomials of 1 / distance. Not installed. */
 #ifndef BVXI_SHEET_H
 #define BVXI_SHEET_H
 

@@ -1,5 +1,6 @@
-/* sheet_four_body.h - the sums of sheet.c from four places. Included by
- * sheet_four.c once for each level of core/simd.h, after sheet_lanes_body.h. */
+/* sheet_four_body.h - the sums of sheet.c from four places at once, which move through the sheet together
+ * while they can. Included by sheet_four.c once for each level of core/simd.h, after sheet_lanes_body.h.
+ * Same bits as sheet.c. */
 
 /* ---- Lanes together ---- */
 

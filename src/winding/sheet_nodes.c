@@ -1,5 +1,5 @@
-/* sheet_nodes.c - what the parts of a sheet over holes are from far off:
- * balls and areas; parts of loops, loops, groups of loops. */
+/* sheet_nodes.c - what parts of a sheet over holes are from far off: a ball around each and its area, for
+ * parts of loops, loops, and groups of neighbouring loops. sheet.c opens these from the largest on. */
 #include "winding/turns.h"
 #include "mesh/mesh.h"
 

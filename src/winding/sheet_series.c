@@ -1,4 +1,8 @@
-/* sheet_series.c - sums over the terms of sheet.h. */
+/* sheet_series.c - polynomials for sums over many far parts of a sheet: powers, shifted sums, and
+ * derivatives of 1 / distance by a recurrence.
+ *
+ * Source: Greengard, Rokhlin. A Fast Algorithm for Particle Simulations. 1987; here in Cartesian
+ * coordinates. */
 #include "winding/sheet.h"
 #include "core/vec3.h"
 

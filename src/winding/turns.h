@@ -1,6 +1,5 @@
-/* turns.h - by how many whole turns the sheet over holes moves what rows say, at all centres of a grid;
- * bricks of a block of turns: cut into eight, settled as wholes, or centre by centre; the triangles of a
- * sheet over very many holes, in cells within cells. Not installed. */
+/* turns.h - by how many whole turns the sheet over holes changes what rows say, for all centres of a grid:
+ * columns of blocks, bricks of a block, and trees for very many holes. Not installed. */
 #ifndef BVXI_TURNS_H
 #define BVXI_TURNS_H
 
