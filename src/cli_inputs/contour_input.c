@@ -13,9 +13,8 @@ int cli_is_contours(const cli_run *run, const char *path)
 int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
 {
     cli_bytes b = {NULL, 0, 0, 0};
-    int status = cli_read_file(run, path, &b);
+    int status = cli_open_input(run, path, &b);
 
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
         bvx_read_sections_options o;
         bvx_status read;
@@ -23,8 +22,8 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
         o.close_gap = run->options->close_gap;
         cli_stage_begin(run, "parse");
         read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
-        cli_stage_end(run);
-        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
+        cli_end_parse(run, b.size);
+        status = cli_check_call(run, read, cli_input_name(path));
     }
     /* Contours are copied out of the text. */
     free(b.bytes);

@@ -50,38 +50,38 @@ static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64
         cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
 }
 
+static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
+{
+    unsigned char *const bytes = realloc(b->bytes, room);
+
+    if (bytes == NULL)
+        return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
+                        (uint64_t)room);
+    b->bytes = bytes;
+    b->room = room;
+    cli_large_block(bytes, room);
+    return CLI_DONE;
+}
+
 /* Room for more bytes: as much again, within the limit. */
 static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
-    unsigned char *more;
 
     /* The last step may be a small one: up to the limit exactly. */
     if (room > b->limit) room = (size_t)b->limit;
     if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
-    more = realloc(b->bytes, room);
-    if (more == NULL)
-        return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
-                        (uint64_t)room);
-    b->bytes = more;
-    b->room = room;
-    cli_large_block(more, room);
-    return CLI_DONE;
+    return take_room(run, path, room, b);
 }
 
 static int start_bytes(cli_run *run, const char *path, uint64_t guess, uint64_t limit, cli_bytes *b)
 {
+    /* One more, so that the end is seen without growing. */
+    uint64_t const room = guess < SIZE_MAX - 1 ? guess + 1 : SIZE_MAX;
+
     memset(b, 0, sizeof *b);
     b->limit = limit < SIZE_MAX ? limit : SIZE_MAX;
-    if (guess > SIZE_MAX - 1) guess = SIZE_MAX - 1;
-    b->room = (size_t)guess + 1; /* one more, so that the end is seen without growing */
-    if (b->room > b->limit) b->room = (size_t)b->limit;
-    b->bytes = malloc(b->room);
-    if (b->bytes == NULL)
-        return cli_fail(run, "%s: no memory for %" PRIu64 " bytes of it", cli_input_name(path),
-                        (uint64_t)b->room);
-    cli_large_block(b->bytes, b->room);
-    return CLI_DONE;
+    return take_room(run, path, (size_t)(room < b->limit ? room : b->limit), b);
 }
 
 /* ---- reading ---- */
@@ -285,6 +285,20 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
     return status;
 }
 
+int cli_open_input(cli_run *run, const char *path, cli_bytes *b)
+{
+    CLI_TRY(cli_read_file(run, path, b));
+    return run->context != NULL ? CLI_DONE : cli_make_context(run, b->size);
+}
+
+void cli_end_parse(cli_run *run, uint64_t bytes)
+{
+    cli_stage_end(run);
+    cli_note_peak(run, bytes);
+    /* The file goes after this, so later peaks start without it. */
+    bvx_memory_reset_peak(run->context);
+}
+
 static int is_mesh_format(int32_t format)
 {
     return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY ||
@@ -318,26 +332,29 @@ static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, b
     return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
 }
 
+/* What is left out is told by how many triangles of this file went. */
+static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
+{
+    if (dropped != 0)
+        cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
+                 cli_input_name(path), dropped, dropped == 1 ? "" : "s");
+}
+
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     uint64_t const before = run->report.nonfinite;
     cli_bytes b = {NULL, 0, 0, 0};
-    int status = cli_read_file(run, path, &b);
+    int status = cli_open_input(run, path, &b);
 
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
     if (status == CLI_DONE) {
+        bvx_status read;
+
         cli_stage_begin(run, "parse");
-        bvx_status const read = parse_mesh(run, &b, format, mesh, cloud);
-        cli_stage_end(run);
-        cli_note_peak(run, b.size);
-        /* The file goes after this, so later peaks start without it. */
-        bvx_memory_reset_peak(run->context);
-        if (read != BVX_OK) status = cli_fail_status(run, read, cli_input_name(path));
-        else if (run->report.nonfinite != before)
-            cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
-                     cli_input_name(path), run->report.nonfinite - before,
-                     run->report.nonfinite - before == 1 ? "" : "s");
+        read = parse_mesh(run, &b, format, mesh, cloud);
+        cli_end_parse(run, b.size);
+        status = cli_check_call(run, read, cli_input_name(path));
     }
+    if (status == CLI_DONE) warn_of_nonfinite(run, path, run->report.nonfinite - before);
     free(b.bytes);
     return status;
 }

@@ -46,13 +46,11 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     cli_stage_begin(run, "parse");
     if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
     else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
-    cli_stage_end(run);
-    cli_note_peak(run, b->size);
-    bvx_memory_reset_peak(run->context);
+    cli_end_parse(run, b->size);
     if (read == BVX_ERR_UNSUPPORTED && format == BVX_FORMAT_NRRD &&
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
-    return read == BVX_OK ? CLI_DONE : cli_fail_status(run, read, cli_input_name(in->path));
+    return cli_check_call(run, read, cli_input_name(in->path));
 }
 
 /* The chosen voxels of a volume. */
@@ -100,8 +98,7 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     in->path = path;
     /* What was chosen by its samples is a grid from here on. */
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
-    status = cli_read_file(run, path, &b);
-    if (status == CLI_DONE && run->context == NULL) status = cli_make_context(run, b.size);
+    status = cli_open_input(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);

@@ -35,6 +35,10 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
 /* The same within a stage of the caller's, where so many bytes of other
  * files are held already and count against the same limit. */
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
+/* Read a file that is to be parsed; creates run->context when there is none. */
+int cli_open_input(cli_run *run, const char *path, cli_bytes *bytes);
+/* The stage of parsing so many bytes of files ends. */
+void cli_end_parse(cli_run *run, uint64_t bytes);
 /* Read a mesh from a file; creates run->context when there is none. */
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* The same, or a cloud of points: .xyz, or .ply without faces. */

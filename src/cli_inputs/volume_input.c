@@ -340,7 +340,6 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     bvx_read_volume_options o;
     bvx_status read;
 
-    if (run->context == NULL) CLI_TRY(cli_make_context(run, v->file.size));
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
     bvx_read_volume_options_init(&o, sizeof o);
 #ifdef BVX_HAVE_ZLIB
@@ -354,15 +353,13 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     take_raw_options(run, &o);
     cli_stage_begin(run, "parse");
     read = bvx_read_volume(run->context, v->file.bytes, v->file.size, format, &o, &v->volume);
-    cli_stage_end(run);
-    cli_note_peak(run, (uint64_t)v->file.size + v->data.size);
-    bvx_memory_reset_peak(run->context);
+    cli_end_parse(run, (uint64_t)v->file.size + v->data.size);
 #ifndef BVX_HAVE_ZLIB
     if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib",
                         cli_input_name(path));
 #endif
-    if (read != BVX_OK) return cli_fail_status(run, read, cli_input_name(path));
+    CLI_TRY(cli_check_call(run, read, cli_input_name(path)));
     CLI_TRY(place_volume(run, path, v));
     return take_window(run, path, window, v);
 }
@@ -371,7 +368,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
 {
     memset(v, 0, sizeof *v);
     CLI_TRY(cli_check_selection(run, path));
-    CLI_TRY(cli_read_file(run, path, &v->file));
+    CLI_TRY(cli_open_input(run, path, &v->file));
     return cli_take_volume(run, path, window, v);
 }
 
