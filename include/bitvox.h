@@ -2202,6 +2202,9 @@ typedef struct bvx_sections_report {
     uint64_t settled;   /**< positions on lines where planes cross at which contours were moved to agree */
     uint64_t gaps;      /**< intervals of such lines that are still inside for one of two sections only */
     double largest_gap; /**< how far contours were apart there at most [Units: world] */
+    uint64_t added_sections; /**< put between given ones where parts are shifted; other counts of cells, slabs
+                                  and crossings include them */
+    uint64_t shifted_parts;  /**< loops shifted to one of the next section there */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -2230,6 +2233,10 @@ typedef struct bvx_sections_options {
     double thickness; /**< of a body with one section only, which is refused without: half to either side, as
                            a slab with flat caps, a lens with tapered ones. Other bodies ignore it
                            [Units: world] [Limit: >= 0] [Default: 0] */
+    double
+        join; /**< parallel planes: loops of neighbouring sections that share no area are joined by shifting
+                      if their centroids are at most so far apart (docs/rules.md) [Units: world] [Limit: >= 0]
+                      [Default: 0, nothing is shifted] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);

@@ -58,6 +58,9 @@ static const cli_argument sections_rows[] = {
     BETWEEN("--thickness", "T", OWN(body.thickness), 0, 1e300,
             "a body of one section alone, refused without: half of T to either side,\n"
             "a slab with flat caps, a lens with --caps taper"),
+    BETWEEN("--join", "D", OWN(body.join), 0, 1e300,
+            "parallel planes: parts that share no area are joined by shifting, where\n"
+            "their centroids are at most D apart on the planes: slanted vessels"),
     CHOICE("--nesting", "HOW", OWN(body.nesting), nesting_names, BVX_NESTING_LEVELS,
            "loops in loops between two sections: levels, outlines and holes each\n"
            "for themselves, so that walls have no windows; whole, both at\n"
@@ -375,6 +378,9 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
                  " pairs of sections, outlines and holes each for themselves; %" PRIu64
                  " as a whole, where these would cross\n",
                  r->nested_slabs, r->joined_slabs);
+    if (r->added_sections != 0)
+        cli_tell(made, "  joined      %" PRIu64 " parts by shifting, on %" PRIu64 " sections put in\n",
+                 r->shifted_parts, r->added_sections);
     cli_tell(made, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
              r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
     cli_tell_reduction(run, &job->reduction, made);
@@ -416,6 +422,8 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "crossed_cells", r->crossed_cells);
     cli_json_count(t, "nested_slabs", r->nested_slabs);
     cli_json_count(t, "joined_slabs", r->joined_slabs);
+    cli_json_count(t, "added_sections", r->added_sections);
+    cli_json_count(t, "shifted_parts", r->shifted_parts);
     cli_json_count(t, "planes", r->planes);
     cli_json_count(t, "settled", r->settled);
     cli_json_count(t, "gaps", r->gaps);
@@ -454,6 +462,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
     if (own->body.thickness > 0.0 && r->sections > 1 && !wants_all_labels(run))
         cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
     if (r->planes != 0) {
+        if (own->body.join > 0.0) cli_advise(made, "--join is for parallel planes; these are not");
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
             cli_advise(
                 made,
@@ -478,9 +487,9 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
     if (own->body.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_advise(
             made,
-            "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share "
-            "no area with one of "
-            "the next section do not join it; sections that lie closer together do",
+            "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no "
+            "area with one of the next section do not join it; --join, or sections that lie closer together, "
+            "may help",
             job->volume / r->prismoid_volume, job->volume, r->prismoid_volume);
 }
 

@@ -11,7 +11,7 @@
  * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
 #include "section/lone_section.h"
-#include "section/mend.h"
+#include "section/shift.h"
 #include "section/slab.h"
 #include "section/oblique.h"
 
@@ -46,6 +46,7 @@ static const bvxi_option sections_rows[] = {
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
     BVXI_REAL(bvx_sections_options, thickness, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_sections_options, join, 0.0, BVXI_FINITE),
 };
 
 static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
@@ -245,6 +246,32 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     return status;
 }
 
+/* The stack with sections put in where parts are shifted, in place of the one that is open; it is on the same grid
+ * and its ends reach as far. What was counted of the given sections stands in the report as it is. */
+static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
+{
+    bvx_context *const ctx = s->ctx;
+    bvx_sections_report const given = s->report;
+    bvx_sections_options const options = s->options;
+    double const reach[2] = {s->reach[0], s->reach[1]};
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
+    if (slanted->sections == 0) return BVX_OK;
+    bvxi_stack_close(s);
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 0.85,
+                        bvxi_stack_begin(ctx, sections_name, &slanted->body.sections, &options, s)));
+    bvxi_stack_take_grid(s, &slanted->body.grid);
+    s->nudge = (const int16_t(*)[2])slanted->body.nudge;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0, bvxi_stack_finish(s)));
+    memcpy(s->reach, reach, sizeof reach);
+    s->report = given;
+    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
+    s->report.added_sections = slanted->sections;
+    s->report.shifted_parts = slanted->parts;
+    return BVX_OK;
+}
+
 /* Mended loops may be left in one section only: *left is its number and no body is made, since but for
  * tapered caps it takes two planes. Else *left is BVXI_NONE. */
 static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
@@ -252,16 +279,21 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
                               bvx_mesh *mesh)
 {
     bvxi_mended mended;
+    bvxi_shifted slanted;
     bvxi_stack stack;
     int const own = mesh->positions == NULL;
+    double const ready = o->join > 0.0 ? 0.4 : 0.15;
     bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
 
     *left = BVXI_NONE;
+    memset(&slanted, 0, sizeof slanted);
     if (status == BVX_OK && stack.plane_count == 1 && o->caps != BVX_CAPS_TAPER) {
         *left = stack.plane[0].section;
     } else if (status == BVX_OK) {
         measure_prismoids(&stack);
-        status = BVXI_SHARE(context, 0.15, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
+        if (o->join > 0.0) status = BVXI_SHARE(context, 0.15, ready, put_in_sections(&stack, &slanted));
+        if (status == BVX_OK)
+            status = BVXI_SHARE(context, ready, mended.loops != 0 ? 0.95 : 1.0, build_body(&stack, mesh));
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
         status = BVXI_SHARE(
@@ -278,6 +310,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
         *report = stack.report;
     }
     bvxi_stack_close(&stack);
+    bvxi_shifted_close(context, &slanted);
     bvxi_mended_close(context, &mended);
     return status;
 }

@@ -200,6 +200,16 @@ gives 'info of a table of planes' 0 'planes' info cross.csv
 sed 's/^2,0,0,1,1,0,0,0,1/2,0,0,1,1,0,0,0,2/' cross.csv >turned.csv
 gives 'a plane with two normals' 1 'the section has another normal on an earlier line' sections turned.csv -o x.ply
 
+# Slanted parts that share no area, joined by shifting.
+printf 'section,position,loop,x,y\n' >slant.csv
+for k in 0 1 2 3; do printf "$k,$k,0,%s,0\n$k,$k,0,%s,0\n$k,$k,0,%s,4\n$k,$k,0,%s,4\n" ${k}0 ${k}4 ${k}4 ${k}0 >>slant.csv; done
+gives 'slanted squares fall apart' 0 'do not join it; --join, or sections that lie closer together, may help' sections slant.csv -o slant.ply
+gives 'joined by shifting' 0 '3 parts by shifting, on 57 sections put in' sections slant.csv -o slant.ply --join 10
+gives 'as one body' 0 '"parts": 1,' sections slant.csv -o slant.ply --join 10 --json
+near 'of the volume of its prismoids' "$(field volume)" 48 0.5
+is 'what was put in' "$(field added_sections) $(field shifted_parts) $(field sections)" '57 3 4'
+gives 'no reach' 2 '--join takes a number above 0' sections slant.csv -o slant.ply --join 0
+
 # --label all: a file for each body, the same as one by one.
 gives 'all labels' 0 'label 7: body_7.ply' sections two.csv -o body_%d.ply --label all
 for l in 1 7; do

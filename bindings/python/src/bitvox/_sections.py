@@ -387,6 +387,7 @@ def from_sections(
     layers: int = 1,
     caps: Caps = "flat",
     thickness: float | None = None,
+    join: float | None = None,
     blend: Blend = "linear",
     nesting: Nesting = "levels",
     mend: bool = False,
@@ -426,6 +427,9 @@ def from_sections(
     thickness
         of a body with one section alone, which is refused without: half to either side of it, a slab with flat caps, with
         tapered ones a lens [world]. Bodies with several sections take no notice of it.
+    join
+        parallel planes: parts of neighbouring sections that share no area, as of slanted vessels, are joined by shifting
+        where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
     nesting
@@ -502,6 +506,8 @@ def from_sections(
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
         options.thickness = float(thickness)
+    if join is not None:
+        options.join = float(join)
     options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
     options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
     options.mend = int(bool(mend))
