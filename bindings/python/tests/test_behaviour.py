@@ -211,3 +211,72 @@ def test_messages_name_the_remedy(tmp_path, ball):
         with pytest.raises(kind, match=words):
             call()
     assert not list(tmp_path.glob(".bitvox-*"))
+
+
+def test_one_notion_has_one_name_everywhere(knot):
+    grid = bitvox.Grid.from_numpy(np.ones((3, 4, 5), bool), spacing=(1, 2, 3), corner=(7, 8, 9))
+    volume = bitvox.Volume(np.ones((3, 4, 5)), spacing=(1, 2, 3), corner=(7, 8, 9))
+    box = bitvox.Mesh(*box_mesh())
+    field = bitvox.field(box, lattice=grid.lattice)
+    for thing in (grid, volume, field):
+        assert thing.bounds == ((7, 8, 9), (10, 16, 24)) and thing.corner == (7, 8, 9) and thing.center0 == (7.5, 9, 10.5)
+        assert thing.spacing == (1, 2, 3) and thing.shape == (3, 4, 5) and thing.to_numpy().shape == (3, 4, 5)
+    found = knot.check()
+    assert (knot.volume, knot.area, knot.is_closed) == (found.volume, found.area, True) and not bitvox.Mesh(knot.vertices, knot.faces[1:]).is_closed
+    assert grid.volume == 60 * 6
+
+
+def test_meshes_are_transformed(knot):
+    turn = np.array([[0, -1, 0, 10], [1, 0, 0, 20], [0, 0, 1, 30], [0, 0, 0, 1]], float)
+    moved = knot.transform(turn)
+    assert np.allclose(moved.vertices, knot.vertices @ turn[:3, :3].T + turn[:3, 3], atol=1e-5) and moved.vertices.dtype == knot.vertices.dtype
+    mirror = knot.transform(np.diag([1, 1, -1]))
+    assert mirror.volume == pytest.approx(knot.volume) and mirror.check().oriented
+    far = bitvox.Mesh(*box_mesh(), frame=(100, 0, 0)).transform(np.eye(3))
+    assert far.bounds[0][0] == 100 + box_mesh()[0][:, 0].min()
+    painted = bitvox.Mesh(*box_mesh(), colours=np.full((8, 3), 9), uvs=np.zeros((36, 2)), uv_faces=np.arange(36).reshape(12, 3)).transform(np.diag([-1, 1, 1]))
+    assert (painted.colours[:, :3] == 9).all() and (painted.uv_faces == np.arange(36).reshape(12, 3)[:, ::-1]).all()
+
+
+def test_open_files_are_read(tmp_path, knot):
+    import gzip
+    import io
+
+    knot.save(tmp_path / "a.stl")
+    data = (tmp_path / "a.stl").read_bytes()
+    with open(tmp_path / "a.stl", "rb") as file:
+        assert bitvox.read(file).n_faces == knot.n_faces
+    assert bitvox.read(io.BytesIO(gzip.compress(data)), format="stl").n_faces == knot.n_faces
+    with pytest.raises(bitvox.ArgumentError, match="format="):
+        bitvox.read(io.BytesIO(data))
+    with open(tmp_path / "a.stl", encoding="latin-1") as file, pytest.raises(TypeError, match="'rb'"):
+        bitvox.read(file)
+
+
+def test_what_is_left_out_is_told(ball):
+    box = bitvox.Mesh(*box_mesh((0, 0, 0), (8, 6, 4)))
+    with pytest.warns(UserWarning, match=r"begins at \(0.0, 0.0, 0.0\), below the corner \(1.0, 1.0, 1.0\)"):
+        bitvox.voxelize(box, corner=(1, 1, 1), spacing=0.5)
+    with pytest.warns(UserWarning, match="the result is empty.*conservative"):
+        assert bitvox.voxelize(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), resolution=16).count == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bitvox.voxelize(box, corner=(0, 0, 0), spacing=0.5)
+        bitvox.voxelize(box, corner=(-1, -1, -1), spacing=0.5)
+
+
+def test_points_are_called_points():
+    with pytest.raises(bitvox.RangeError, match=r"points\[2, 1\] is nan") as found:
+        bitvox.voxelize_points([[0, 0, 0], [1, 1, 1], [0, np.nan, 0]], resolution=4)
+    assert found.value.index == 2
+    with pytest.raises(bitvox.ArgumentError, match="points have shape"):
+        bitvox.voxelize_points([[0, 0]], resolution=4)
+    with pytest.raises(bitvox.Error) as found:  # finite, although their sum is not
+        bitvox.voxelize_points(np.full((4, 3), 1e308), resolution=4)
+    assert "points[" not in str(found.value)
+
+
+def test_squares_are_of_cubes():
+    grid = bitvox.Grid.from_numpy(np.ones((4, 4, 4)), spacing=(1, 2, 3))
+    with pytest.raises(bitvox.ArgumentError, match="squares=False"):
+        grid.distance(squares=True)

@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
+import conftest
 import numpy as np
 import pytest
 from conftest import REPOSITORY
@@ -314,3 +315,17 @@ def test_dragon_of_2048_voxels(shared, tmp_path):
     del mesh
     single = bitvox.surface(bitvox.voxelize(path, lattice=volume.lattice), keys=True)
     assert found == (single.n_faces, single.content_hash(), [bitvox.content_hash(keys) for keys in single.keys])
+
+
+def test_folders_that_are_not_zarrs(tmp_path):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(bitvox.FormatError, match="empty is a folder without an array or group"):
+        big.from_zarr(tmp_path / "empty")
+    with pytest.raises(FileNotFoundError):
+        big.from_zarr(tmp_path / "missing")
+    volume = big.voxelize(conftest.box_mesh(), resolution=8, chunks=4)
+    with pytest.raises(bitvox.ArgumentError, match="path is empty"):
+        big.to_zarr(volume, "", inner=4)
+    big.to_zarr(volume, tmp_path / "a.zarr", inner=4)
+    with pytest.raises(FileExistsError, match="overwrite=True"):
+        big.to_zarr(volume, tmp_path / "a.zarr", inner=4)

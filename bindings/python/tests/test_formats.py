@@ -82,6 +82,74 @@ def dicom_series(folder, values, orientation=(1, 0, 0, 0, 1, 0), spacing=(2.0, 0
     return series
 
 
+def enhanced_dicom(path, values, orientation, spacing, step, start):
+    """One file of many frames: orientation and spacing are common to all, positions are each frame's own; the last frame stands first."""
+    pydicom = pytest.importorskip("pydicom")
+    from pydicom.sequence import Sequence
+    from pydicom.uid import ExplicitVRLittleEndian, generate_uid
+
+    def group(**told):
+        one = pydicom.Dataset()
+        for name, value in told.items():
+            setattr(one, name, value)
+        return one
+
+    meta = pydicom.dataset.FileMetaDataset()
+    meta.TransferSyntaxUID, meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID = ExplicitVRLittleEndian, "1.2.840.10008.5.1.4.1.1.2.1", generate_uid()
+    whole = pydicom.dataset.FileDataset("", {}, file_meta=meta, preamble=b"\0" * 128)
+    whole.SOPClassUID, whole.SOPInstanceUID, whole.SeriesInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID, generate_uid()
+    whole.Modality, whole.NumberOfFrames, whole.Rows, whole.Columns = "CT", len(values), *values[0].shape
+    whole.SamplesPerPixel, whole.PhotometricInterpretation, whole.PixelRepresentation, whole.BitsAllocated, whole.BitsStored, whole.HighBit = 1, "MONOCHROME2", 0, 16, 16, 15
+    whole.SharedFunctionalGroupsSequence = Sequence([group(
+        PlaneOrientationSequence=Sequence([group(ImageOrientationPatient=list(orientation))]),
+        PixelMeasuresSequence=Sequence([group(PixelSpacing=list(spacing), SliceThickness=step)]),
+        PixelValueTransformationSequence=Sequence([group(RescaleSlope="1", RescaleIntercept="-1000", RescaleType="HU")]))])
+    normal, order = np.cross(orientation[:3], orientation[3:]), [len(values) - 1, *range(len(values) - 1)]
+    whole.PerFrameFunctionalGroupsSequence = Sequence([group(
+        PlanePositionSequence=Sequence([group(ImagePositionPatient=[float(x) for x in np.array(start) + normal * step * i])])) for i in order])
+    whole.PixelData = np.stack([values[i] + 1000 for i in order]).astype("<u2").tobytes()
+    whole.save_as(path, enforce_file_format=True)
+
+
+@pytest.mark.parametrize("orientation", [(1, 0, 0, 0, 1, 0), (0, 1, 0, 0, 0, -1), (0.8, 0.6, 0, -0.6, 0.8, 0)], ids=str)
+def test_dicom_of_many_frames(orientation, tmp_path):
+    """A file of many frames is the series that its frames are as files."""
+    zyx = np.random.default_rng(4).integers(-1000, 2000, (4, 6, 5))
+    one, many = tmp_path / "one", tmp_path / "many"
+    one.mkdir(), many.mkdir()
+    enhanced_dicom(one / "all.dcm", zyx, orientation, (2.0, 0.5), 3.0, (10.0, 20.0, 30.0))
+    dicom_series(many, zyx, orientation)
+    volume, wanted = bitvox.read_volume(one), bitvox.read_volume(many)
+    assert volume == wanted and volume.array.dtype == np.int16 and volume.frame == "lps"
+    assert bitvox.read_volume(one / "all.dcm") == wanted
+
+
+def test_dicom_in_folders_of_folders(tmp_path):
+    inner = tmp_path / "STUDY" / "SERIES"
+    inner.mkdir(parents=True)
+    first = dicom_series(inner, np.zeros((3, 4, 5), int))
+    assert bitvox.read_volume(tmp_path) == bitvox.read_volume(inner)
+    (tmp_path / "OTHER").mkdir()
+    second = dicom_series(tmp_path / "OTHER", np.ones((2, 4, 5), int))
+    with pytest.raises(bitvox.FormatError, match="2 series.*3 slices") as found:
+        bitvox.read_volume(tmp_path)
+    assert first in str(found.value) and second in str(found.value) and "without a description, 2 slices" in str(found.value)
+    assert formats.read_dicom_volume(tmp_path, series=second).array.max() == 1
+
+
+@pytest.mark.parametrize("name,data", [("a.nii", b"hello" * 200), ("a.nii.gz", b"hello" * 200), ("a.nii.gz", "cut")], ids=["none", "not packed", "cut"])
+def test_damaged_nifti(name, data, tmp_path):
+    pytest.importorskip("nibabel")
+    if data == "cut":
+        bitvox.Volume(np.random.default_rng(0).random((9, 9, 9))).save(tmp_path / "whole.nii.gz")
+        data = (tmp_path / "whole.nii.gz").read_bytes()[:3000]
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(bitvox.FormatError, match="nibabel"):
+        bitvox.read_volume(tmp_path / name)
+    with pytest.raises(FileNotFoundError):
+        bitvox.read_volume(tmp_path / "missing.nii")
+
+
 def test_dicom_series(tmp_path):
     pydicom = pytest.importorskip("pydicom")
     zyx = ODD.transpose(2, 1, 0) * 300

@@ -34,6 +34,12 @@ def test_trimesh():
     assert bitvox.surface(WANTED).to_trimesh().volume == pytest.approx(bitvox.surface(WANTED).check().volume)
 
 
+def test_trimesh_clouds():
+    trimesh = pytest.importorskip("trimesh")
+    points = np.random.default_rng(1).random((50, 3))
+    assert bitvox.voxelize_points(trimesh.PointCloud(points), resolution=9) == bitvox.voxelize_points(points, resolution=9)
+
+
 def test_trimesh_registry():
     trimesh = pytest.importorskip("trimesh")
     bitvox.register_with_trimesh()
@@ -81,8 +87,12 @@ def test_pyvista():
     assert grid.count == 60 and grid.center0 == (7, 8, 9)
     with pytest.raises(bitvox.ArgumentError):
         points.bitvox.grid("y")
-    with pytest.raises(TypeError, match="extract_surface"):
-        bitvox.check(data.cast_to_unstructured_grid())
+    for other, words in ((data.cast_to_unstructured_grid(), r"is not a mesh: give its surface, \.extract_surface\(\)$"), (image, r"or its voxels, \.bitvox\.grid\(\)"),
+                         (pyvista.MultiBlock([data]), "several data sets")):
+        with pytest.raises(TypeError, match=words):
+            bitvox.check(other)
+    with pytest.raises(TypeError, match="MultiBlock is not a volume"):
+        bitvox.Volume.of(pyvista.MultiBlock([data]))
 
 
 def test_plot(tmp_path):

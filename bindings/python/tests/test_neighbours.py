@@ -30,6 +30,19 @@ def test_meshes_go_out(ball):
     assert theirs.point_data["colours"][0].tolist() == [10, 20, 30, 255]
 
 
+@pytest.mark.parametrize("ending", ["3mf", "vtp"])
+def test_meshes_are_written_by_libraries(ball, ending, tmp_path):
+    for name in ("trimesh", "networkx", "lxml") if ending == "3mf" else ("pyvista",):
+        pytest.importorskip(name)
+    ball.save(tmp_path / f"a.{ending}")
+    back = bitvox.read(tmp_path / f"a.{ending}")
+    assert np.allclose(back.vertices, ball.vertices) and np.array_equal(back.faces, ball.faces)
+    ball.save(tmp_path / f"a.{ending}.gz")
+    with pytest.raises(bitvox.ArgumentError, match="normals"):
+        ball.save(tmp_path / f"b.{ending}", normals=True)
+    assert not (tmp_path / f"b.{ending}").exists()
+
+
 def test_open3d_meshes(ball):
     pytest.importorskip("open3d")
     theirs = ball.to_open3d()

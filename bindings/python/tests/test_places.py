@@ -251,3 +251,82 @@ def test_samples_of_other_folders_are_refused(name, tmp_path):
         with pytest.raises((bitvox.FormatError, bitvox.UnsupportedError)) as refused:
             bitvox.read_volume(tmp_path / f"a.{ending}")
         assert "only files in its own folder" in str(refused.value) or "turned or mirrored" in str(refused.value)
+
+
+@pytest.mark.parametrize("turn", TURNS[:9], ids=str)
+@pytest.mark.parametrize("dtype", ["u1", "i2", "u4", "f4", "f8", "i8"])
+def test_vtk_images_are_written(turn, dtype, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    array = (np.random.default_rng(1).random((3, 4, 5)) * 100).astype(dtype)
+    volume = bitvox.Volume(array, spacing=(1, 2, 3), center0=(4, 5, 6), direction=turn)
+    volume.save(tmp_path / "a.vti")
+    there = pyvista.read(tmp_path / "a.vti")
+    assert np.array_equal(there.point_data["samples"].reshape(5, 4, 3), array.transpose(2, 1, 0))
+    assert np.allclose(there.direction_matrix, volume.direction) and there.origin == volume.center0 and there.spacing == volume.spacing
+    back = bitvox.read_volume(tmp_path / "a.vti")
+    assert np.array_equal(back.array, array) and back.center0 == volume.center0 and np.allclose(back.direction, volume.direction)
+
+
+def test_tiff_with_its_spacing(tmp_path):
+    tifffile = pytest.importorskip("tifffile")
+    array = np.arange(60, dtype="u2").reshape(3, 4, 5)
+    sizes = {"axes": "ZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 0.25, "PhysicalSizeZ": 2.0}
+    tifffile.imwrite(tmp_path / "a.ome.tif", array, metadata=sizes)
+    tifffile.imwrite(tmp_path / "b.ome.tif", array[None, :, None], metadata={**sizes, "axes": "TZCYX"})
+    tifffile.imwrite(tmp_path / "c.tif", array, imagej=True, resolution=(2, 4), metadata={"axes": "ZYX", "spacing": 2.0, "unit": "um"})
+    for name in ("a.ome.tif", "b.ome.tif", "c.tif"):
+        volume = bitvox.read_volume(tmp_path / name)
+        assert volume.spacing == (0.5, 0.25, 2.0) and volume.center0 == (0, 0, 0) and np.array_equal(volume.to_numpy("zyx"), array), name
+    tifffile.imwrite(tmp_path / "d.tif", array, photometric="minisblack", resolution=(20, 40), resolutionunit="CENTIMETER")
+    assert bitvox.read_volume(tmp_path / "d.tif").spacing == (0.5, 0.25, 1.0)
+    tifffile.imwrite(tmp_path / "e.ome.tif", np.zeros((2, 3, 4, 5), "u1"), metadata={"axes": "CZYX"})
+    with pytest.raises(bitvox.UnsupportedError, match="axes CZYX"):
+        bitvox.read_volume(tmp_path / "e.ome.tif")
+    (tmp_path / "f.tif").write_bytes(b"II*")
+    with pytest.raises(bitvox.FormatError, match="tifffile"):
+        bitvox.read_volume(tmp_path / "f.tif")
+
+
+def test_archives_of_numpy(tmp_path):
+    array = np.random.default_rng(1).random((3, 4, 5))
+    np.savez(tmp_path / "a.npz", scan=array, spacing=np.ones(3))
+    assert np.array_equal(bitvox.read_volume(tmp_path / "a.npz", spacing=2.0, corner=(1, 1, 1)), array)
+    np.savez(tmp_path / "b.npz", one=array, two=array)
+    with pytest.raises(bitvox.UnsupportedError, match="one, two"):
+        bitvox.read_volume(tmp_path / "b.npz")
+    (tmp_path / "c.npz").write_bytes(b"PK\x03\x04 and no more")
+    with pytest.raises(bitvox.FormatError, match="numpy"):
+        bitvox.read_volume(tmp_path / "c.npz")
+
+
+@pytest.mark.parametrize("kind,dtype,cpu", [("unsigned fixed", "<u1", "decm"), ("signed fixed", ">i2", "sun"), ("float", "<f4", "pc")])
+def test_inrimage(kind, dtype, cpu, tmp_path):
+    array = (np.random.default_rng(1).random((5, 4, 3)) * 100).astype(dtype)
+    head = (f"#INRIMAGE-4#{{\nXDIM=3\nYDIM=4\nZDIM=5\nVDIM=1\nTYPE={kind}\nPIXSIZE={8 * array.itemsize} bits\nSCALE=2**0\nCPU={cpu}\n"
+            "VX=0.5\nVY=1\nVZ=2\n").ljust(252, "\n") + "##}\n"
+    (tmp_path / "a.inr").write_bytes(head.encode() + array.tobytes())
+    volume = bitvox.read_volume(tmp_path / "a.inr")
+    assert np.array_equal(volume.to_numpy("zyx"), array) and volume.spacing == (0.5, 1, 2) and volume.center0 == (0, 0, 0)
+    (tmp_path / "a.inr").write_bytes(head.encode() + array.tobytes()[:-1])
+    with pytest.raises(bitvox.FormatError, match="its head wants"):
+        bitvox.read_volume(tmp_path / "a.inr")
+    (tmp_path / "a.inr").write_bytes(b"something else")
+    with pytest.raises(bitvox.FormatError, match="INRIMAGE"):
+        bitvox.read_volume(tmp_path / "a.inr")
+
+
+def test_images_of_others_are_not_stripped_of_their_places():
+    sitk = pytest.importorskip("SimpleITK")
+    with pytest.raises(TypeError, match="Volume.of takes images"):
+        bitvox.Volume(sitk.Image(3, 3, 3, sitk.sitkUInt8))
+
+
+def test_volumes_are_transformed():
+    volume = bitvox.Volume(np.random.default_rng(2).random((4, 5, 6)), spacing=(1, 2, 3), center0=(4, 5, 6), frame="lps")
+    matrix = np.array([[0.8, -0.6, 0, 1], [0.6, 0.8, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]])
+    moved = volume.transform(matrix)
+    ijk = np.argwhere(volume.array > -1)
+    assert np.allclose(moved.to_world(ijk), volume.to_world(ijk) @ matrix[:3, :3].T + matrix[:3, 3]) and moved.frame == "lps"
+    for bad, words in ((np.zeros((3, 3)), "flattens"), (np.eye(2), "shape"), (np.ones((4, 4)), "last row")):
+        with pytest.raises(bitvox.ArgumentError, match=words):
+            volume.transform(bad)

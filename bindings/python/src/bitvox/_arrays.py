@@ -173,16 +173,16 @@ def exact_floats(array: Any, what: str) -> Any:
     return array.astype(np.float64)
 
 
-def vertices_in(values: Any) -> Any:
+def vertices_in(values: Any, what: str = "vertices") -> Any:
     """Vertices as an array (n, 3) of float32 or float64 whose rows the library can walk."""
     if numpy_or_none() is None:
         return _rows_without_numpy(values, "vertices", "d")
-    found = as_numpy(values, "vertices")
+    found = as_numpy(values, what)
     if found.size == 0:
         found = found.reshape(0, 3)
     if found.ndim != 2 or found.shape[1] != 3:
-        raise ArgumentError(f"vertices have shape {found.shape}; they must be (n, 3)")
-    found = exact_floats(found, "vertices")
+        raise ArgumentError(f"{what} have shape {found.shape}; they must be (n, 3)")
+    found = exact_floats(found, what)
     return found if _walkable(found) else found.copy(order="C")
 
 
@@ -332,6 +332,21 @@ def triple(name: str, values: Any, kind: type = float) -> tuple[Any, Any, Any]:
     if kind is int:
         return tuple(in_range(name, x, -(2**31), 2**31 - 1) for x in found)  # type: ignore[return-value]
     return tuple(float(x) for x in found)  # type: ignore[return-value]
+
+
+def matrix_in(matrix: Any) -> Any:
+    """Four by four numbers of an affine transform, which may be given without its shift."""
+    np = numpy("transform")
+    found = np.array(as_numpy(matrix, "matrix"), np.float64)
+    if found.shape == (3, 3):
+        full = np.eye(4)
+        full[:3, :3] = found
+        found = full
+    if found.shape != (4, 4) or not np.isfinite(found).all() or found[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+        raise ArgumentError(f"matrix has shape {found.shape}; it must be (3, 3), or (4, 4) with the last row 0 0 0 1, of finite numbers")
+    if np.linalg.matrix_rank(found[:3, :3]) < 3:
+        raise ArgumentError("matrix: it flattens, so nothing of volume would be left")
+    return found
 
 
 LITTLE = sys.byteorder == "little"

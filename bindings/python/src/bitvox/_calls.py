@@ -22,6 +22,8 @@ LATER = {
     "read_dicom_volume": ".formats.dicom",
     "read_cloud": ".formats.clouds",
     "read_by_library": ".formats.volumes",
+    "array_of_npz": ".formats.volumes",
+    "mesh_bytes": ".formats.meshes",
     "volume_bytes": ".formats.volumes",
     "report_class": ".reports",
     "unpacking": "._packed",

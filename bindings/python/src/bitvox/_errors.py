@@ -252,6 +252,13 @@ BY_CODE: dict[int, type[Error]] = {
 }
 
 
+def range_error(message: str, index: int) -> RangeError:
+    """A number out of range, of the element ``index``."""
+    made = RangeError(message)
+    made.index = index
+    return made
+
+
 def need(module: str, extra: str, package: str | None = None) -> Any:
     """Import a module of an optional package, or say which extra brings it."""
     try:

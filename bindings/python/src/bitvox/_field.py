@@ -66,6 +66,26 @@ class Field:
         return tuple(self._c.band.size)  # type: ignore[return-value]
 
     @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Edges of a voxel [world]."""
+        return self.band.spacing
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the first voxel of its window [world]."""
+        return self.band.corner
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Centre of the first voxel of its window, where its first value is [world]."""
+        return self.band.center0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of its window [world]."""
+        return self.band.bounds
+
+    @property
     def half_width(self) -> float:
         """Of the band [world]; infinity: every centre has a value."""
         return self._c.half_width

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Iterable
+from typing import Any, BinaryIO, Iterable
 
 from ._bytes import format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
@@ -25,20 +25,21 @@ from ._vti import without_blocks
 MESH_FORMATS = formats_in(lib.BVX_MESHES_READ)
 MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
+MESHES_BY_LIBRARIES = ("3mf", "vtp")  # trimesh, PyVista
 _TREE_MAGIC = b"\x89BVO"
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
 @entered
-def read(path: str | os.PathLike[str], *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
+def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
          drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
     """Read a mesh or a grid.
 
     Parameters
     ----------
     path
-        .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
-        each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .dxf (sections)
+        a name, or an open binary file. .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+        each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
         with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
         gives the lattice.
     format
@@ -72,6 +73,8 @@ def read(path: str | os.PathLike[str], *, format: str | None = None, window: Win
     >>> bitvox.read('knot.ply').n_faces > 1000
     True
     """
+    if hasattr(path, "read"):
+        return _read_open(path, format, window, close_gap, drop_nonfinite, threads, memory_limit, progress)
     path = os.fspath(path)
     kind = format_of(path, format)
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
@@ -88,6 +91,21 @@ def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
     if kind == "vti":
         return without_blocks(data, memory_limit)
     return without_gzip(data, memory_limit) if kind == "nrrd" else mended(data, kind)
+
+
+def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: float | None, drop_nonfinite: bool, threads: int | None,
+               memory_limit: int | None, progress: Progress) -> Any:
+    """What stands in an open file, from where it is to its end."""
+    name = getattr(file, "name", None)
+    if format is None and not isinstance(name, (str, os.PathLike)):
+        raise ArgumentError("an open file without a name: give format=, such as 'stl'")
+    data = file.read()
+    if isinstance(data, str):
+        raise TypeError("the file is open as text; open it with mode 'rb'")
+    if data[:2] == b"\x1f\x8b":
+        data = call("unpacking", data).read()
+    return loads(data, format_of(os.fspath(name) if isinstance(name, (str, os.PathLike)) else "", format), window=window, close_gap=close_gap,
+                 drop_nonfinite=drop_nonfinite, threads=threads, memory_limit=memory_limit, progress=progress)
 
 
 @entered
@@ -173,8 +191,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     thing
         a mesh.
     format
-        stl, obj, ply, off or glb; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha or nii; a `Volume`: nrrd, mha or nii; an `Octree`: vtu or bvx; a
-        `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
+        stl, obj, ply, off or glb, with ``bitvox[formats]`` 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
+        or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
     states
         of an octree's vtu: which leaves, ("surface", "inside") unless told.
     vectors
@@ -211,6 +229,10 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
                 raise ArgumentError(f"{name} for meshes")
     if isinstance(thing, Volume) or (isinstance(thing, Grid) and kind in ("nii", "mha")):
         return bytes(call("volume_bytes", thing if isinstance(thing, Volume) else volume_of_bits(thing), kind))
+    if kind in MESHES_BY_LIBRARIES and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
+        if normals or origin is not None or allow_rounding:
+            raise ArgumentError(f"normals, origin and allow_rounding are for {', '.join(MESH_OUTPUTS)}")
+        return bytes(call("mesh_bytes", Mesh.of(thing), kind))
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
             return thing.png()
@@ -237,9 +259,10 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
 
 def _outputs(thing: Any) -> str:
     """What a thing is written as."""
-    known = {"Grid": (*GRID_FORMATS, "mha", "nii"), "Volume": ("nrrd", "mha", "nii"), "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
-    endings = ", ".join(known.get(type(thing).__name__, MESH_OUTPUTS))
-    return f"take one of {endings}" + ("" if type(thing).__name__ in known else ", or to_trimesh().export(...)")
+    known = {"Grid": (*GRID_FORMATS, "mha", "nii"), "Volume": ("nrrd", "mha", "nii", "vti"), "Octree": ("vtu", "bvx"), "Field": ("npy", "nrrd", "vti"), "Sections": SECTION_OUTPUTS, "Image": ("png",)}
+    endings = ", ".join(known.get(type(thing).__name__, (*MESH_OUTPUTS, *MESHES_BY_LIBRARIES)))
+    other = ", or grid.surface().save(...) for a mesh" if isinstance(thing, Grid) else "" if type(thing).__name__ in known else ", or to_trimesh().export(...)"
+    return f"take one of {endings}{other}"
 
 
 def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads: int | None = None, memory_limit: int | None = None,

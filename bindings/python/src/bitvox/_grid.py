@@ -172,6 +172,12 @@ class Grid:
         """Centre of the grid's voxel (0, 0, 0) [world]."""
         return tuple(o + (i + 0.5) * s for o, i, s in zip(self._c.lattice.origin, self.low, self.spacing))  # type: ignore[return-value]
 
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of its window, set voxels or not: ((x, y, z), (x, y, z)) [world]."""
+        low = self.corner
+        return low, tuple(a + n * s for a, n, s in zip(low, self.shape, self.spacing))  # type: ignore[return-value]
+
     # ---- its bits ----
 
     @property
@@ -896,6 +902,9 @@ class Grid:
         kind = np.dtype("uint32" if squares else dtype)
         if kind not in (np.dtype("uint32"), np.dtype("float32"), np.dtype("float64")) or (kind == np.uint32) != squares:
             raise ArgumentError(f"dtype is {dtype!r}; it must be 'float32' or 'float64'")
+        if squares and len(set(self.spacing)) > 1:
+            a, b, c = self.spacing
+            raise ArgumentError(f"squares counts steps of cubic voxels, and these are {a:g} x {b:g} x {c:g}; take squares=False")
         values = np.empty(self.shape[::-1], kind)
         places = np.empty(self.shape[::-1], np.uint64) if nearest else None
         if places is not None:

@@ -39,9 +39,12 @@ def mesh_from(source: Any) -> Mesh:
         raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or grid.faces(), bitvox.faces); grids are combined by |, &, -, ^")
     if hasattr(source, "lattice") and hasattr(source, "surface"):
         raise TypeError(f"{type(source).__name__} is not a mesh: give its surface()")
+    if _has(source, "combine", "extract_geometry", "keys"):
+        raise TypeError(f"{type(source).__name__} is several data sets, not a mesh: give one of them, or .combine().extract_surface()")
     if _has(source, "extract_surface"):
-        raise TypeError(f"{type(source).__name__} holds volumes: give its surface, extract_surface(), or for an image its voxels, "
-                        "image.bitvox.grid()")
+        image = _has(source, "direction_matrix")
+        raise TypeError(f"{type(source).__name__} is not a mesh: give its surface, .extract_surface()" +
+                        (", or its voxels, .bitvox.grid() or .bitvox.volume()" if image else ""))
     raise TypeError(
         f"{type(source).__name__} is not a mesh: give (vertices, faces), a Mesh, or a mesh of trimesh, PyVista, Open3D or meshio"
     )

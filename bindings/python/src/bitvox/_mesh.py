@@ -342,6 +342,49 @@ class Mesh:
         (a, b, c), (d, e, f), (x, y, z) = map(float, low), map(float, high), self.frame
         return (a + x, b + y, c + z), (d + x, e + y, f + z)
 
+    @property
+    def volume(self) -> float:
+        """What the faces enclose, negative where they face inwards [world^3]; of an open mesh as if its borders were closed from the
+        origin: see `is_closed`. Each access checks the whole mesh; `check` gives all at once."""
+        return self.check().volume
+
+    @property
+    def area(self) -> float:
+        """Of all faces [world^2]."""
+        return self.check().area
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge has a face on each of its sides: no borders."""
+        return bool(self.check().closed)
+
+    def transform(self, matrix: Any) -> Mesh:
+        """A copy in another place: ``matrix`` (4, 4), or (3, 3) without a shift, is applied to all vertices. A mirror turns the faces,
+        so that they still look outwards.
+
+        Raises
+        ------
+        ArgumentError
+            a matrix of another shape, one that flattens, or one whose last row is not 0 0 0 1.
+
+        Examples
+        --------
+        >>> mesh = bitvox.read('knot.ply').transform([[2, 0, 0, 5], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]])
+        >>> round(mesh.volume / bitvox.read('knot.ply').volume, 3)
+        8.0
+        """
+        np = arrays.numpy("Mesh.transform")
+        full = arrays.matrix_in(matrix)
+        x, y, z = np.asarray(self.in_world(), np.float64).T
+        moved = np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in full[:3]], axis=1)
+        made = self._with_vertices(moved.astype(np.asarray(self._vertices).dtype))
+        made.frame, made._keys, made.report = (0.0, 0.0, 0.0), None, None
+        if np.linalg.det(full[:3, :3]) < 0:
+            made._faces = np.ascontiguousarray(np.asarray(made.faces)[:, ::-1])
+            if made._uv_faces is not None:
+                made._uv_faces = np.ascontiguousarray(made._uv_faces[:, ::-1])
+        return made
+
     def check(self, *, weld: bool = False, threads: int | None = None, memory_limit: int | None = None,
               progress: Progress = None) -> Certificate:
         """What the mesh is: closed, edge_manifold, vertex_manifold, oriented, components, volume, area and counts.
@@ -618,7 +661,8 @@ class Mesh:
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
              allow_rounding: bool = False) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``; with smooth ``normals`` of the vertices too
+        """Write it to the file ``path``, in the format of its ending or in ``format``: .stl, .obj, .ply, .off, .glb, with
+        ``bitvox[formats]`` .3mf, with ``bitvox[view]`` .vtp; with smooth ``normals`` of the vertices too
         in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`.
 
         Examples

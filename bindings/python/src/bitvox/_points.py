@@ -9,7 +9,7 @@ from typing import Any, Sequence
 from . import _arrays as arrays
 from ._bytes import format_of, read_bytes
 from ._calls import call, entered
-from ._errors import ArgumentError, UnsupportedError
+from ._errors import ArgumentError, UnsupportedError, range_error
 from ._grid import Grid, new_grid
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, new_mesh
@@ -62,8 +62,9 @@ def points_of(source: Any) -> Any:
         return read_points(source)
     if isinstance(source, Mesh):
         return source.in_world() if any(source.frame) else source.vertices
-    if hasattr(source, "points") and not hasattr(source, "__array__"):  # PyVista, Open3D
-        return arrays.numpy("points").asarray(source.points)
+    for name in ("points", "vertices"):  # PyVista and Open3D; trimesh
+        if hasattr(source, name) and not hasattr(source, "__array__"):
+            return arrays.numpy("points").asarray(getattr(source, name))
     return source
 
 
@@ -71,7 +72,12 @@ def points_of(source: Any) -> Any:
 def points_view(source: Any, run: Run) -> Any:
     """A bvx_mesh_view of points alone; run keeps what it points at."""
     view = ffi.new("bvx_mesh_view *")
-    held = arrays.borrow_vertices(arrays.vertices_in(points_of(source)))
+    found = arrays.vertices_in(points_of(source), "points")
+    np = arrays.numpy_or_none()
+    if np is not None and found.size and not np.isfinite(found.sum()):  # the library would speak of a vertex
+        for i, axis in np.argwhere(~np.isfinite(found))[:1].tolist():
+            raise range_error(f"points[{i}, {axis}] is {found[i, axis]}, which is not finite", i)
+    held = arrays.borrow_vertices(found)
     run.keep(held.keep)
     view.positions, view.vertex_count, view.position_type, view.position_stride = held.pointer, held.count, held.kind, held.stride
     return view
@@ -98,7 +104,7 @@ def voxelize_points(
     Parameters
     ----------
     points
-        (n, 3) numbers, a file's name (that `read_points` takes), a `Mesh` (its vertices), or what has ``points``.
+        (n, 3) numbers, a file's name (that `read_points` takes), a `Mesh` (its vertices), or what has ``points`` or ``vertices``.
     resolution, spacing, corner, padding
         of a lattice around the cloud, as for `voxelize`.
     lattice

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
@@ -117,6 +118,8 @@ def voxelize(
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice, corner)
+    if corner is not None and source.n_vertices and any(a < b for a, b in zip(source.bounds[0], where.corner)):
+        warnings.warn(f"the mesh begins at {source.bounds[0]}, below the corner {where.corner}: what lies below it is left out", stacklevel=2)
     made = new_grid()
     if choice_of_mode(mode) != "solid":
         for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
@@ -155,7 +158,11 @@ def voxelize(
             other = Mesh.of(second)._view(run)
             options.second = other
         run.check(lib.bvx_voxelize_solid(run.context, source._view(run), where._c, options, made))
-    return Grid._made(made, record(report))
+    solid = Grid._made(made, record(report))
+    if not solid and window is None and lattice is None:
+        warnings.warn("the result is empty: the mesh contains no voxel's centre; a finer resolution, or mode='conservative', which sets the "
+                      "voxels of its surface, may have more", stacklevel=2)
+    return solid
 
 
 def choice_of_mode(mode: str) -> str:

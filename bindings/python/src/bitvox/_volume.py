@@ -23,7 +23,7 @@ from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
-BY_LIBRARIES = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "tif", "tiff", "vtk", "slc")  # SimpleITK, PyVista
+BY_LIBRARIES = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "tif", "tiff", "vtk", "slc", "npz", "inr")  # SimpleITK, tifffile, PyVista, numpy
 FRAMES: tuple[Frame, ...] = ("lps", "ras")
 VOLUME_FORMATS = (*formats_in(lib.BVX_VOLUMES_READ), "nhdr")
 
@@ -75,6 +75,8 @@ class Volume:
                  center0: Sequence[float] | None = None, direction: Any = None, lattice: Lattice | None = None,
                  low: Sequence[int] | None = None, frame: Frame | None = None) -> None:
         np = arrays.numpy("Volume")
+        if any(hasattr(array, name) for name in ("GetDirection", "dataobj", "direction_matrix")):  # their places would be lost
+            raise TypeError(f"array must be an array, not {type(array).__name__}; Volume.of takes images of SimpleITK, nibabel and PyVista with their places")
         found = arrays.as_numpy(array, "array")
         if found.ndim != 3 or 0 in found.shape:
             raise ArgumentError(f"array has shape {found.shape}; it must have three axes, none of them empty")
@@ -197,6 +199,27 @@ class Volume:
         found = self.to_world(np.array(ends) - 0.5)
         (a, b, c), (d, e, f) = found.min(axis=0).tolist(), found.max(axis=0).tolist()
         return (a, b, c), (d, e, f)
+
+    def transform(self, matrix: Any) -> Volume:
+        """The same samples in another place: ``matrix`` (4, 4), or (3, 3) without a shift, is applied to all positions. No copy.
+
+        Raises
+        ------
+        ArgumentError
+            a matrix of another shape, one that flattens, or one whose last row is not 0 0 0 1.
+
+        Examples
+        --------
+        >>> volume = bitvox.Volume(np.zeros((2, 2, 2)), center0=(1, 2, 3))
+        >>> volume.transform([[0, -1, 0], [1, 0, 0], [0, 0, 1]]).center0
+        (-2.0, 1.0, 3.0)
+        """
+        np = arrays.numpy("Volume.transform")
+        full = arrays.matrix_in(matrix)
+        steps = full[:3, :3] @ (self.direction * np.asarray(self.spacing))
+        spacing = np.sqrt((steps**2).sum(axis=0))
+        center0 = into_world(full[:3, :3], [self.center0])[0] + full[:3, 3]
+        return Volume(self._array, spacing=spacing.tolist(), center0=center0.tolist(), direction=steps / spacing, frame=self.frame)
 
     def turned(self, frame: Frame) -> Volume:
         """The same samples in the world of another ``frame``, "lps" or "ras": x and y change their sign. No copy.
@@ -335,7 +358,7 @@ class Volume:
         return shown(self, facts)
 
     def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha or .nii; see `bitvox.write`.
+        """Write it to the file ``path``, in the format of its ending or in ``format``: .nrrd, .mha, .nii or .vti; see `bitvox.write`.
 
         Examples
         --------
@@ -595,16 +618,17 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     Parameters
     ----------
     path
-        .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; with
-        ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .tif, .nrrd of any kind (SimpleITK), and the folder of
-        a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]`` .vtk and .slc.
+        .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; .npz of one
+        array, .inr; with ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .nrrd of any kind (SimpleITK), .tif
+        and OME-TIFF (tifffile), and the folder of a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]``
+        .vtk, .slc and a .vti whose axes are turned.
     format
         one of these endings, in place of the name's own.
     shape, dtype, offset
         of .raw: samples along x, y, z (x runs fastest), their numpy type with its byte order, and the bytes
         before the first.
     spacing, corner
-        the lattice of files that tell none (.raw, .npy) [world].
+        the lattice of files that have none (.raw, .npy, .npz) [world].
     frame
         the world to come out in, "lps" or "ras", by turning x and y. None, the default of all formats: the numbers that stand in
         the file; ``volume.frame`` says which world that is (NIfTI "ras"; DICOM, MetaImage "lps"; NRRD what it says).
@@ -627,6 +651,8 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
         return _in_frame(call("read_nifti_volume" if kind == "nii" else "read_dicom_volume", path), frame, path)
+    if kind == "npz" and shape is None and dtype is None and not offset:
+        return Volume(call("array_of_npz", path), spacing=1.0 if spacing is None else spacing, corner=corner)
     if kind in BY_LIBRARIES:
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
             raise ArgumentError(f"{path}: the file says shape, dtype, spacing and corner itself")
@@ -655,7 +681,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     try:
         beside = _fill(volume, held, path, kind, options, threads, memory_limit, progress)
     except UnsupportedError:
-        if kind not in ("nrrd", "nhdr"):
+        if kind not in ("nrrd", "nhdr", "vti"):
             raise
         try:
             return _in_frame(call("read_by_library", path, kind), frame, path)  # axes that are turned, bzip2 and the like

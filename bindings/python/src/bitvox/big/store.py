@@ -47,8 +47,13 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     cut, name = volume.chunks, _path_of(path)
     pieces = tuple(min(inner, n) for n in cut.size[::-1])
     if any(n % m for n, m in zip(cut.size[::-1], pieces)):
-        raise ArgumentError(f"chunks of {cut.size} are no multiples of inner={inner}")
-    group = zarr.open_group(name, mode="w" if overwrite else "w-", zarr_format=3)
+        raise ArgumentError(f"chunks of {cut.size} are not multiples of inner={inner}")
+    if not os.fspath(path):
+        raise ArgumentError("path is empty; it must name a folder or a URL")
+    try:
+        group = zarr.open_group(name, mode="w" if overwrite else "w-", zarr_format=3)
+    except FileExistsError as why:
+        raise FileExistsError(f"{name} exists and is not empty; overwrite=True replaces it") from why
     group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=cut.size[::-1], dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
     group.attrs.update(_metadata(volume.lattice, unit, os.path.basename(name.rstrip("/"))))
@@ -119,7 +124,12 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
 def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str]:
     """A stored array, the lattice of its last three axes z, y, x, the index along those before, and its path in the group."""
     zarr, name = need("zarr", "big"), _path_of(path)
-    found = zarr.open(name, mode="r")
+    try:
+        found = zarr.open(name, mode="r")
+    except FileNotFoundError as why:  # zarr's own errors of what is not there are such ones too
+        if "://" not in name and os.path.isdir(name):
+            raise FormatError(f"{name} is a folder without an array or group of Zarr") from why
+        raise
     attributes, place = dict(found.attrs), ""
     if hasattr(found, "array_keys"):
         place, lattice_parts = _dataset(attributes, dataset, found, name)
@@ -128,7 +138,7 @@ def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | S
         array, lattice_parts = found, None
     count = array.ndim - 3
     if count < 0:
-        raise FormatError(f"{name}: shape {array.shape} is no single volume [z, y, x]")
+        raise FormatError(f"{name}: shape {array.shape} is not a single volume [z, y, x]")
     lead = _index(array.shape[:count], channel, name)
     shape = tuple(array.shape[count:][::-1])
     own = attributes.get("bitvox")

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import os
+from types import SimpleNamespace
 from typing import Any, Sequence
 
 from .. import _arrays as arrays
+from .._bytes import read_bytes
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._grid import Grid
 from .._sections import Loop, Sections, stacked
@@ -16,8 +19,8 @@ from ._values import choose
 def _files(source: Any) -> list[str]:
     if isinstance(source, (str, os.PathLike)):
         folder = os.fspath(source)
-        if os.path.isdir(folder):
-            return sorted(entry.path for entry in os.scandir(folder) if entry.is_file())
+        if os.path.isdir(folder):  # exports put series into folders of folders
+            return sorted(os.path.join(inner, name) for inner, _, names in os.walk(folder) for name in names)
         return [folder]
     return [os.fspath(path) for path in source]
 
@@ -51,7 +54,8 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
     Parameters
     ----------
     source
-        a folder, or the files of the slices in any order. Files that hold no picture are passed over.
+        a folder (with those in it), or the files of the slices in any order; one file of many frames (enhanced CT and MR) is a series
+        too. Files that hold no picture are passed over.
     series
         SeriesInstanceUID, when the files are of several.
 
@@ -73,13 +77,16 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
             one = pydicom.dcmread(path)
         except pydicom.errors.InvalidDicomError:
             continue
-        if "PixelData" in one and "ImagePositionPatient" in one and (series is None or one.SeriesInstanceUID == series):
-            slices.append(one)
+        if "PixelData" in one and (series is None or one.SeriesInstanceUID == series):
+            slices += _frames(one) if "PerFrameFunctionalGroupsSequence" in one else [one] if "ImagePositionPatient" in one else []
     if not slices:
-        raise EmptyError("there is no DICOM slice with a position here")
-    found = {str(getattr(s, "SeriesInstanceUID", "")) for s in slices}
+        raise EmptyError("no DICOM slice with a position is here")
+    found: dict[str, list[Any]] = {}
+    for one in slices:
+        found.setdefault(str(getattr(one, "SeriesInstanceUID", "")), []).append(one)
     if len(found) > 1:
-        raise FormatError(f"slices of {len(found)} series; give series= one of {', '.join(sorted(found))}")
+        told = [f"{uid!r} ({getattr(some[0], 'SeriesDescription', None) or 'without a description'}, {len(some)} slices)" for uid, some in sorted(found.items())]
+        raise FormatError(f"slices of {len(found)} series; give series= one of {', '.join(told)}")
     first = slices[0]
     rows, columns = np.array(first.ImageOrientationPatient[:3], float), np.array(first.ImageOrientationPatient[3:], float)
     normal = np.cross(rows, columns)
@@ -102,11 +109,32 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
     return _placed(values, axes, np.array(slices[0].ImagePositionPatient, float))
 
 
+def _frames(data: Any) -> list[Any]:
+    """The frames of an enhanced picture as slices: what all have in common stands in one group, what is its own in the frame's."""
+    shared = data.SharedFunctionalGroupsSequence[0] if getattr(data, "SharedFunctionalGroupsSequence", None) else {}
+    pixels, slices = data.pixel_array, []
+    pixels = pixels[None] if pixels.ndim == 2 else pixels
+    for values, own in zip(pixels, data.PerFrameFunctionalGroupsSequence):
+        def group(name: str, own: Any = own) -> Any:
+            found = next((where[name].value[0] for where in (own, shared) if name in where and where[name].value), None)
+            if found is None and name != "PixelValueTransformationSequence":
+                raise UnsupportedError(f"frames without {name}: their places are not said")
+            return found
+
+        measures, shift = group("PixelMeasuresSequence"), group("PixelValueTransformationSequence")
+        slices.append(SimpleNamespace(
+            SeriesInstanceUID=data.SeriesInstanceUID, SeriesDescription=getattr(data, "SeriesDescription", None), Rows=data.Rows, Columns=data.Columns,
+            ImagePositionPatient=group("PlanePositionSequence").ImagePositionPatient, PixelSpacing=measures.PixelSpacing,
+            ImageOrientationPatient=group("PlaneOrientationSequence").ImageOrientationPatient, SliceThickness=getattr(measures, "SliceThickness", None),
+            RescaleSlope=getattr(shift, "RescaleSlope", 1), RescaleIntercept=getattr(shift, "RescaleIntercept", 0), pixel_array=values))
+    return slices
+
+
 def _values(one: Any, np: Any) -> Any:
     values = one.pixel_array
     slope, intercept = float(getattr(one, "RescaleSlope", 1) or 1), float(getattr(one, "RescaleIntercept", 0) or 0)
     if values.ndim != 2:
-        raise UnsupportedError("colour or multi-frame pictures are no volume of numbers")
+        raise UnsupportedError("colour pictures, and frames without a place of their own, are not a volume of numbers")
     if slope == 1.0 and intercept.is_integer() and abs(intercept) < 2**30 and values.dtype.itemsize <= 2:
         whole = values.astype(np.int32) + int(intercept)
         small = not whole.size or (int(whole.min()) >= -(2**15) and int(whole.max()) < 2**15)
@@ -135,7 +163,7 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
     """Whether a DICOM file holds a picture, not contours."""
     pydicom = need("pydicom", "medical")
     try:
-        return "Rows" in pydicom.dcmread(os.fspath(path), stop_before_pixels=True)
+        return "Rows" in pydicom.dcmread(io.BytesIO(read_bytes(path)), stop_before_pixels=True)
     except pydicom.errors.InvalidDicomError as why:
         raise FormatError(f"{os.fspath(path)}: {why}") from why
 
@@ -175,11 +203,11 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
     """
     np, pydicom = arrays.numpy("DICOM"), need("pydicom", "medical")
     try:
-        data = pydicom.dcmread(os.fspath(path))
+        data = pydicom.dcmread(io.BytesIO(read_bytes(path)))  # .gz too
     except pydicom.errors.InvalidDicomError as why:
         raise FormatError(f"{os.fspath(path)}: {why}") from why
     if "ROIContourSequence" not in data or "StructureSetROISequence" not in data:
-        raise FormatError(f"{os.fspath(path)} is no RTSTRUCT: it holds no contours")
+        raise FormatError(f"{os.fspath(path)} is not an RTSTRUCT: it has no contours")
     called = {int(roi.ROINumber): str(roi.ROIName) for roi in data.StructureSetROISequence}
     missing = set(names or ()) - set(called.values())
     if missing:

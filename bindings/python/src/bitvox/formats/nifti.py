@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import zlib
 from typing import Any
 
 from .. import _arrays as arrays
-from .._errors import UnsupportedError, need
+from .._errors import FormatError, UnsupportedError, need
 from .._foreign import placed_by
 from .._grid import Grid
 from .._volume import Volume
@@ -36,12 +37,17 @@ def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None)
     'ras'
     """
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
-    image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
+    try:
+        image = nibabel.as_closest_canonical(nibabel.load(os.fspath(path)))
+        values = np.asanyarray(image.dataobj)
+    except FileNotFoundError:
+        raise
+    except (nibabel.filebasedimages.ImageFileError, nibabel.spatialimages.HeaderDataError, OSError, EOFError, ValueError, zlib.error) as why:
+        raise FormatError(f"{os.fspath(path)}: nibabel cannot read it: {why}") from why
     affine = np.asarray(image.affine, float)
     turn = affine[:3, :3]
     spacing = np.diag(turn).copy()
     oblique = not (np.abs(turn - np.diag(spacing)) <= 1e-6 * np.abs(spacing).max()).all() or (spacing <= 0).any()
-    values = np.asanyarray(image.dataobj)
     values = values if values.ndim < 4 or index is None else values[..., index]
     while values.ndim > 3 and values.shape[-1] == 1:
         values = values[..., 0]

@@ -17,6 +17,17 @@ from .dxf import read_dxf
 _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml")
 
 
+def _vtp(path: str) -> Mesh:
+    """VTK's surface, through PyVista; faces of many corners become triangles."""
+    pyvista = need("pyvista", "view")
+    if not os.path.isfile(path):
+        raise FileNotFoundError(path)
+    made = Mesh.of(pyvista.read(path))
+    if not made.n_faces:
+        raise EmptyError(f"{path} holds no triangle")
+    return made
+
+
 def read_other(path: str, kind: str) -> Any:
     """What `bitvox.read` does with a ``path`` of a ``kind`` (its ending) that the library itself does not read.
 
@@ -25,17 +36,19 @@ def read_other(path: str, kind: str) -> Any:
     >>> bitvox.formats.read_other('part.3mf', '3mf')  # doctest: +SKIP
     """
     if kind == "nii":
-        raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_nifti(path, threshold=...) is told so; bitvox.read_volume gives the samples")
+        raise UnsupportedError(f"{path}: which values are set is not said; bitvox.formats.read_nifti(path, threshold=...) takes it, bitvox.read_volume gives the samples")
     if kind == "dxf":
         return read_dxf(path)
     if kind == "dcm":
         if is_picture(path):
-            raise UnsupportedError(f"{path}: which values are set? bitvox.formats.read_dicom(folder, threshold=...) is told so; bitvox.read_volume gives the samples")
+            raise UnsupportedError(f"{path}: which values are set is not said; bitvox.formats.read_dicom(folder, threshold=...) takes it, bitvox.read_volume gives the samples")
         return read_rtstruct(path)
     if kind == "amf":
         return read_amf(path)
     if kind in ("xyz", "pts", "pcd", "las", "laz", "e57"):
         raise UnsupportedError(f"{path}: holds points, not a mesh; bitvox.read_points reads it, bitvox.voxelize_points takes them")
+    if kind == "vtp":
+        return _vtp(path)
     if kind not in _OTHERS:
         raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
     trimesh = need("trimesh", "formats")
