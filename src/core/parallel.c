@@ -87,7 +87,9 @@ bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
  * What a task computes depends on its index only; the number of tasks follows from the work's shape. So
  * neither the threads nor the batches show in any result. */
 
-enum { BATCHES = 8, TASKS_PER_WORKER = 16 };
+enum { BATCHES = 8, TASKS_PER_WORKER = 16, LONG_TASKS_PER_WORKER = 2 };
+
+#define BETWEEN_REPORTS 5e7 /* what a batch of long tasks may take [Units: nanoseconds] */
 
 typedef struct shifted {
     bvx_task_fn *task;
@@ -115,16 +117,30 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
     }
 }
 
-bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
-                         bvx_task_fn *task, void *user)
+/* Few enough batches to cost nothing, large enough to feed every worker. */
+static int32_t batch_of(const bvx_context *ctx, int32_t count)
 {
-    int32_t batch = count;
+    int32_t const least = ctx->threads * TASKS_PER_WORKER, batch = (count + BATCHES - 1) / BATCHES;
 
-    if (ctx->progress != NULL) { /* few enough batches to cost nothing, large enough to feed every worker */
-        int32_t const least = ctx->threads * TASKS_PER_WORKER;
-        batch = (count + BATCHES - 1) / BATCHES;
-        if (batch < least) batch = ctx->threads == 1 ? batch : least;
-    }
+    if (ctx->progress == NULL) return count;
+    return batch < least && ctx->threads != 1 ? least : batch;
+}
+
+/* Workers wait for the last of a batch, so it has some tasks for each; one thread waits for none. */
+static int32_t batch_of_long(const bvx_context *ctx, int32_t count, double each)
+{
+    int32_t const most = batch_of(ctx, count),
+                  least = ctx->threads == 1 ? 1 : ctx->threads * LONG_TASKS_PER_WORKER;
+    double const fits = BETWEEN_REPORTS * (double)ctx->threads / (each > 1.0 ? each : 1.0);
+
+    if (ctx->progress == NULL || fits >= (double)most) return most;
+    if (fits <= (double)least) return least < most ? least : most;
+    return (int32_t)fits;
+}
+
+static bvx_status run_batches(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                              int32_t batch, bvx_task_fn *task, void *user)
+{
     /* Progress and cancellation between batches only, so tasks need not know of them. */
     for (int32_t first = 0; first < count; first += batch) {
         int32_t const n = count - first < batch ? count - first : batch;
@@ -133,6 +149,18 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
     }
     /* The end too: what follows may report under another name and later, or not at all. */
     return bvxi_progress(ctx, stage, to);
+}
+
+bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                         bvx_task_fn *task, void *user)
+{
+    return run_batches(ctx, stage, from, to, count, batch_of(ctx, count), task, user);
+}
+
+bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                              double each, bvx_task_fn *task, void *user)
+{
+    return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
 }
 
 int32_t bvxi_threads(const bvx_context *ctx)

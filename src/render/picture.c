@@ -119,6 +119,10 @@ bvx_status bvxi_picture_open(bvx_context *ctx, const char *function, const bvx_r
     return BVX_OK;
 }
 
+/* Rough costs of a sample, by which progress is cut. */
+#define NANOSECONDS_TO_DRAW  50.0
+#define NANOSECONDS_TO_SHADE 150.0
+
 typedef struct picture_work {
     const bvxi_picture *picture;
     const bvxi_shade *shade;
@@ -163,10 +167,12 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
      * comes from around each sample: so it is a second pass. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
-    BVXI_TRY(bvxi_parallel(ctx, "render", 0.2, 0.5, bands, draw_picture_band, &work));
+    BVXI_TRY(bvxi_parallel_long(ctx, "render", 0.2, 0.5, bands, (double)samples / bands * NANOSECONDS_TO_DRAW,
+                                draw_picture_band, &work));
     BVXI_TRY(bvxi_shade_open(ctx, p, &shade));
     work.shade = shade;
-    BVXI_TRY(bvxi_parallel(ctx, "render", 0.5, 1.0, bands, shade_picture_band, &work));
+    BVXI_TRY(bvxi_parallel_long(ctx, "render", 0.5, 1.0, bands,
+                                (double)samples / bands * NANOSECONDS_TO_SHADE, shade_picture_band, &work));
     bvxi_shade_close(ctx, shade);
     return BVX_OK;
 }

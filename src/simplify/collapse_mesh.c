@@ -408,7 +408,9 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
 
     /* Ordered before it is connected, so that neighbours are written close to each other. */
     BVXI_TRY(order_mesh(c, mesh, low, size));
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
+    BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
     BVXI_TRY(start_quadrics(c));
     BVXI_TRY(start_colours(c));
 

@@ -198,6 +198,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
 
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
     status = bvxi_welded_view(context, mesh, &welded, &corner);
+    if (status == BVX_OK) status = bvxi_progress(context, "collapse", 0.01);
     if (status == BVX_OK) status = simplify_welded(context, &chain, &welded, corner, o.open);
     bvxi_drop(context, corner);
     return status;

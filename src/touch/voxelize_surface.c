@@ -6,7 +6,14 @@
  * Guarantee: exact; the same bits for any order of triangles, threads and windows. */
 #include "touch/surface_voxels.h"
 
-enum { SURFACE_GRAIN = 65536 }; /* triangles between looks at progress */
+enum {
+    SURFACE_GRAIN = 65536, /* triangles between looks at progress */
+    LARGE_GRID = 1 << 23   /* [Units: words] */
+};
+
+/* Rough costs, by which progress is cut: a byte of rows that is emptied, a triangle of some voxels. */
+#define NANOSECONDS_A_BYTE     1.5
+#define NANOSECONDS_A_TRIANGLE 1000.0
 
 static const char surface_name[] = "bvx_voxelize_surface";
 static const bvx_surface_options surface_defaults = {0};
@@ -28,16 +35,18 @@ void bvx_attached_free(bvx_context *context, bvx_attached *attached)
 
 /* ---- tiles ---- */
 
-/* The first triangles that a tile gets find its rows empty. */
-static void begin_tile(bvxi_surface_tile *tile)
+static void count_nothing(bvxi_surface_job *job, int32_t tile)
 {
-    bvxi_surface_job *const job = tile->job;
-    job->used[tile->number] = job->samples[tile->number] = job->parts[tile->number] = 0;
-    memset(job->beyond[tile->number], 0, sizeof job->beyond[tile->number]);
-    /* Rows are emptied by the task that fills them, while they are about to be needed. */
-    for (int32_t k = tile->rows.k0; job->task == BVXI_TOUCH_SET && k < tile->rows.k1; k++)
-        memset(bvxi_surface_row(job, tile->rows.j0, k), 0,
-               (size_t)(tile->rows.j1 - tile->rows.j0) * (size_t)job->grid->words_per_row * 8);
+    job->used[tile] = job->samples[tile] = job->parts[tile] = 0;
+    memset(job->beyond[tile], 0, sizeof job->beyond[tile]);
+}
+
+/* The first triangles that rows get find them empty. */
+static void empty_rows(const bvxi_surface_job *job, const bvxi_rows *rows)
+{
+    for (int32_t k = rows->k0; job->task == BVXI_TOUCH_SET && k < rows->k1; k++)
+        memset(bvxi_surface_row(job, rows->j0, k), 0,
+               (size_t)(rows->j1 - rows->j0) * (size_t)job->grid->words_per_row * 8);
 }
 
 static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
@@ -56,7 +65,9 @@ static void touch_tile(void *user, int32_t number, int32_t worker)
     /* A tile writes its own rows, so tiles may run at the same time. */
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
     (void)worker;
-    begin_tile(&tile);
+    count_nothing(job, number);
+    /* Rows are emptied by the task that fills them, while they are about to be needed. */
+    empty_rows(job, &tile.rows);
     touch_by_mode(&tile, job->bins.id + job->bins.end[number],
                   job->bins.end[number + 1] - job->bins.end[number]);
 }
@@ -72,16 +83,38 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
     /* On one thread the triangles are cut into pieces only to report progress. */
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
     job->first = (uint32_t)begin;
-    if (piece == 0) begin_tile(&tile);
     touch_by_mode(&tile, NULL, end - begin);
+}
+
+/* A slice of the only tile; any piece of the triangles may need any of them, so they are emptied before. */
+static void empty_slice(void *user, int32_t index, int32_t worker)
+{
+    const bvxi_surface_job *const job = user;
+    bvxi_rows const slice = {0, job->size[1], index, index + 1};
+
+    (void)worker;
+    empty_rows(job, &slice);
 }
 
 static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t task, double from, double to)
 {
+    double const bytes = (double)bvxi_grid_words(job->grid) * 8.0 * NANOSECONDS_A_BYTE;
+    double const triangles = (double)job->view->triangle_count * NANOSECONDS_A_TRIANGLE;
+    double middle = from;
+
     job->task = task;
     if (job->bins.id != NULL)
-        return bvxi_parallel(ctx, "surface", from, to, job->tiles.count, touch_tile, job);
-    return bvxi_parallel(ctx, "surface", from, to, job->pieces, touch_only_tile, job);
+        return bvxi_parallel_long(ctx, "surface", from, to, job->tiles.count,
+                                  (bytes + triangles) / (double)job->tiles.count, touch_tile, job);
+
+    if (task == BVXI_TOUCH_SET) {
+        middle = from + (to - from) * bytes / (bytes + triangles);
+        BVXI_TRY(bvxi_parallel_long(ctx, "surface", from, middle, job->size[2], bytes / (double)job->size[2],
+                                    empty_slice, job));
+    }
+    count_nothing(job, 0);
+    return bvxi_parallel_long(ctx, "surface", middle, to, job->pieces, triangles / (double)job->pieces,
+                              touch_only_tile, job);
 }
 
 /* ---- attached triangles ---- */
@@ -163,12 +196,15 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
 
 /* ---- the call ---- */
 
-/* One thread takes all triangles as they come; more get some tiles each, so
- * that none waits long for the last one. */
-static int32_t choose_tile_count(const bvx_context *ctx)
+/* One thread takes all triangles as they come; more get some tiles each, so that none waits long for the
+ * last one. Large tiles are cut further, so that they are not long without a report. */
+static int32_t choose_tile_count(const bvx_context *ctx, const bvx_grid *grid)
 {
     int32_t const threads = bvxi_threads(ctx);
-    return threads == 1 ? 1 : threads < BVXI_SURFACE_TILES / 8 ? 8 * threads : BVXI_SURFACE_TILES;
+
+    if (threads == 1) return 1;
+    if (threads >= BVXI_SURFACE_TILES / 8 || bvxi_grid_words(grid) > LARGE_GRID) return BVXI_SURFACE_TILES;
+    return 8 * threads;
 }
 
 static const bvxi_option surface_option_rows[] = {
@@ -222,7 +258,7 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
     memcpy(job->low, grid->low, sizeof job->low);
 
     /* Several pieces on one thread give progress; with more threads the tiles do. */
-    bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx));
+    bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx, grid));
     job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
 }
 
