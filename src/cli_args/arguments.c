@@ -39,6 +39,7 @@ static size_t name_distance(const char *a, const char *b)
     size_t const n = strlen(a), m = strlen(b);
     /* No option and no command is nearly so long. */
     if (n > MOST || m > MOST) return MOST;
+    /* One row of the table is enough: a cell needs those to its left, above it, and at the corner. */
     for (size_t j = 0; j <= m; j++) row[j] = j;
     for (size_t i = 1; i <= n; i++) {
         size_t corner = row[0]; /* edit distance of a[0, i - 1) and b[0, j - 1) */
@@ -138,6 +139,7 @@ static const char *new_name(int32_t bit, const char *name)
                     "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
 
     for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
+        /* An older name is told with the new one, so that scripts can be mended. */
         if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
     return NULL;
 }
@@ -233,6 +235,7 @@ int cli_parse(cli_run *run, int count, char **word)
     /* "-" alone is standard input, and after "--" every word is a file. */
     while (at < count && status == CLI_DONE) {
         const char *const text = word[at];
+        /* A file may be named like an option. */
         if (!only_inputs && strcmp(text, "--") == 0) {
             only_inputs = 1;
             at++;
@@ -255,6 +258,7 @@ void cli_print_options(const cli_command *command)
         const cli_argument *const a = row[k];
         char left[40];
 
+        /* A column for names and values, one for what they do. */
         snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
         printf("  %-24s", left);
         /* Further lines stand under the first one. */

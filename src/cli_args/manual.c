@@ -11,6 +11,7 @@
 static void put_roff(const char *text)
 {
     for (const char *p = text; *p != 0; p++) {
+        /* A line that begins with a dot or an apostrophe would be a request to troff. */
         if ((*p == '.' || *p == '\'') && (p == text || p[-1] == '\n')) printf("\\&");
         if (*p == '\\') printf("\\e");
         else if (*p == '-') printf("\\-");
@@ -49,10 +50,12 @@ static void put_options(const cli_command *command, int common)
     for (int i = 0; i < rows; i++) {
         const cli_argument *const a = row[i];
 
+        /* What all commands take stands once, in a section of its own. */
         if (cli_is_common(a) != common) continue;
         printf(".TP\n\\fB");
         put_roff(a->name);
         printf("\\fR");
+        /* The name is bold, its value in italics: the manner of manual pages. */
         if (a->value != NULL) {
             printf(" \\fI");
             put_roff(a->value);
@@ -79,6 +82,7 @@ static void put_commands(const cli_command *const *commands)
     const cli_command *c;
     put_section("COMMANDS");
     for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
+    /* Neither is a command in the table: both are taken before commands are looked for. */
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
     put_roff("Tells the commands, the options of one, this page, or a script for bash to be read by its "
              "\"source\".\n");
@@ -94,6 +98,7 @@ static void put_examples(const cli_command *const *commands)
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf(".PP\n");
         put_roff(c->does);
+        /* Command lines are not filled, and stand to the right. */
         printf(":\n.PP\n.nf\n.RS\n");
         for (const char *p = c->example; *p != 0;) {
             size_t const n = strcspn(p, "\n");
@@ -111,6 +116,7 @@ void cli_print_manual(const cli_command *const *commands)
 
     printf(".\\\" Printed by 'bitvox help --man'.\n.TH BITVOX 1 \"\" \"bitvox %d.%d.%d\" \"User Commands\"\n",
            (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
+    /* mandb reads this section; its line has the form that whatis wants. */
     put_section("NAME");
     printf("bitvox \\- shapes to bit\\-packed voxels and back\n");
     put_section("SYNOPSIS");
@@ -127,6 +133,7 @@ void cli_print_manual(const cli_command *const *commands)
         "every word "
         "is an input. As an input, - is standard input, whose format --format gives.");
     put_commands(commands);
+    /* Any command will do: these rows are the same in all of them. */
     put_section("COMMON OPTIONS");
     put_options(commands[0], 1);
     put_section("PROGRESS AND REPORT");
@@ -165,6 +172,7 @@ void cli_print_manual(const cli_command *const *commands)
         "bitvox-PID-N.old",
         "What stood in the place of several outputs, for the moment in which they get their names. Where "
         "the folder refuses names in just that moment, a message says which of them holds an older file.");
+    /* Scripts depend on these, so they never change. */
     put_section("EXIT STATUS");
     put_item("0", "Done.");
     put_item("1",
@@ -196,11 +204,13 @@ static void put_values(const cli_command *c)
     for (int i = 0; i < rows; i++) {
         const cli_argument *const a = row[i];
 
+        /* A flag has no value to complete. */
         if (a->kind == CLI_FLAG) continue;
         printf("    %s/%s) ", c->name, a->name);
         if (a->choice != NULL && a->kind != CLI_SET) {
             printf("_bitvox_words '");
             for (int k = 0; a->choice[k] != NULL; k++)
+                /* An empty name holds the place of a number that cannot be requested. */
                 if (a->choice[k][0] != 0) printf("%s%s", k == 0 ? "" : " ", a->choice[k]);
             printf("'");
         } else {
@@ -234,6 +244,7 @@ void cli_print_completion(const cli_command *const *commands)
            "    fi\n"
            "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
            "        _bitvox_words '");
+    /* The first word is a command. */
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("help --help --version'\n"
            "        return\n"
@@ -242,6 +253,7 @@ void cli_print_completion(const cli_command *const *commands)
            "        if [[ ${COMP_WORDS[i]} == -- ]]; then _bitvox_files; return; fi\n"
            "    done\n"
            "    case $command/$before in\n");
+    /* After an option: its values. What follows decides for words that are neither. */
     for (int i = 0; (c = commands[i]) != NULL; i++) put_values(c);
     printf("    help/help) _bitvox_words '");
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
@@ -253,6 +265,7 @@ void cli_print_completion(const cli_command *const *commands)
            "    *) _bitvox_files; return ;;\n"
            "    esac\n"
            "    case $command in\n");
+    /* A word that begins with a dash is one of the options of its command. */
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf("    %s) _bitvox_words '", c->name);
         put_option_names(c);

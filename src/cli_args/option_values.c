@@ -29,6 +29,7 @@ static int take_whole(const char *text, const char *stops, double low, double hi
     const char *p = text;
 
     if (*p < '0' || *p > '9') return 0;
+    /* By hand: strtoll would take signs and spaces too. */
     for (; *p >= '0' && *p <= '9'; p++) {
         if (n > INT64_MAX / 100) return 0;
         n = n * 10 + (*p - '0');
@@ -45,6 +46,7 @@ static int take_list(const cli_argument *a, const char *text, const char *stops,
 
     list->count = 0;
     for (;;) {
+        /* One more than fits is refused, not cut off. */
         if (list->count == a->most) return 0;
         if (!take_whole(p, stops, a->low, a->high, &list->value[list->count], &p)) return 0;
         list->count++;
@@ -70,12 +72,14 @@ static int take_pair(const char *text, cli_pair *t)
 {
     const char *p = text;
 
+    /* An end that is left out has no limit. */
     t->value[0] = -HUGE_VAL;
     t->value[1] = HUGE_VAL;
     if (*p != ',' && !take_real(p, ",", &t->value[0], &p)) return 0;
     if (*p++ != ',') return 0;
     if (*p != 0 && !take_real(p, "", &t->value[1], &p)) return 0;
     t->given = 1;
+    /* "," alone leaves out both ends and says nothing. */
     return p != text + 1;
 }
 
@@ -88,6 +92,7 @@ static int take_errors(const cli_argument *a, const char *text, cli_errors *erro
         int const i = errors->count++;
 
         if (!take_real(p, ",%", &errors->value[i], &p) || !(errors->value[i] > 0.0)) return 0;
+        /* Each distance has a unit of its own: 0.02,0.1% is understood. */
         errors->percent[i] = *p == '%';
         p += *p == '%';
         if (*p == 0) return 1;
@@ -109,6 +114,7 @@ static int take_planes(const char *text, cli_planes *planes)
 
     for (;;) {
         int const axis = take_axis(p, '=');
+        /* Twice the same axis is a mistake: which plane would count is a guess. */
         if (axis < 0 || planes->given[axis] || !take_real(p + 2, ",", &planes->value[axis], &p)) return 0;
         planes->given[axis] = 1;
         if (*p == 0) return 1;
@@ -133,12 +139,14 @@ static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
     int64_t v;
 
     if (!take_whole(text, "KMGkmg", a->low, a->high, &v, &p)) return 0;
+    /* K, M and G count by 1024, in either case, and nothing may follow. */
     int shift = 0;
     if (*p != 0) {
         const char *const s = strchr(suffix, *p >= 'a' ? *p - 'a' + 'A' : *p);
         shift = 10 * ((int)(s - suffix) + 1);
         if (p[1] != 0) return 0;
     }
+    /* Past the largest number of bytes. */
     if ((uint64_t)v > UINT64_MAX >> shift) return 0;
     *bytes = (uint64_t)v << shift;
     return 1;
@@ -164,6 +172,7 @@ static int take_set(const cli_argument *a, const char *text, int32_t *set)
         size_t const n = strcspn(p, ",");
         int i = 0;
         while (a->choice[i] != NULL && (strlen(a->choice[i]) != n || strncmp(a->choice[i], p, n) != 0)) i++;
+        /* Unknown, or there already. */
         if (a->choice[i] == NULL || (*set & a->base << i) != 0) return 0;
         *set |= a->base << i;
         if (p[n] == 0) return 1;
@@ -191,12 +200,14 @@ int cli_take_value(cli_run *run, const cli_argument *a, const char *text)
         *(int32_t *)field = (int32_t)whole;
         return 1;
     case CLI_LONG: return take_whole(text, "", a->low, a->high, field, &rest);
+    /* Two kinds of limits: those that belong to the range, and those that only bound it. */
     case CLI_REAL:
         good = take_real(text, "", field, &rest);
         if (a->least == 1) return good && *(double *)field >= a->low && *(double *)field <= a->high;
         return good && *(double *)field > a->low && *(double *)field < a->high;
     case CLI_TRIPLE: return take_triple(text, field);
     case CLI_PAIR: return take_pair(text, field);
+    /* One number for all axes or one for each: two would leave an axis open. */
     case CLI_LIST:
         good = take_list(a, text, ",", field);
         return good && !(a->most == 3 && ((cli_list *)field)->count == 2);
@@ -229,6 +240,7 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         else if (a->most == 3)
             snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low,
                      a->high);
+        /* The form of the example says how many there must be. */
         else if (a->least == a->most) snprintf(text, room, "%d whole numbers like 0,0,0,64,64,64", a->most);
         else if (a->least == 3)
             snprintf(
@@ -247,6 +259,7 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         snprintf(text, room, "an axis and a count from %.0f to %.0f, like z:16", a->low, a->high);
         break;
     case CLI_BYTES: snprintf(text, room, "a count of bytes like 500M or 2G, above 0"); break;
+    /* Names that cannot be requested are empty, and left out. */
     case CLI_CHOICE:
         snprintf(text, room, "one of:");
         for (int i = 0; a->choice[i] != NULL; i++)

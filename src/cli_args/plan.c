@@ -113,17 +113,21 @@ static int suits_files(const cli_run *run, const char *stage)
     int const mesh_in = is_name_of(o->inputs > 0 ? o->input[0] : NULL, BVX_MESHES_WRITTEN);
     int const mesh_out = is_name_of(o->output, BVX_MESHES_WRITTEN);
 
+    /* Two meshes are measured, two grids are counted. */
     if (bit == CLI_COMPARE) {
         if (strcmp(stage, "compare") == 0) return !mesh_in;
         if (strncmp(stage, "check", 5) == 0 || strcmp(stage, "distance") == 0) return mesh_in;
     }
+    /* Only a level of the tree is expanded or gets a surface; the tree itself goes to its file as it is. */
     if (bit == CLI_REFINE) {
         if (strcmp(stage, "expand") == 0)
             return is_name_of(o->output, BVX_GRIDS_READ) && bvx_format_of_name(o->output) != BVX_FORMAT_BVX;
         if (strcmp(stage, "surface") == 0) return mesh_out;
     }
+    /* Voxels that stay voxels have neither surface nor certificate. */
     if ((bit & PLAN_VOXELS) != 0 && (strcmp(stage, "surface") == 0 || strcmp(stage, "check") == 0))
         return mesh_out;
+    /* From mesh to mesh nothing is voxelized on the way. */
     if (bit == CLI_CONVERT && mesh_in && mesh_out)
         return strncmp(stage, "read", 4) == 0 || strcmp(stage, "parse") == 0 ||
                strcmp(stage, "simplify") == 0 || strcmp(stage, "check file") == 0 ||
@@ -142,6 +146,7 @@ static int is_planned(const cli_run *run, const plan_row *row)
     /* What the row itself says comes first; the rest depends on more than one option. */
     if (row->given != NULL && !cli_given(run, row->given)) return 0;
     if (row->lacking != NULL && cli_given(run, row->lacking)) return 0;
+    /* Each action of morph is a row, and one of them runs. */
     if (bit == CLI_MORPH && row->weight == MORPH_WEIGHT) return strcmp(s, o->input[0]) == 0;
     if (strcmp(s, "simplify") == 0) return cli_reduces(run);
     if (strcmp(s, "distance") == 0) return bit == CLI_REPAIR ? cli_reduces(run) : o->samples != 0;

@@ -53,6 +53,7 @@ static char *path_in_folder(const char *folder, const char *input, const char *e
     char *const path = malloc(room);
 
     if (path == NULL) return NULL;
+    /* Its own format: the name stays as it is, .gz included. */
     if (ending == NULL) {
         snprintf(path, room, "%s/%s", folder, name);
         return path;
@@ -83,6 +84,7 @@ static int name_outputs(cli_run *run, batch *b)
     for (int i = 0; i < o->inputs && o->output_dir != NULL; i++) {
         b->path[i] = path_in_folder(o->output_dir, o->input[i], ending_of_outputs(run));
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
+        /* a/x.stl and b/x.stl would meet in one folder. */
         for (int k = 0; k < i; k++)
             if (cli_same_name(b->path[i], b->path[k]))
                 return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
@@ -90,6 +92,7 @@ static int name_outputs(cli_run *run, batch *b)
     }
     for (int i = 0; i < o->inputs && o->output_dir != NULL; i++)
         for (int k = 0; k < o->inputs; k++)
+            /* By the file and not by the name: a link or another spelling is the same file. */
             if (cli_are_one_file(b->path[i], o->input[k]))
                 return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir",
                                  b->path[i], o->input[k]);
@@ -101,6 +104,7 @@ static int make_folder(cli_run *run, const char *folder)
 #if BATCH_POSIX
     struct stat s;
 
+    /* It may be there already, or be made by another run at the same time. */
     if (mkdir(folder, 0777) == 0 || (stat(folder, &s) == 0 && S_ISDIR(s.st_mode))) return CLI_DONE;
     return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
 #else
@@ -163,6 +167,7 @@ static int run_file(cli_run *run, batch *b, int i)
     int status;
 
     begin_file(run, b, i);
+    /* What holds for one input may not hold for the next: options are checked for each. */
     status = cli_check_options(run);
     if (status == CLI_DONE) status = cli_perform(run);
     cli_progress_end(run, status);
@@ -175,6 +180,7 @@ static int run_file(cli_run *run, batch *b, int i)
 
     if (status == CLI_DONE) b->done++;
     else b->failed++;
+    /* The first failure gives the exit status; an interrupt overrides it, and ends the rest. */
     if (b->status == CLI_DONE || status == CLI_INTERRUPTED) b->status = status;
     return status;
 }
@@ -190,11 +196,13 @@ int cli_run_batch(cli_run *run)
     if (status != CLI_DONE) return cli_end_of_run(run, status);
 
     for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) {
+        /* info: an empty line between two files. */
         if (i != 0 && b.asked.output_dir == NULL) cli_say(run, "\n");
         run_file(run, &b, i);
     }
 
     if (b.asked.general.json) {
+        /* An interrupt may be reading the report. */
         cli_lock();
         cli_text_add(
             &run->report.batch,

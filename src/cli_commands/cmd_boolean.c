@@ -221,6 +221,7 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
     bvx_mesh_view view;
 
     bvx_voxelize_options_init(&v, sizeof v);
+    /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
     v.fill = run->options->fill;
     v.window = *window;
     v.report = report;
@@ -306,6 +307,7 @@ static int write_boolean(cli_run *run, void *work)
         CLI_TRY(cli_check_grid_format(run, run->options->output, &b->grid.lattice, b->grid.size));
         return cli_write_grid(run, &b->grid);
     }
+    /* An empty grid is an answer; a mesh without triangles is a file that few readers take. */
     if (b->mesh.triangle_count == 0)
         return cli_fail(run, "%s and %s: nothing remains after %s, so there is no mesh to write",
                         cli_input_name(b->in[0].path), cli_input_name(b->in[1].path),
@@ -328,6 +330,7 @@ static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_
     cli_text *const t = &made->members;
     const bvx_solid_report *const r = &b->solid[i];
 
+    /* A grid was not filled by anything here. */
     if (!b->is_mesh[i]) return;
     cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b",
                  cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
@@ -346,6 +349,7 @@ static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_m
     uint64_t const parts = run->report.mesh[0].certificate.components;
     uint64_t own = 0;
 
+    /* One part, or two that do not meet, are as it should be. */
     if (!b->by_mesh || b->operation != BVX_BOOLEAN_UNION || parts <= 2) return;
     for (int i = 0; i < 2; i++) {
         bvx_certificate c;
@@ -414,11 +418,13 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
         cli_json_count(t, "parts_dropped", b->report.parts_dropped);
     }
     cli_text_add(t, "}");
+    /* The line that other commands get from deliver.c names one input; here there are two. */
     cli_tell(made, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path),
              cli_input_name(b->in[1].path), run->options->output);
     cli_tell(made, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_tell(made, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1],
              run->report.set);
+    /* Rows for what was left out stand only where something was. */
     if (b->report.crumbs != 0)
         cli_tell(made, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n",
                  b->report.crumbs);
@@ -430,6 +436,7 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
         if (is_thin_kept(b, i))
             cli_tell(made, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",
                      b->solid[i].thin_voxels, i == 0 ? "A" : "B");
+    /* What follows is of a mesh that was written. */
     warn_of_boolean(run, b, made);
     if (b->kind != CLI_MESH) return;
     cli_tell_reduction(run, &b->reduction, made);
@@ -442,6 +449,7 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
     const char *const output = run->options->output;
     int status = check_boolean_options(run, b);
 
+    /* Before the inputs are read: a folder that cannot be written costs no time. */
     if (status == CLI_DONE)
         status = b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output);
     for (int i = 0; i < 2 && status == CLI_DONE; i++)

@@ -87,6 +87,7 @@ static void report_grid_difference(const cli_run *run, const bvx_grid_difference
     cli_text_add(t, ", ");
     cli_json_string(t, run->options->input[1]);
     cli_text_add(t, "]");
+    /* Counts of both, of what they share, and of what only one of them has. */
     cli_json_count(t, "set_a", d->set_a);
     cli_json_count(t, "set_b", d->set_b);
     cli_json_count(t, "both", d->both);
@@ -121,6 +122,7 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
     int status;
 
     cli_stage_begin(run, "compare");
+    /* The function says by itself which of the two does not fit. */
     status = cli_compare_grids(run, &in[0], &in[1], &d);
     cli_stage_end(run);
     if (status != CLI_DONE) return status;
@@ -159,6 +161,7 @@ static void tell_mesh(cli_made *made, const char *name, const cli_mesh_entry *m)
     cli_tell(made, "  surface     %s, %s, %s\n", c->closed ? "closed" : "not closed",
              c->edge_manifold && c->vertex_manifold ? "manifold" : "not manifold",
              c->oriented ? "oriented" : "not oriented");
+    /* The sum of an open mesh's triangles is no volume: it changes when the mesh is moved. */
     cli_tell(made, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
              c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
 }
@@ -176,6 +179,7 @@ static void tell_distance_of(cli_made *made, const bvx_distance_report *d, doubl
              " random points on each mesh, seed %" PRIu64 "\n",
              diagonal, d->samples, d->seed);
     cli_tell(made, "  %22s%24s\n", "mean", "max");
+    /* Two ways, since a point of A may be near B while B has parts far from A. */
     tell_way(made, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
     tell_way(made, "B to A", d->mean_b_to_a, d->max_b_to_a, diagonal);
     tell_way(made, "both ways", d->mean, d->max, diagonal);
@@ -211,6 +215,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     int status = check_mesh(run, &in[0]);
 
     if (status == CLI_DONE) status = check_mesh(run, &in[1]);
+    /* --samples 0 leaves the certificates alone to compare. */
     if (status == CLI_DONE && samples != 0) {
         bvx_mesh_view_of(&in[0].mesh, &a);
         bvx_mesh_view_of(&in[1].mesh, &b);
@@ -223,6 +228,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
+    /* Nothing was measured. */
     if (samples == 0) return CLI_DONE;
     tell_distance_of(made, &d, diagonal);
     report_distance(made, &d, diagonal);
@@ -238,6 +244,8 @@ static int check_compare_options(cli_run *run)
 
     for (int i = 0; i < 2 && status == CLI_DONE; i++) status = cli_input_kind(run, o->input[i], &kind[i]);
     if (status != CLI_DONE) return status;
+    /* A mesh has no voxels and a grid no points to measure from; which of them should change is the user's
+     * choice. */
     if (kind[0] != kind[1])
         return cli_usage(
             run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "
@@ -257,6 +265,7 @@ static int make_compare(cli_run *run, void *work, cli_made *made)
     cli_input *const in = work;
     int status = check_compare_options(run);
 
+    /* Both are held: distances and differences go both ways. */
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_read_input(run, run->options->input[i], &in[i]);
     made->untitled = 1;

@@ -69,8 +69,10 @@ static int check_components_options(cli_run *run)
         return cli_usage(run,
                          "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
                          cli_input_name(o->input[0]));
+    /* A seed is three numbers; a list that ends within one is a mistake. */
     if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
+    /* A number for each voxel: of the formats only .npy holds them. */
     if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
         return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
     return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
@@ -162,6 +164,7 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
                  job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
     if (own->fill_cavities) cli_tell(made, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
     cli_tell(made, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
+    /* The library counts these for 6 and 26 only. */
     if (job->connectivity != 18)
         cli_tell(made, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
                  job->topology.cavities, job->topology.tunnels, job->topology.euler);
@@ -171,6 +174,7 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
         const bvx_component *const p = &job->parts[i];
         char first[48];
         int32_t v[3];
+        /* One voxel of it, which --seed takes as it is written here. */
         first_of(g, p, v);
         snprintf(first, sizeof first, "%" PRId32 ",%" PRId32 ",%" PRId32, v[0], v[1], v[2]);
         cli_tell(made,
@@ -197,6 +201,7 @@ static void report_parts(const components_job *job, cli_made *made)
                      job->topology.euler);
     }
     cli_text_add(t, ", \"parts\": [");
+    /* The largest ones: a noisy grid has millions of parts, and nobody reads a report of them. */
     for (uint64_t i = 0; i < job->count && i < PARTS_REPORTED; i++) {
         const bvx_component *const p = &job->parts[i];
         int32_t v[3];

@@ -158,6 +158,7 @@ static void tell_seeds(const fill_job *job, cli_made *made)
 {
     const bvx_seed *const s = &job->search;
 
+    /* Seeds that were given, or one for each pocket that was found. */
     if (job->given) cli_tell(made, "  seeds       %" PRIu64 "\n", job->count);
     else cli_tell(made, "  pockets     %" PRIu64 "\n", job->count);
     for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
@@ -168,6 +169,7 @@ static void tell_seeds(const fill_job *job, cli_made *made)
     if (job->given) return;
     cli_tell(made, "  search      %s", s->found ? "" : "no seed");
     if (s->found) cli_tell(made, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
+    /* By axis, in the order in which lines were cast. */
     cli_tell(made, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
              s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
 }
@@ -191,6 +193,7 @@ static void report_fill(const fill_job *job, cli_made *made)
         add_voxel(t, job->seeds + 3 * i);
     }
     cli_text_add(t, "]");
+    /* The search for one seed, reported beside the pockets that were filled. */
     if (!job->given) {
         cli_text_add(t, ", \"search\": {\"voxel\": ");
         if (s->found) add_voxel(t, s->voxel);
@@ -213,6 +216,7 @@ static void tell_fill(const cli_run *run, const void *work, cli_made *made)
     (void)run;
     tell_seeds(job, made);
     report_fill(job, made);
+    /* Filled to the side of the window, the fill has run out of the shape. */
     if (job->reaches_side)
         cli_advise(made, "%s: the fill reaches the window's sides: these voxels do not hold it",
                    cli_input_name(job->in.path));
@@ -230,6 +234,7 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
     CLI_TRY(own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job));
     CLI_TRY(fill_from_seeds(run, job));
 
+    /* No source: the surface of voxels that were filled is half way between them. */
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
     made->voxels = &job->voxels;

@@ -41,6 +41,7 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
              c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_tell(made, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
+    /* Rows for what is wrong stand only where something is. */
     if (c->collapsed + c->degenerate + c->duplicates != 0)
         cli_tell(made,
                  "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
@@ -49,6 +50,7 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
     for (int a = 0; a < 3; a++)
         cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
                  c->high[a] - c->low[a]);
+    /* The three that other commands ask of a mesh, each with how far it is from them. */
     cli_tell(made, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
@@ -103,6 +105,7 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     const info_options *const own = run->own;
     bvx_mesh_view view;
 
+    /* It takes longer than all the rest together, so it is done on request only. */
     if (!own->count_crossings) return CLI_DONE;
 
     bvx_mesh_view_of(mesh, &view);
@@ -170,6 +173,7 @@ static void find_box(const bvx_grid *g, grid_facts *f)
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row) {
             int32_t first = 0, last = g->words_per_row - 1;
+            /* Word by word from either end: only two words of a row are looked at by their bits. */
             while (first <= last && row[first] == 0) first++;
             if (first > last) continue;
             while (row[last] == 0) last--;
@@ -181,6 +185,7 @@ static void find_box(const bvx_grid *g, grid_facts *f)
             }
         }
     for (int a = 0; a < 3; a++) {
+        /* An empty grid has a box of size 0 at its corner. */
         f->low[a] = high[a] < 0 ? 0 : low[a];
         f->size[a] = high[a] < 0 ? 0 : high[a] - low[a] + 1;
     }
@@ -208,6 +213,7 @@ static void report_facts(const cli_run *run, const cli_input *in, const grid_fac
     cli_text *const t = &made->members;
     double corner[3], centre[3];
 
+    /* Both places, since formats differ in which of them they call the origin. */
     cli_grid_corner(g, 0.0, corner);
     cli_grid_corner(g, 0.5, centre);
     cli_text_add(t, ", \"grid\": {\"path\": ");
@@ -234,6 +240,7 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
     bvx_status status;
 
     cli_stage_begin(run, "check");
+    /* The hash is of lattice and voxels, so it is the same in whatever format a grid is stored. */
     status = bvx_grid_count(run->context, g, &made->set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
@@ -278,6 +285,7 @@ static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *mad
     cli_text *const t = &made->members;
     double low[3], high[3];
 
+    /* A cloud has no triangles, so every point counts. */
     for (int a = 0; a < 3; a++) {
         low[a] = HUGE_VAL;
         high[a] = -HUGE_VAL;
@@ -340,6 +348,7 @@ static int make_info(cli_run *run, void *work, cli_made *made)
     int cloud;
 
     made->untitled = 1; /* samples come before the name */
+    /* Neither is read as a mesh or a grid below, so the name is said here. */
     if (raw || cli_is_contours(run, path)) cli_text_add(&made->head, "%s\n", cli_input_name(path));
     if (cli_is_contours(run, path)) {
         if (own->count_crossings)

@@ -160,9 +160,11 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
     const bvx_certificate *const level = &run->report.mesh[i].certificate;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
+    /* No saving: the level costs more than what it stands for. */
     if (c->lod[i].exceeds_source)
         cli_advise(made, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i,
                    c->mesh[i].triangle_count, c->input_triangles);
+    /* A grid has no parts or volume of its own besides its voxels. */
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
         cli_advise(made,
@@ -226,6 +228,7 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
     CLI_TRY(cli_stage_check(
         run, bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]),
         c->path[i]));
+    /* The report has a pointer to it, which the job keeps until the report is written. */
     run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
 }
@@ -236,6 +239,7 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
 {
     const bvx_lattice *const l = &run->report.lattice;
 
+    /* A grid is the solid already: there is no mesh to describe and no rule that filled it. */
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
         cli_tell(made,
@@ -263,6 +267,7 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
         const bvx_lod_report *const l = &c->lod[i];
         const cli_mesh_entry *const m = &run->report.mesh[i];
         char size[48];
+        /* In one word, so that the column has one width. */
         snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
                  l->resolution[2]);
         cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0],
@@ -300,6 +305,7 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
 
+    /* Warnings are collected here and said after all lines. */
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
     if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     tell_chain_head(run, c, made);

@@ -102,6 +102,7 @@ static int take_action(cli_run *run, morph_job *job)
             job->action = (morph_action)i;
             return CLI_DONE;
         }
+    /* A misspelt action, or an input that stands in its place. */
     near = cli_nearest(word, action_at, NULL);
     if (near != NULL) return cli_usage(run, "morph knows no '%s'; did you mean '%s'?", word, near);
     return cli_usage(
@@ -165,6 +166,7 @@ static int check_morph_options(cli_run *run, morph_job *job)
     CLI_TRY(take_action(run, job));
     CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
                             action_names[job->action]));
+    /* What the action refuses comes first: it holds for any input. */
     CLI_TRY(cli_input_kind(run, path, &kind));
     if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
         !run->options->origin.given)
@@ -206,6 +208,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
                                                            bvx_grid_close};
     bvx_morph_options m = own->change;
 
+    /* A ball has no steps: the library takes the radius where there is no neighbourhood. */
     m.neighbourhood = cli_given(run, "--radius") ? 0 : cli_neighbours[own->neighbourhood];
     m.beyond = own->distance.beyond == BVX_BEYOND_SET;
     return operation[job->action](run->context, &job->in.grid, &m, &job->out);
@@ -292,6 +295,7 @@ static void take_drill(const cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     cli_drill *const drill = &job->voxels.drill;
 
+    /* Nothing was drilled: the surface has no round part. */
     if (job->hole.words == NULL || job->hollow.drained == 0) return;
     drill->hole = &job->hole;
     drill->axis = own->drain_side / 2;
@@ -331,6 +335,7 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
     const morph_options *const own = run->own;
     cli_text *const t = &made->members;
 
+    /* Before and after, so that the change can be seen without a second command. */
     cli_tell(made, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
     cli_text_add(t, ", \"morph\": {\"action\": \"%s\"", action_names[job->action]);
     cli_json_count(t, "before", job->before);
@@ -362,6 +367,7 @@ static int make_changed(cli_run *run, morph_job *job, cli_made *made)
     bvx_status status;
 
     cli_stage_begin(run, action_names[job->action]);
+    /* A mesh that stays a mesh moves its own walls; voxels move by voxels. */
     status = moves_walls(run, job)   ? move_walls(run, job)
              : job->action == HOLLOW ? hollow_voxels(run, job)
                                      : change_voxels(run, job);
@@ -387,6 +393,7 @@ static bvx_status make_band(cli_run *run, const bvx_grid *grid, bvx_field *field
     bvx_status const status = bvx_grid_create(run->context, &grid->lattice, &window, &field->band);
 
     if (status != BVX_OK) return status;
+    /* A field finds its values by rows: where every voxel has one the counts are known. */
     field->row_values = malloc((rows + 1) * sizeof *field->row_values);
     if (field->row_values == NULL) return BVX_ERR_MEMORY;
     for (size_t row = 0; row <= rows; row++) field->row_values[row] = (uint64_t)row * (uint64_t)grid->size[0];
@@ -404,6 +411,7 @@ static bvx_status measure(cli_run *run, const bvx_grid *grid, bvx_field *field)
     bvx_status const status = make_band(run, grid, field);
 
     if (status != BVX_OK) return status;
+    /* By malloc and not by the context, which has no call for arrays of its callers. */
     field->distances = field->value_count < SIZE_MAX / size ? malloc((size_t)field->value_count * size)
                                                             : NULL;
     if (field->distances == NULL) return BVX_ERR_MEMORY;
@@ -476,6 +484,7 @@ static int make_morph(cli_run *run, void *work, cli_made *made)
         CLI_TRY(cli_fill_input(run, &job->in));
     }
 
+    /* A mesh always says where it lies. */
     made->placed = job->in.kind == CLI_MESH || job->in.placed;
     bvx_grid_count(run->context, &job->in.grid, &job->before);
     return job->action == DISTANCE ? make_distances(run, job, made) : make_changed(run, job, made);
@@ -493,6 +502,7 @@ static void free_morph(cli_run *run, void *work)
 {
     morph_job *const job = work;
 
+    /* The arrays of malloc first; the rest was made by the context. */
     free(job->apart.distances);
     free(job->apart.row_values);
     bvx_grid_free(run->context, &job->apart.band);

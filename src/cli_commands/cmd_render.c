@@ -119,6 +119,7 @@ static void tell_compared(const cli_scene *s, cli_made *made)
     const bvx_grid_difference *const d = &s->difference;
     cli_text *const t = &made->members;
 
+    /* Colours need a word of what they mean. */
     if (!s->compared) return;
     cli_tell(
         made, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
@@ -151,6 +152,7 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     double direction[3], up[3];
     int status = cli_open_output(run, o->output);
 
+    /* The size follows from how many pictures share the sheet. */
     cli_scene_view(run, direction, up);
     choose_size(run, pictures, s);
     if (status == CLI_DONE) status = open_sheet(run, s);
@@ -158,6 +160,7 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
         bvx_image picture = {0};
         status = cli_open_scene(run, i, scene);
         if (status == CLI_DONE) status = draw_stage(run, scene, s, direction, all_of_it, &picture);
+        /* Copied at once: one input and one picture are held at a time. */
         if (status == CLI_DONE) place_picture(s, i, &picture);
         bvx_image_free(run->context, &picture);
         cli_free_scene(run, scene);
@@ -233,6 +236,7 @@ static void tell_render(const cli_run *run, const void *work, cli_made *made)
     int32_t const count = own->turntable;
 
     tell_compared(&job->scene, made);
+    /* Frames have names of their own; the first and the last are told. */
     if (count != 0) {
         report_pictures(run, s->width, s->height, count, made);
         cli_tell(made, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
@@ -296,6 +300,7 @@ static int check_turntable(cli_run *run)
                          o->output, own->turntable);
     if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
     cli_scene_view(run, direction, up);
+    /* Found before anything is drawn, not by frames that look alike. */
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(
             run, "--turntable turns around the axis of --up; seen along it, all frames would be one picture: "
@@ -314,6 +319,7 @@ static int check_kinds(cli_run *run)
         status = cli_input_kind(run, o->input[i], &kind);
         meshes += status == CLI_DONE && kind == CLI_MESH;
     }
+    /* Rules know facts, not numbers, so the count comes as the word of messages. */
     if (status != CLI_DONE) return status;
     snprintf(count, sizeof count, "%d", o->inputs);
     return cli_check_rules(run, render_rules,

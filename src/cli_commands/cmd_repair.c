@@ -123,6 +123,7 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
     if (r->needs == BVX_NEEDS_NOTHING)
         cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
                  r->copied ? "; copied" : " (--if-needed copies it)");
+    /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0)
         cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
@@ -145,6 +146,7 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
 {
     double box[6];
 
+    /* Walls that voxels hold need no word. */
     if (r->thin_voxels == 0) return;
     thin_box(r, box);
     cli_tell(made,
@@ -223,6 +225,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     const bvx_repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
+    /* A copy was not measured: no lattice, no rule for inside. */
     if (!r->copied)
         cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
                  (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
@@ -245,6 +248,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
              r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a,
              r->distance.max_b_to_a);
+    /* Lids over holes are far from every triangle; without them the distance says how good the rest is. */
     if (!r->copied && r->mean_off_caps < HUGE_VAL)
         cli_tell(made, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
     cli_tell(made, "\n");
@@ -284,6 +288,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     bvx_status status;
 
     take_repair_options(run, &o);
+    /* 32-bit floats where they hold the result, else doubles. */
     o.position_type = BVX_POSITION_AUTO;
     o.report = report;
     bvx_mesh_view_of(source, &view);
@@ -350,6 +355,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     cli_mesh_entry *const entry = &run->report.mesh[0];
 
     CLI_TRY(check_repair_options(run));
+    /* Opened before the mesh is read: a folder that cannot be written costs no time. */
     CLI_TRY(cli_open_output(run, run->options->output));
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &job->source));
     CLI_TRY(cli_check_carry(run, &job->source));
@@ -357,6 +363,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
 
+    /* The report's entry is made of what the library has certified; nothing is checked twice. */
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;
     entry->path = run->options->output;

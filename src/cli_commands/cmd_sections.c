@@ -314,6 +314,7 @@ static int write_body(cli_run *run, void *work)
     bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
 
+    /* The text as a buffer: it stays the job's, and is freed with it. */
     text.bytes = (uint8_t *)job->text.bytes;
     text.size = job->text.size;
     if (result == CLI_DONE && own->block_model != NULL) result = cli_write_output(run, 1, &text);
@@ -333,6 +334,7 @@ static void tell_planes(const cli_run *run, const sections_job *job, cli_made *m
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
 
+    /* Planes that cross may contradict each other, which parallel ones cannot. */
     cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
     cli_tell(made,
              "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
@@ -356,6 +358,7 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
              r->sections, r->loops, r->holes, r->points);
     if (r->empty_sections != 0) cli_tell(made, ", %" PRIu64 " empty", r->empty_sections);
     if (r->mended_loops != 0) cli_tell(made, "; %" PRIu64 " loops mended", r->mended_loops);
+    /* Planes of any direction have no grid and no levels between sections. */
     if (r->planes != 0) {
         tell_planes(run, job, made);
         return;
@@ -368,6 +371,7 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
              r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
     cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
              r->unkept_edges, r->unkept_loops, r->unkept_points);
+    /* A few places are enough to find the others; --json has all that were located. */
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
     if (r->crossed_cells != 0)
@@ -404,6 +408,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_text_add(t, ", ");
     cli_json_number(t, r->cell[1]);
     cli_text_add(t, "]");
+    /* What was read. */
     cli_json_count(t, "sections", r->sections);
     cli_json_count(t, "empty_sections", r->empty_sections);
     cli_json_count(t, "loops", r->loops);
@@ -411,6 +416,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "points", r->points);
     cli_json_count(t, "repeated_points", r->repeated_points);
     cli_json_count(t, "mended_loops", r->mended_loops);
+    /* How contours met the cells, and what of them the cells could not keep. */
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "multiple_edges", r->multiple_edges);
     cli_json_count(t, "inner_loops", r->inner_loops);
@@ -438,6 +444,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
         cli_text_add(t, "]");
     }
     cli_text_add(t, "]");
+    /* What it cost, and what came of it. */
     cli_json_count(t, "samples", r->samples);
     cli_json_count(t, "distances", r->distances);
     cli_json_value(t, "skipped_share", r->samples == 0 ? 0.0 : (double)r->skipped / (double)r->samples);
@@ -461,6 +468,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
 
     if (own->body.thickness > 0.0 && r->sections > 1 && !wants_all_labels(run))
         cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
+    /* The warnings below are of cells between parallel sections. */
     if (r->planes != 0) {
         if (own->body.join > 0.0) cli_advise(made, "--join is for parallel planes; these are not");
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
@@ -500,6 +508,7 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
     cli_text *const t = &made->members;
     int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
 
+    /* Parts and handles are counted of closed bodies only. */
     if (own->body.caps == BVX_CAPS_OPEN) return;
     cli_tell(made, "  topology    %" PRIu64 " part%s, %" PRId64 " handle%s", job->parts,
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
@@ -563,6 +572,7 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     char *const path = cli_numbered_path(run->options->output, label); /* the report keeps it */
 
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
+    /* One body after the other by the same job: nothing of the one before may stay. */
     memset(&job->report, 0, sizeof job->report);
     memset(&job->reduction, 0, sizeof job->reduction);
     CLI_TRY(cli_open_output(run, path));
@@ -592,6 +602,7 @@ static int make_all_labels(cli_run *run, sections_job *job, cli_made *made)
     if (count > CLI_MAX_OUTPUTS)
         result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
                           cli_input_name(run->options->input[0]), CLI_MAX_OUTPUTS);
+    /* Bodies are reported as they are made, each in its own braces. */
     cli_text_add(&made->members, ", \"bodies\": [");
     for (int i = 0; i < count && result == CLI_DONE; i++) {
         job->n = i;
@@ -609,6 +620,7 @@ static int make_sections(cli_run *run, void *work, cli_made *made)
     sections_job *const job = work;
     const char *const model = own->block_model;
 
+    /* Another one where each label goes to a file of its own. */
     made->write = write_body;
     CLI_TRY(cli_check_rules(run, sections_rules, facts_of_sections(run), model));
     if (!wants_all_labels(run)) CLI_TRY(cli_open_output(run, run->options->output));
@@ -626,6 +638,7 @@ static void tell_sections(const cli_run *run, const void *work, cli_made *made)
 
     if (wants_all_labels(run)) return; /* told body by body */
     warn_of_body(run, job, made);
+    /* Said once, not for each body: it is of the file. */
     if (job->report.repeated_points != 0)
         cli_advise(made, "%" PRIu64 " repeated points were left out", job->report.repeated_points);
     tell_body(run, job, made);

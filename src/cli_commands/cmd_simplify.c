@@ -58,6 +58,7 @@ static int check_input(cli_run *run, cli_collapse_run *c)
     const char *const in = cli_input_name(run->options->input[0]);
     char fault[96];
 
+    /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
     cli_stage_begin(run, "check input");
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
     if (cli_is_sound(&c->before) || borders_of(run) != BVX_OPEN_SHELL) return CLI_DONE;
@@ -76,6 +77,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     bvx_status status;
 
     bvx_simplify_options_init(&s, sizeof s);
+    /* Targets are counts or distances, never both: rules have seen to that. */
     if (c->by_error) s.target_errors = c->error;
     else s.target_triangles = c->target;
     s.error_kind = o->error_kind;
@@ -91,6 +93,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
 
+    /* Levels are compared with the input: nothing was measured in between. */
     c->surface = c->before;
     c->source = "mesh";
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
@@ -108,6 +111,7 @@ static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_mad
 {
     const char *const in = cli_input_name(run->options->input[0]);
 
+    /* The library mends these and goes on, so they are warnings and not errors. */
     if (c->before.duplicates != 0)
         cli_advise(made, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
                    c->before.duplicates == 1 ? " is" : "s are");

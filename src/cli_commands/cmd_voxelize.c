@@ -170,6 +170,7 @@ static int check_second(cli_run *run)
     const char *const second = own->second;
     int kind, status;
     if (second == NULL) return CLI_DONE;
+    /* Standard input can be read once, and IN may be it. */
     if (strcmp(second, "-") == 0)
         return cli_usage(run, "--second takes a file with a name, not standard input");
     status = cli_input_kind(run, second, &kind);
@@ -282,6 +283,7 @@ static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_r
     bvx_surface_options s;
 
     bvx_surface_options_init(&s, sizeof s);
+    /* The modes of the program begin with the solid, those of the library do not. */
     s.mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
     s.window = job->window;
     s.report = report;
@@ -296,6 +298,7 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
     cli_take_fill(run, &v);
     v.report = report;
     v.window = job->window;
+    /* Two terrains: what lies between them. */
     if (own->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
@@ -320,6 +323,7 @@ static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_ma
 
     cli_text_add(&made->text, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
+    /* Only samples have a number that says how dense they were. */
     if (own->mode == CLI_MODE_SAMPLED) {
         cli_text_add(&made->text,
                      "  samples     %" PRIu64 " of %" PRIu64
@@ -349,6 +353,7 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
     cli_json_count(t, "pockets", r->pockets);
     cli_text_add(t, "}");
 
+    /* Empty, or hollow where a body was requested: different remedies. */
     if (made->set == 0) cli_advise(made, "the result is empty: no voxel holds so many points");
     else if (own->cloud.body && r->pockets == 0)
         cli_advise(
@@ -375,6 +380,7 @@ static int compare_fills(cli_run *run, voxel_job *job)
 static void tell_fill_table(cli_text *t, const bvx_fill_comparison *c)
 {
     cli_text_add(t, "  rules       %12s\n", "voxels");
+    /* All rules that fill closed shapes, whichever of them made the result. */
     for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
         cli_text_add(t, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i],
                      i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
@@ -408,6 +414,7 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
 {
     cli_text *const t = &made->members;
 
+    /* A field without a sign has no inside to count. */
     cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
                  o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
     if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
@@ -484,6 +491,7 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
     if (job->cloud) tell_cloud(run, &reports->cloud, made);
     else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
     else tell_surface(run, &reports->surface, made);
+    /* The table stands after the rule that was taken. */
     if (solid && own->compare_fills) {
         tell_fill_table(&made->text, &job->fills);
         report_fill_table(&made->members, &job->fills);
@@ -533,6 +541,7 @@ static int read_meshes(cli_run *run, voxel_job *job)
     const cli_options *const o = run->options;
 
     CLI_TRY(cli_read_mesh_or_cloud(run, o->input[0], &job->mesh, &job->cloud));
+    /* Only now it is known whether a .ply file holds a cloud. */
     CLI_TRY(cli_check_rules(run, cloud_rules, job->cloud ? CLI_OF_CLOUD : CLI_OF_MESH, NULL));
     if (own->second != NULL) CLI_TRY(cli_read_mesh(run, own->second, &job->second));
     bvx_mesh_view_of(&job->mesh, &job->view);

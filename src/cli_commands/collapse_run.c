@@ -39,6 +39,7 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 
     CLI_TRY(cli_check_rules(run, collapse_rules, 0, NULL));
 
+    /* One of the three ways gives the count; where none is given it may depend on the mesh. */
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
     return cli_check_level_names(run, c->count);
@@ -61,6 +62,7 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
     const cli_options *const o = run->options;
 
     for (int i = 0; i < c->count; i++) {
+        /* Shifted by at most 63, which C defines. */
         uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
 
         if (c->by_error)
@@ -167,6 +169,7 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     cli_mesh_entry *const entry = &run->report.mesh[i];
 
     entry->path = c->path[i];
+    /* The library has certified each level as it made it. */
     entry->certificate = c->level[i].certificate;
     entry->level = &c->level[i];
     entry->source = c->source;
@@ -202,6 +205,7 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
 {
     const bvx_certificate *const in = &c->before, *const s = &c->surface;
 
+    /* Losses that nobody sees in a count of triangles: crumbs, pieces, volume. */
     if (c->crumbs != 0)
         cli_advise(made,
                    "%" PRIu64
@@ -234,6 +238,7 @@ static void warn_of_count(cli_made *made, const bvx_level_report *l, const char 
     int64_t const handles = cli_count_handles(&l->certificate);
     char kept[64] = "";
 
+    /* Where there are none, or the mesh is open, handles are not the reason. */
     if (handles > 0 && l->certificate.closed)
         snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
     cli_advise(made,

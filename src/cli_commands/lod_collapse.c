@@ -49,6 +49,7 @@ static int check_measured_options(cli_run *run)
                            (o->open != BVX_OPEN_SHELL ? LEAVES_OPEN : 0u);
 
     CLI_TRY(cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut"));
+    /* The row allows what the other methods take, which is more. */
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
         return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
                          o->resolution.value[0], 1 << 24);
@@ -88,7 +89,9 @@ static void warn_of_sheets(const cli_run *run, const lod_collapse *l, cli_made *
     const bvx_levels_report *const r = &l->report;
     const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
 
+    /* Shells have no borders to lose. */
     if (run->options->open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
+    /* Cut as requested, or not kept as requested: the second needs a remedy. */
     if (run->options->open == BVX_OPEN_CUT)
         cli_advise(
             made, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
@@ -104,6 +107,7 @@ static void warn_of_sheets(const cli_run *run, const lod_collapse *l, cli_made *
 
 static void warn_of_lowered(const lod_collapse *l, cli_made *made)
 {
+    /* Two ways in which a limit costs detail: the mesh could not be taken, or not be measured so finely. */
     if (l->report.reason == BVX_MEASURED_MEMORY)
         cli_advise(
             made,
@@ -187,6 +191,7 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
              " triangles, %" PRIu64 " piece%s\n",
              b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
              c->surface.components, c->surface.components == 1 ? "" : "s");
+    /* Rows for what measuring changed stand only where it changed something. */
     if (r->holes != 0)
         cli_tell(made, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
     if (r->shelled)

@@ -129,9 +129,11 @@ static int open_grid(cli_run *run, cli_chain *c)
     int placed;
     bvx_status status;
 
+    /* The lattice may be assumed: levels of it are as good, in units of voxels. */
     CLI_TRY(cli_read_grid(run, path, NULL, &c->solid, &placed));
     run->report.lattice = c->solid.lattice;
     run->report.has_lattice = 1;
+    /* The diagonal of the window stands for that of a mesh: distances are told in percent of it. */
     for (int a = 0; a < 3; a++) {
         c->resolution = c->solid.size[a] > c->resolution ? c->solid.size[a] : c->resolution;
         low[a] = c->solid.low[a] * c->solid.lattice.spacing[a];

@@ -47,6 +47,7 @@ static void print_help(const cli_command *c)
     printf("usage: bitvox %s %s\n\n%s\n\noptions:\n", c->name, c->usage, c->details);
     cli_print_options(c);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
+    /* One command line a line, moved in so that it can be copied. */
     for (const char *p = c->example; *p != 0;) {
         size_t const n = strcspn(p, "\n");
         printf("  %.*s\n", (int)n, p);
@@ -88,9 +89,11 @@ static int run_command(cli_run *run, int count, char **word)
 
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to begin with"));
+    /* The library's defaults, before any row changes one of them. */
     if (run->command->start != NULL) run->command->start(run->own);
     status = cli_parse(run, count, word);
 
+    /* Help wins over everything else on the line, errors included. */
     if (status == CLI_DONE && run->general->help) {
         print_help(run->command);
         return cli_end_of_output(run);
@@ -98,6 +101,7 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) status = cli_check_line(run);
     if (status == CLI_DONE) {
         run->start = cli_seconds();
+        /* From here on there is something to measure, to interrupt and to tidy up. */
         run->progress.row = -1;
         cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
@@ -137,12 +141,14 @@ static int run_words(cli_run *run, int count, char **word)
         print_overview(stderr);
         return CLI_USAGE;
     }
+    /* Words that are no commands come first: no command may have their names. */
     if (strcmp(word[0], "help") == 0) return help(run, count - 1, word + 1);
     if (strcmp(word[0], "--help") == 0 || strcmp(word[0], "-h") == 0) return help(run, 0, NULL);
     if (strcmp(word[0], "--version") == 0) return print_version(run);
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
+    /* The error of an unknown command is reported in the form that was requested. */
     run->options->general.json = is_asked_for("--json", count, word);
     return cli_end_of_run(run, refuse_command(run, word[0]));
 }
@@ -158,6 +164,7 @@ int main(int count, char **word)
     run.general = &options.general;
     run.commands = cli_commands;
     run.plan_stage = cli_plan_stage;
+    /* Before any file is opened and any thread started. */
     hold_standard_streams();
     cli_watch_start();
     options.samples = -1;

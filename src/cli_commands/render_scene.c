@@ -15,6 +15,7 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     bvx_lattice_options fit;
 
     cli_mesh_box(&in[0].mesh, &box);
+    /* Of one mesh the second box is the first again. */
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     bvx_lattice_options_init(&fit, sizeof fit);
@@ -33,6 +34,7 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
     for (int i = 0; i < count && status == CLI_DONE; i++) {
+        /* On one lattice, so that two inputs can be compared bit by bit. */
         status = cli_fill_on(run, &lattice, &s->input[i]);
         s->input[i].kind = CLI_GRID;
         s->input[i].placed = 1;
@@ -56,6 +58,7 @@ int cli_open_scene(cli_run *run, int first, cli_scene *s)
         status = cli_read_input(run, o->input[first + i], &s->input[i]);
     if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (own->voxels != 0 || own->difference))
         status = voxelize_scene(run, s, count);
+    /* Two grids, whichever way they came: read, or made above. */
     if (status != CLI_DONE || !own->difference) return status;
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
@@ -113,6 +116,7 @@ static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], 
         for (int a = 0; a < 3; a++) high[a] = low[a] + g->size[a] * g->lattice.spacing[a];
     }
     for (int a = 0; a < 3; a++) middle[a] = low[a] * 0.5 + high[a] * 0.5;
+    /* Cuts make the box smaller, but the middle of a grid stays where its window has it. */
     for (int a = 0; a < 3; a++) {
         if (r.cut_low[a] > low[a] && r.cut_low[a] < high[a]) low[a] = r.cut_low[a];
         if (r.cut_high[a] < high[a] && r.cut_high[a] > low[a]) high[a] = r.cut_high[a];
@@ -127,6 +131,7 @@ void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
     box_of_scene(run, s, low, high, middle);
     cli_scene_view(run, direction, up);
     show[0] = show[1] = 0.0;
+    /* Room for all frames, so that the shape does not grow and shrink while it turns. */
     for (int32_t i = 0; i < own->turntable; i++)
         if (cli_turn(direction, up, i, own->turntable, turned))
             cli_turn_room(low, high, middle, turned, up, show);
@@ -147,6 +152,7 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     memcpy(r.direction, direction, sizeof r.direction);
     memcpy(r.show, show, sizeof r.show);
     take_cut(run, &r);
+    /* Three kinds of pictures, by what there is to see. */
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {

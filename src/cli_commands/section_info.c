@@ -25,6 +25,7 @@ typedef struct section_facts {
 
 static void find_section_box(const bvx_sections *s, section_facts *f)
 {
+    /* Of the points: planes without a loop have no extent. */
     for (int a = 0; a < 3; a++) {
         f->low[a] = HUGE_VAL;
         f->high[a] = -HUGE_VAL;
@@ -113,8 +114,10 @@ static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f
         cli_tell(made, "%s %" PRId32 " (%" PRIu64 " loop%s)", i == 0 ? ":" : ",", f->label[i].label,
                  f->label[i].loops, f->label[i].loops == 1 ? "" : "s");
     cli_tell(made, "%s\n", f->labels > LABELS_SAID ? ", ..." : "");
+    /* Adding 0 turns -0 into 0, which reads better. */
     cli_tell(made, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0,
              n[2] + 0.0, f->first, f->last);
+    /* One section has no distance to another. */
     if (s->section_count > 1)
         cli_tell(made, "  distance    %.9g from plane to plane%s\n", f->step,
                  f->even > 1e-6 * f->step ? " in the mean" : "");

@@ -69,6 +69,7 @@ void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, dou
     double box[6];
 
     thin_box(lattice, r, box);
+    /* A remedy is named only where one was found. */
     if (r->thin_resolution > 0)
         snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
                  (int)r->thin_resolution);
@@ -104,6 +105,7 @@ void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, co
 {
     uint64_t const rows = rows_of(grid, r->fill);
 
+    /* Each fault has a remedy of its own. */
     if (r->unbalanced_rows != 0 && r->dropped != 0)
         cli_add_warning(warnings,
                         "%" PRIu64 " of %" PRIu64
@@ -184,6 +186,7 @@ int cli_fill_input(cli_run *run, cli_input *in)
     status = cli_make_lattice(run, &view, &lattice);
     result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
                               : cli_check_far(run, in->path, &view, 0, &lattice);
+    /* The check of far points comes before the memory is taken. */
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
@@ -201,6 +204,7 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
+    /* What was changed about the mesh to fill it is told with the rule. */
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
     if (r->doubles != 0)
@@ -220,6 +224,7 @@ static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *latti
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
+    /* Lines that only some rules have: what was not counted is not told as 0. */
     if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_text_add(t, "\n");
@@ -256,6 +261,7 @@ void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattic
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
     cli_json_count(t, "dropped", r->dropped);
     cli_json_count(t, "doubles", r->doubles);
+    /* Members that only some rules have: a program must not take 0 for a count. */
     if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell)
         cli_json_count(t, "surface_voxels", r->surface_voxels);
     if (o->fill == BVX_FILL_FLOOD) {

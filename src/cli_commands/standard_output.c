@@ -45,6 +45,7 @@ static int32_t usual_format(const cli_run *run)
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
 
+    /* What the command makes, in the format that keeps most of it. */
     switch (run->command->bit) {
     case CLI_RENDER: return BVX_FORMAT_PNG;
     case CLI_SLICE: return BVX_FORMAT_CSV;
@@ -77,6 +78,7 @@ int cli_take_standard_output(cli_run *run)
     int32_t const format = chosen_format(run);
     const char *const known = format == BVX_FORMAT_CSV ? "csv" : cli_format_name(format);
 
+    /* Bytes on a terminal may change its state; nobody wants them. */
     if (is_terminal())
         return cli_usage(
             run, "standard output is a terminal, which cannot show a .%s file; send it to a file or a pipe",

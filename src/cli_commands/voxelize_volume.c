@@ -53,6 +53,7 @@ static int check_volume(cli_run *run, bvx_window *window)
     uint32_t const facts = (cli_has_number(out) ? HAS_NUMBER : 0u) |
                            (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u);
 
+    /* What a volume has no use for, then what its output has no use for. */
     CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
     CLI_TRY(cli_window_option(run, window));
     CLI_TRY(cli_check_rules(run, output_rules, facts, NULL));
@@ -210,6 +211,7 @@ static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
     int result = CLI_DONE;
 
     cli_stage_begin(run, "surface");
+    /* By the values of the samples where a level is given, else half way between set and empty voxels. */
     if (cli_given(run, "--level") && CLI_HOLDS(run, CLI_KEEPS_PARTS)) {
         result = make_kept_level_mesh(run, j, &status, mesh);
     } else if (cli_given(run, "--level")) {
@@ -362,6 +364,7 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     bvx_window window;
 
     CLI_TRY(check_volume(run, &window));
+    /* Files of labels are opened one by one, when their names are known. */
     if (kind == CLI_GRID) CLI_TRY(cli_open_grid_output(run, output));
     if (kind == CLI_MESH && !all) CLI_TRY(cli_open_output(run, output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));

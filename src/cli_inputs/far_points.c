@@ -82,12 +82,14 @@ static void count_far(far_points *f)
         f->near_low[a] = HUGE_VAL;
         f->near_high[a] = -HUGE_VAL;
     }
+    /* Far is what lies beyond along any axis; the box of the others grows by all that is not. */
     for (uint64_t i = 0; i < f->count; i++) {
         uint64_t const vertex = vertex_of(f, i);
         double p[3];
         int beyond = 0;
         position_of(f, vertex, p);
         for (int a = 0; a < 3; a++) beyond |= p[a] < f->low[a] || p[a] > f->high[a];
+        /* The first one is named in messages: one can look it up in the file. */
         if (beyond && f->far++ == 0) {
             f->first = vertex;
             memcpy(f->at, p, sizeof f->at);
@@ -111,6 +113,7 @@ static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *vie
     f.count = cloud ? view->vertex_count : view->triangle_count * 3;
     if (f.count == 0 || !find_near_box(&f)) return;
     count_far(&f);
+    /* Many far points are a shape of two parts, not a mistake. */
     if (f.far == 0 || f.far > f.count / FAR_SHARE) return;
     for (int a = 0; a < 3; a++) {
         most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);

@@ -324,6 +324,7 @@ static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t forma
 static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     bvx_status read = BVX_ERR_EMPTY;
+    /* A .xyz file has no triangles to look for. */
     if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
     /* A .ply without faces is read once more, as points. */
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
@@ -362,6 +363,7 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
 {
     int32_t const format = cli_input_format(run, path);
+    /* Standard input has no name: what is wrong is --format. */
     if (strcmp(path, "-") == 0 && !is_mesh_format(format))
         return cli_usage(run, "--format does not name a mesh format that can be read (" CLI_MESHES_READ ")");
     if (!is_mesh_format(format))

@@ -25,6 +25,7 @@ static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli
     cli_volume v = {0};
     int status;
 
+    /* The bytes change hands: they are freed with the volume. */
     v.file = *b;
     memset(b, 0, sizeof *b);
     status = cli_take_volume(run, in->path, window, &v);
@@ -68,6 +69,7 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         cli_stage_begin(run, "threshold");
         selected = cli_select_voxels(run, &v, &report, &in->grid);
         cli_stage_end(run);
+        /* Parts are counted among what was chosen, not among all samples. */
         if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
             selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));

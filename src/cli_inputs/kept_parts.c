@@ -19,6 +19,8 @@ int cli_check_parts(cli_run *run)
     if (!CLI_HOLDS(run, CLI_KEEPS_PARTS) ||
         (run->command->bit & (CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT)) == 0)
         return CLI_DONE;
+    /* Commands that take meshes and grids alike: one mesh among the inputs is refused, since its parts are
+     * none of voxels. */
     for (int i = 0; i < run->options->inputs; i++)
         if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
             return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name,
@@ -42,6 +44,7 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     if (own) cli_stage_end(run);
     if (status != BVX_OK) return status;
 
+    /* Summed: some commands keep parts of several grids. */
     run->report.parts.kept += report.kept;
     run->report.parts.dropped += report.dropped;
     run->report.parts.voxels_kept += report.voxels_kept;

@@ -19,6 +19,7 @@ void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
     for (int a = 0; a < 3; a++) {
         box->low[a] = box->high[a] = mesh->triangle_count != 0 ? coordinate_of(mesh, mesh->triangles[0], a)
                                                                : 0.0;
+        /* By triangles: a vertex that no triangle uses takes no room. */
         for (uint64_t i = 1; i < mesh->triangle_count * 3; i++) {
             double const p = coordinate_of(mesh, mesh->triangles[i], a);
             box->low[a] = p < box->low[a] ? p : box->low[a];
@@ -116,6 +117,7 @@ int cli_window_option(cli_run *run, bvx_window *window)
 
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
+        /* Ends are excluded, as in slices of arrays. */
         if (l->value[a] >= l->value[a + 3])
             return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not after %" PRId64,
                              l->value[a + 3], l->value[a]);

@@ -65,6 +65,7 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
         return cli_usage(run,
                          "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
                          " " CLI_GRIDS ")");
+    /* What can be written may well be given by mistake, so it has a message of its own. */
     if (format == BVX_FORMAT_GLB)
         return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
     return cli_fail(
@@ -75,6 +76,7 @@ int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, 
 {
     int32_t const format = bvx_format_of_name(path);
 
+    /* MagicaVoxel stores an index in one byte. */
     for (int a = 0; a < 3 && format == BVX_FORMAT_VOX; a++)
         if (size[a] > VOX_SIDE)
             return cli_fail(run,
@@ -82,6 +84,7 @@ int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, 
                             " voxels; .vox holds at most %d a side: take another format, "
                             "fewer voxels or a --window",
                             path, size[0], size[1], size[2], VOX_SIDE);
+    /* It stores one scale for all three axes. */
     if (format == BVX_FORMAT_BINVOX && (l->spacing[0] != l->spacing[1] || l->spacing[0] != l->spacing[2]))
         return cli_fail(
             run, "%s: voxels of %.9g x %.9g x %.9g; .binvox holds only cubic ones: take another format", path,

@@ -169,9 +169,11 @@ static int stays_below(const char *name)
 #if defined(_WIN32)
     if (strpbrk(name, "\\:") != NULL) return 0;
 #endif
+    /* Absolute names lead anywhere. */
     if (name[0] == '/') return 0;
     for (const char *part = name;;) {
         size_t const n = strcspn(part, "/");
+        /* By parts: a name may well hold two dots, "a..raw". */
         if (n == 2 && part[0] == '.' && part[1] == '.') return 0;
         if (part[n] == 0) return 1;
         part += n + 1;
@@ -257,6 +259,7 @@ static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
     o->sample_type = given->sample_type;
     o->big_endian = given->big_endian;
     o->offset = (uint64_t)given->skip;
+    /* Without --shape the file says its size, or is refused. */
     for (int a = 0; a < 3; a++) {
         o->size[a] = given->shape.count == 3 ? (int32_t)given->shape.value[a] : 0;
         if (given->voxel_size.given) o->spacing[a] = given->voxel_size.value[a];
@@ -423,6 +426,7 @@ void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *
     cli_json_count(t, "nan", r->nan);
     cli_json_count(t, "infinite", r->infinite);
     cli_text_add(t, "}");
+    /* Both are on no side of a level; that they count as outside is a choice, so it is told. */
     if (r->nan + r->infinite != 0)
         cli_add_warning(warnings,
                         "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,

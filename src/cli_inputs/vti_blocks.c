@@ -164,6 +164,7 @@ static int make_data_room(vti_packed *v, uint64_t more)
                         "%s: VTI: %" PRIu64 " bytes of unpacked arrays are more than the %" PRIu64
                         " that are left for them",
                         v->path, size, v->data.limit);
+    /* Exactly as much as is said: the sizes of blocks were checked against the file. */
     bytes = realloc(v->data.bytes, (size_t)size);
     if (bytes == NULL) return cli_fail(v->run, "%s: no memory for %" PRIu64 " bytes of it", v->path, size);
     v->data.bytes = bytes;
@@ -246,6 +247,7 @@ static void put_tag(vti_packed *v, const char *tag, const char *tag_end, const c
     const char *value;
     size_t size;
 
+    /* Nothing to take out: the tag is copied as it is. */
     if (!find_attribute(tag, tag_end, without, &value, &size)) {
         cli_text_add(&v->text, "%.*s", (int)(tag_end - tag), tag);
         return;

@@ -95,6 +95,7 @@ void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *g, uint64
     cli_grid_corner(g, 0.0, corner);
     cli_text_add(text, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
                  g->size[2]);
+    /* A whole lattice needs no word of its window. */
     if (memcmp(g->size, l->dims, sizeof g->size) != 0)
         cli_text_add(text,
                      "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32

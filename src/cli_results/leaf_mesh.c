@@ -24,6 +24,7 @@ static void colour_of_leaf(const bvx_octree_leaf *leaf, int32_t levels, uint8_t 
     static const uint8_t of_level[LEAF_COLOURS][3] = {{214, 92, 70},   {236, 152, 84}, {228, 190, 100},
                                                       {134, 176, 126}, {46, 148, 138}, {52, 92, 124}};
     static const uint8_t of_surface[3] = {200, 196, 188};
+    /* Counted from the last level, so that the finest leaves look alike in trees of any depth. */
     const uint8_t *const c = leaf->state == BVX_STATE_SURFACE
                                  ? of_surface
                                  : of_level[(levels - leaf->level) % LEAF_COLOURS];
@@ -45,6 +46,7 @@ static void add_box(bvx_mesh *mesh, const double low[3], const double edge[3], c
         for (int a = 0; a < 3; a++) positions[3 * i + a] = low[a] + ((i >> a & 1) != 0 ? edge[a] : 0.0);
         memcpy(mesh->colours + (mesh->vertex_count + (uint64_t)i) * 4, colour, 4);
     }
+    /* Boxes share no vertices: each has the colour of its own leaf. */
     for (int i = 0; i < LEAF_TRIANGLES; i++)
         for (int k = 0; k < 3; k++) triangles[3 * i + k] = first + sides[i][k];
     mesh->vertex_count += LEAF_VERTICES;

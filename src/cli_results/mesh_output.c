@@ -43,6 +43,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
     size_t length = 0;
     int digits = 0;
     const char *const place = cli_number_place(pattern, &length, &digits);
+    /* Room for the longest number and for the digits that %09d asks of it. */
     char *const path = malloc(room);
 
     if (path == NULL) return NULL;
@@ -241,6 +242,7 @@ int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *p
     cli_mesh_entry *const entry = &run->report.mesh[number];
     bvx_mesh_view view;
 
+    /* The stage may have %d in its name: levels are checked one by one. */
     bvx_mesh_view_of(mesh, &view);
     cli_stage_begin(run, stage, number);
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &view, 0, &entry->certificate), path));
@@ -279,6 +281,7 @@ static int write_judged(cli_run *run, const bvx_mesh *mesh, int number, const ch
 {
     int result;
 
+    /* Judged before the file is begun: a refusal leaves nothing behind. */
     CLI_TRY(judge_mesh(run, mesh, number, path));
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -322,6 +325,7 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
     if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
     for (int i = 0; i < count; i++) placed[i] = placed_mesh(run, &levels[i]);
 
+    /* All levels at once, since a reader gets all of them or none. */
     result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);

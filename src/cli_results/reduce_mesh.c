@@ -55,6 +55,7 @@ void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *ma
     cli_json_value(t, "least_angle", r->level.least_angle);
     cli_json_count(t, "crossings", r->level.crossings);
     cli_text_add(t, "}");
+    /* Below this nothing closed and free of crossings is left; the target was not a promise. */
     if (!r->level.met)
         cli_advise(made,
                    "%s has %" PRIu64 " triangles, not %" PRIu64

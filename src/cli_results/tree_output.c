@@ -78,6 +78,7 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
     CLI_TRY(cli_stage_check(run,
                             bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface),
                             run->options->output));
+    /* An empty mesh is a file that few readers take. */
     return t->surface.triangle_count != 0
                ? CLI_DONE
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
@@ -90,6 +91,7 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     bvx_buffer file = {0};
     int result;
 
+    /* The same way as any mesh, with its check of what the file holds. */
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);

@@ -10,6 +10,7 @@ static bvx_octree_level sum_of(const cli_tree *t)
     bvx_octree_level sum;
 
     memset(&sum, 0, sizeof sum);
+    /* Level 0 is the base; the last one has no split voxels. */
     for (int32_t i = 0; i <= t->levels; i++) {
         sum.voxels += t->level[i].voxels;
         sum.split += t->level[i].split;
@@ -54,6 +55,7 @@ static void report_tree(const cli_run *run, const cli_tree *tree, cli_made *made
     cli_json_count(t, "leaves", sum.voxels - sum.split);
     cli_json_value(t, "uniform_voxels", uniform_voxels(&run->report.lattice));
     report_level(t, &sum);
+    /* A tree that was read took no time to refine. */
     if (tree->triangles != 0) cli_json_value(t, "milliseconds", tree->seconds * 1e3);
     cli_text_add(t, ", \"level\": [");
     for (int32_t i = 0; i <= tree->levels; i++) {
@@ -77,6 +79,7 @@ void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
              "surface", "inside", "outside", "bytes");
     for (int32_t i = 0; i <= t->levels; i++) {
         char name[16], dims[48];
+        /* The lattice of the report is that of the last level; each one above it has half as many a side. */
         int32_t const shift = t->levels - i;
         snprintf(name, sizeof name, "%" PRId32, i);
         snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift,

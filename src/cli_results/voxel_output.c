@@ -176,6 +176,7 @@ static int write_surface(cli_run *run, cli_voxels *v)
     cli_stage_begin(run, "surface");
     status = make_surface_mesh(run, v);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(v->name)));
+    /* An empty grid is a result; a mesh without triangles is a file that few readers take. */
     if (v->mesh.triangle_count == 0)
         return cli_fail(run, "%s: the result is empty, so there is no surface to write",
                         cli_input_name(v->name));
@@ -199,6 +200,7 @@ void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)
     cli_text *const t = &made->members;
 
     if (!CLI_HOLDS(run, CLI_TO_MESH)) return;
+    /* Where vertices lie says how far the mesh can be trusted. */
     if (v->source != NULL) {
         cli_tell(made, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
         if (moved != 0) cli_tell(made, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));

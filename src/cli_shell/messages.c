@@ -173,6 +173,7 @@ void cli_add_warning(cli_text *lines, const char *format, ...)
     va_list args;
 
     va_start(args, format);
+    /* Line ends part warnings from each other, so none may hold one. */
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     tame(text);

@@ -50,6 +50,7 @@ static HANDLE handle_of(const char *name)
     wchar_t *const wide = wide_name(name);
     HANDLE file = INVALID_HANDLE_VALUE;
 
+    /* Folders are opened with this flag only. */
     if (wide != NULL)
         file = CreateFileW(wide, 0, others, NULL, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, NULL);
     free(wide);
@@ -87,6 +88,7 @@ int cli_rename_file(const char *from, const char *to)
     int status = -1;
 
     if (wide_from != NULL && wide_to != NULL) {
+        /* rename of the C library does not replace a file here. */
         status = MoveFileExW(wide_from, wide_to, MOVEFILE_REPLACE_EXISTING) ? 0 : -1;
         if (status != 0) errno = GetLastError() == ERROR_FILE_NOT_FOUND ? ENOENT : EACCES;
     }
@@ -110,6 +112,7 @@ int cli_kind_of_name(const char *name)
     HANDLE file;
     DWORD type;
 
+    /* A folder is known by its attributes; devices have none, and are known by being opened. */
     free(wide);
     if (what != INVALID_FILE_ATTRIBUTES && (what & FILE_ATTRIBUTE_DIRECTORY) != 0) return CLI_NAME_FOLDER;
     file = handle_of(name);

@@ -227,6 +227,7 @@ static int make_temporary(cli_output *o, unsigned mode)
     FILE *file = NULL;
 
     for (int i = 0; i < OUTPUT_TRIES && file == NULL; i++) {
+        /* In the same folder: a rename there is one step, and shows now whether the folder can be written. */
         o->temporary = name_beside(o->target, i, "part");
         if (o->temporary == NULL) return 0;
         file = create_file(o->temporary, mode);
@@ -366,6 +367,7 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
 static int set_aside(cli_output *o)
 {
     for (int i = 0; i < OUTPUT_TRIES; i++) {
+        /* A name that is taken is another run's, or one left behind by a crash: the next one is tried. */
         char *const name = name_beside(o->target, i, "old");
         if (name == NULL) return 0;
         if (move_aside(o->target, name)) {
@@ -470,6 +472,7 @@ int cli_keep_outputs(cli_run *run)
 void cli_remove_temporaries(cli_run *run)
 {
     for (int i = 0; i < run->outputs; i++) {
+        /* What was kept has its own name by now. */
         const char *const name = run->output[i].temporary;
         if (name == NULL) continue;
 #if OUTPUTS_POSIX

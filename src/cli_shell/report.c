@@ -15,6 +15,7 @@ static void report_certificate(cli_text *t, const bvx_certificate *c)
     cli_json_count(t, "components", c->components);
     cli_json_value(t, "volume", c->volume);
     cli_json_value(t, "area", c->area);
+    /* The only count that may be negative. */
     cli_json_key(t, "euler", 0);
     cli_text_add(t, "%" PRId64, c->euler);
     cli_json_triple(t, "low", c->low);
@@ -34,6 +35,7 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
 {
     cli_json_value(t, "mean_distance", d->mean);
     cli_json_value(t, "max_distance", d->max);
+    /* The two numbers above are what most readers want; all of them follow. */
     cli_json_key(t, "distance", 0);
     cli_text_add(t, "{\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);

@@ -108,6 +108,7 @@ static void print_line(const cli_run *run, double now)
     cli_text_add(&text, "{\"stage\": ");
     cli_json_string(&text, p->stage);
     cli_text_add(&text, ", \"fraction\": %.4f, \"elapsed\": %.3f}\n", p->reached, now - run->start);
+    /* In one piece, so that lines of several threads or programs do not mix. */
     if (!text.failed) fwrite(text.bytes, 1, text.size, stderr);
     fflush(stderr);
     cli_text_free(&text);
@@ -164,6 +165,7 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
     va_end(args);
     open_stage(run, name);
     run->progress.named = 1;
+    /* An interrupted run says no more of what it would do next. */
     if (!cli_interrupted()) tell_progress(run, 0);
 }
 
@@ -176,6 +178,7 @@ double cli_stage_end(cli_run *run)
     p->named = 0;
     cli_note_peak(run, 0);
     cli_lock();
+    /* A run of more stages than the report holds goes on without naming them. */
     if (r->stages < CLI_MAX_STAGES) {
         snprintf(r->stage[r->stages].name, sizeof r->stage[0].name, "%s", p->stage);
         r->stage[r->stages++].seconds = p->ended - p->start;

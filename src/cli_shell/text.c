@@ -32,6 +32,7 @@ void cli_text_add(cli_text *t, const char *format, ...)
     int length;
 
     va_start(args, format);
+    /* Counted first: what does not fit is left out whole, not cut. */
     length = vsnprintf(NULL, 0, format, args);
     va_end(args);
     if (length < 0 || t->failed || !make_room(t, (size_t)length)) {
