@@ -125,7 +125,8 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
 /* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
 
-/* What one grid has and the other does not: within the box of the difference, with its share of the progress. */
+/* What one grid has and the other does not: within the box of the difference, with its share of the
+ * progress. */
 typedef struct compare_side {
     const bvx_grid *one, *other;
     const compare_sums *all;

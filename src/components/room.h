@@ -63,7 +63,8 @@ typedef struct bvxi_spaces {
     int32_t empty;
 } bvxi_spaces;
 
-/* Number the spaces of empty voxels (empty 1) or of set ones (0). Memory (scratch): that of bvxi_components. */
+/* Number the spaces of empty voxels (empty 1) or of set ones (0). Memory (scratch): that of
+ * bvxi_components. */
 bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
                             int32_t empty, int32_t connectivity, bvxi_spaces *spaces);
 typedef void bvxi_spaces_fn(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z);

@@ -26,7 +26,8 @@ static const char *fast_math_fault(void)
         return "sums are regrouped; compile without -fassociative-math and -funsafe-math-optimizations";
     /* Divided, 3 / 10 rounds to 0.3; multiplied by a rounded tenth it does not. */
     if (tenth != 0.3)
-        return "quotients are made products; compile without -freciprocal-math and -funsafe-math-optimizations";
+        return "quotients are made products; compile without -freciprocal-math and "
+               "-funsafe-math-optimizations";
     return NULL;
 }
 
@@ -44,7 +45,8 @@ const char *bvx_arithmetic_fault(void)
     if (up != 1.0 || down != -1.0 || most == 1.0) return "numbers are not rounded to nearest";
     /* Wider registers would keep both halves, and then see a whole step. */
     if ((one + half) + half != 1.0 || (one_f + half_f) + half_f != 1.0f)
-        return "intermediate results are wider than their type; compile for SSE2, or with -fexcess-precision=fast";
+        return "intermediate results are wider than their type; compile for SSE2, or with "
+               "-fexcess-precision=fast";
     if (above * below + minus != 0.0) /* 1 - 2^-60 rounds to 1 */
         return "products and sums are contracted; compile with -ffp-contract=off";
     return fast_math_fault();

@@ -11,9 +11,9 @@
 /* Source: mark and release as Pascal's runtimes had it (Jensen, Wirth. Pascal User Manual and Report. 1974),
  * here for blocks that may also go one by one, in any order.
  *
- * Each block of scratch has a serial number and remembers its size: in an arena in its header (memory.c), else
- * in a table of the context (memory.c). A mark is the serial number taken last, so what came after it can be
- * freed whatever has gone since. */
+ * Each block of scratch has a serial number and remembers its size: in an arena in its header (memory.c),
+ * else in a table of the context (memory.c). A mark is the serial number taken last, so what came after it
+ * can be freed whatever has gone since. */
 
 bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block)
 {

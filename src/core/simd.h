@@ -1,5 +1,5 @@
-/* simd.h - vectors of 4 doubles, 8 floats and 32 bytes with one set of names, over whatever the machine has. Not
- * installed.
+/* simd.h - vectors of 4 doubles, 8 floats and 32 bytes with one set of names, over whatever the machine has.
+ * Not installed.
  *
  * A kernel is written once, in a file named ..._body.h, with the names at the end of this file. Its source
  * includes the body once for each set of instructions:
@@ -75,7 +75,8 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
 #define four_load BVXI_SIMD(bvxi_four_load) /* (const double *), any alignment */
 #define four_columns_f32 \
     BVXI_SIMD(           \
-        bvxi_four_columns_f32) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i] d[i] */
+        bvxi_four_columns_f32) /* (const float *a, *b, *c, *d, doubles4 to[4]): to[i] is a[i] b[i] c[i]
+                                  d[i] */
 #define four_columns_f64 BVXI_SIMD(bvxi_four_columns_f64) /* the same from doubles */
 #define four_store       BVXI_SIMD(bvxi_four_store)       /* (double *, x) */
 #define four_first       BVXI_SIMD(bvxi_four_first)       /* (x): the double of lane 0 */

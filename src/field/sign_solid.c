@@ -25,7 +25,8 @@ bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
 
     bvx_voxelize_options_init(&o, sizeof o);
     /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
-     * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says neither. */
+     * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
+     * neither. */
     o.fill = fill_of_sign(*sign);
     o.report = *sign == BVX_SIGN_AUTO ? &report : NULL;
     o.check_thin = 0;

@@ -10,8 +10,8 @@
 bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside);
 
 /* sign_features.c: NORMAL, PSEUDONORMAL: the words of inside are set by the closest
- * features in the band, which it has columns of, and beyond it by carry_signs.c. In a window whose band leaves
- * centres out all of the lattice is looked at; width is the band's [Units: world]. */
+ * features in the band, which it has columns of, and beyond it by carry_signs.c. In a window whose band
+ * leaves centres out all of the lattice is looked at; width is the band's [Units: world]. */
 bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, double width,
                               const bvx_mesh_view *mesh, const bvxi_sparse *band, int32_t sign,
                               bvx_grid *inside);

@@ -256,7 +256,8 @@ static bvx_status advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh,
     }
     if (flat > off) off = flat < LOSS_LARGEST ? flat : LOSS_LARGEST;
 
-    /* As walls: so much larger are voxels than they should be. Sums' last bits follow the order of triangles. */
+    /* As walls: so much larger are voxels than they should be. Sums' last bits follow the order of
+     * triangles. */
     report->volume_resolution = bvxi_wall_resolution(longest,
                                                      BVXI_THIN_WALL * LOSS_MOST / bvxi_nearest_float(off));
     return BVX_OK;

@@ -69,7 +69,8 @@ static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, cons
         if (window->size[a] != lattice->dims[a])
             return bvxi_fail_for(
                 ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies outside; "
+                "%s: the rule %s needs the whole lattice, as what lies in the window depends on what lies "
+                "outside; "
                 "the rule vote takes windows",
                 solid_name, o->fill == BVX_FILL_FLOOD ? "flood" : "regions");
     return BVX_OK;
@@ -120,7 +121,8 @@ static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls,
     if (!leaked) return BVX_OK;
     return bvxi_fail(
         ctx, BVX_ERR_EMPTY,
-        "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has holes or "
+        "%s: the flood reached every centre off the surface, also %u that are surely inside: the surface has "
+        "holes or "
         "leaves the lattice; close gaps of more than %d voxels, or use the rule regions or vote",
         solid_name, report->leaks, (int64_t)walls->close_gaps);
 }

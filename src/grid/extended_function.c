@@ -252,7 +252,8 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
     if (!fits || total > INT64_MAX / 2 / most)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-            "bvx_build_lods: %d x %d x %d samples with %u steps an edge need more than 63 bits; take fewer steps or coverage",
+            "bvx_build_lods: %d x %d x %d samples with %u steps an edge need more than 63 bits; take fewer "
+            "steps or coverage",
             (int64_t)d->axis[0].r, (int64_t)d->axis[1].r, (int64_t)d->axis[2].r, most);
     d->total = (int64_t)total;
     d->limit = bvxi_weight_limit(d->total, d->threshold);

@@ -158,7 +158,8 @@ static void field_put_vti(const bvx_field *field, int32_t vectors, bvxi_output *
     bvxi_output_text(out, vectors ? "\" Name=\"vector\" NumberOfComponents=\"3\"" : "\" Name=\"distance\"");
     bvxi_output_text(
         out,
-        " format=\"appended\" offset=\"0\"/>\n      </PointData>\n      <CellData>\n      </CellData>\n    </Piece>\n"
+        " format=\"appended\" offset=\"0\"/>\n      </PointData>\n      <CellData>\n      </CellData>\n    "
+        "</Piece>\n"
         "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
     /* The count of bytes stands before them, in 64 bits as the head said. */
     bvxi_store_u32(length, (uint32_t)(bytes & 0xffffffffu));

@@ -48,11 +48,14 @@ static uint64_t count_vtu_points(const uint64_t *sorted, uint64_t count)
 /* ---- the file ---- */
 
 static const char *const vtu_array[VTU_ARRAYS] = {
-    "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" offset=\"",
-    "      </Points>\n      <Cells>\n        <DataArray type=\"Int32\" Name=\"connectivity\" format=\"appended\" offset=\"",
+    "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" "
+    "offset=\"",
+    "      </Points>\n      <Cells>\n        <DataArray type=\"Int32\" Name=\"connectivity\" "
+    "format=\"appended\" offset=\"",
     "        <DataArray type=\"Int32\" Name=\"offsets\" format=\"appended\" offset=\"",
     "        <DataArray type=\"UInt8\" Name=\"types\" format=\"appended\" offset=\"",
-    "      </Cells>\n      <CellData Scalars=\"level\">\n        <DataArray type=\"UInt8\" Name=\"level\" format=\"appended\" offset=\"",
+    "      </Cells>\n      <CellData Scalars=\"level\">\n        <DataArray type=\"UInt8\" Name=\"level\" "
+    "format=\"appended\" offset=\"",
     "        <DataArray type=\"UInt8\" Name=\"state\" format=\"appended\" offset=\""};
 
 static void vtu_sizes(const vtu_leaves *v, uint64_t size[VTU_ARRAYS])
@@ -68,10 +71,9 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
     uint64_t size[VTU_ARRAYS], offset = 0;
 
     vtu_sizes(v, size);
-    bvxi_output_text(
-        out,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"");
+    bvxi_output_text(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+                          "byte_order=\"LittleEndian\" "
+                          "header_type=\"UInt64\">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"");
     bvxi_output_number(out, v->points);
     bvxi_output_text(out, "\" NumberOfCells=\"");
     bvxi_output_number(out, v->count);

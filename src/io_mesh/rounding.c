@@ -120,7 +120,8 @@ bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_me
     if (!r.finite || bvxi_rounding_fits(&r, mesh->triangle_count)) return BVX_OK;
     return bvxi_fail_for(
         ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-        "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of %u "
+        "%s: the format's 32-bit floats move vertices by up to %g, edges have a mean length of %g, and %u of "
+        "%u "
         "triangles would lose their area or be turned over; take %s, or bring the mesh near the origin by "
         "mesh.frame",
         name, r.largest_move, r.mean_edge, r.spoilt, mesh->triangle_count,

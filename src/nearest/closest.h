@@ -4,10 +4,10 @@
  * installed.
  *
  * Why there is a tree beside that of nearest_tree.h, whose answers are the same: this one has copies of the
- * corners, so the mesh may go, in 72 bytes a triangle, where that one needs about 100 and the mesh; points lie
- * anywhere, not in a lattice; and samples of distances are taken in the order of this one's curve. Bricks of
- * 64 centres are what the other is for: there a centre takes a fifth to a seventh of the time, and one by one
- * about as much as here. */
+ * corners, so the mesh may go, in 72 bytes a triangle, where that one needs about 100 and the mesh; points
+ * lie anywhere, not in a lattice; and samples of distances are taken in the order of this one's curve. Bricks
+ * of 64 centres are what the other is for: there a centre takes a fifth to a seventh of the time, and one by
+ * one about as much as here. */
 #ifndef BVXI_CLOSEST_H
 #define BVXI_CLOSEST_H
 

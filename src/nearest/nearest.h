@@ -32,10 +32,10 @@ bvx_status bvxi_nearest_band(bvxi_call call, const bvxi_nearest *nearest, double
                              uint64_t *first);
 
 /* The closest points of the set voxels of values, any set, in those of its columns that are there: vectors
- * from the centre to the point and distances, not negative [Units: world]. It is the least (distance squared, triangle index) of
- * the evaluation that bvx_closest_find makes at the centre. guess: most centres lie no further than it from
- * the mesh [Units: world]; infinity where nothing is known. It changes the time only. Memory: 110 KiB a
- * worker. */
+ * from the centre to the point and distances, not negative [Units: world]. It is the least (distance squared,
+ * triangle index) of the evaluation that bvx_closest_find makes at the centre. guess: most centres lie no
+ * further than it from the mesh [Units: world]; infinity where nothing is known. It changes the time only.
+ * Memory: 110 KiB a worker. */
 bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double guess,
                              const bvxi_sparse *values);
 

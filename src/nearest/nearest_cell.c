@@ -43,6 +43,8 @@ static void bound_near_cell(bvxi_near_cell *cell)
         float const left = cell->point[a] - cell->first[a];
         float const right = cell->point[a] - cell->last[a];
         float const middle = (left + right) * 0.5f;
+
+        /* A third of what is added falls to each axis: the bounds of three are summed. */
         cell->first_bound[a] = left * left * more + add;
         cell->last_bound[a] = right * right * more + add;
         cell->point_distance2 += middle * middle;
@@ -55,11 +57,14 @@ static void set_near_cell(const bvxi_nearest *n, const bvxi_near_question *q, bv
     double error = q->point_error;
 
     for (int a = 0; a < 3; a++) {
+        /* From the cell's middle all coordinates are small, and floats hold them well. */
         cell->origin[a] = (float)((q->first[a] + q->last[a]) * 0.5);
         double const origin = (double)cell->origin[a], point = q->point[a] - origin;
         cell->first[a] = (float)(q->first[a] - origin);
         cell->last[a] = (float)(q->last[a] - origin);
         cell->point[a] = (float)point;
+
+        /* Four roundings to floats, each of half a unit of its number. */
         error += 0x1p-22 * ((point < 0.0 ? -point : point) + (q->last[a] - q->first[a]) +
                             (double)near_magnitude(cell->last[a]));
     }
@@ -88,6 +93,8 @@ static void push_near_children(bvxi_near_cell *cell, int32_t level, uint32_t fir
     for (; mask != 0; mask &= mask - 1) {
         uint32_t const k = (uint32_t)bvxi_lowest(mask);
         int32_t i = cell->open++;
+
+        /* Insertion: they are eight at most. The nearest comes first since it narrows the bound soonest. */
         for (; i > bottom && cell->stack[i - 1].distance2 < distance2[k]; i--)
             cell->stack[i] = cell->stack[i - 1];
         cell->stack[i].distance2 = distance2[k];
@@ -103,6 +110,8 @@ static void start_near_children(const bvxi_near_node *node, uint32_t mask, bvxi_
         int32_t const k = bvxi_lowest(mask);
         int32_t const i = start->count / BVXI_NEAR_WIDTH;
         int32_t const slot = start->count % BVXI_NEAR_WIDTH;
+
+        /* Side by side as in a node, so that a start is tested like one. */
         for (int a = 0; a < 3; a++) {
             start->box[i].low[a][slot] = node->low[a][k];
             start->box[i].high[a][slot] = node->high[a][k];

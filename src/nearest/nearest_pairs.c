@@ -15,6 +15,7 @@ static void order_near_corners(bvxi_near_pairs *p)
     for (int32_t i = 0; i < p->count; i++) {
         double t[3][3];
 
+        /* By position, so that results do not depend on which corner is the first. */
         for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
         bvxi_order_corners(t);
         for (int v = 0; v < 9; v++) p->corner[v][i] = t[v / 3][v % 3];
@@ -31,6 +32,7 @@ static void gather_near_packed(const bvxi_nearest *n, bvxi_near_pairs *p)
         memcpy(c[i], indices + (size_t)p->triangle[i] * 12, sizeof c[i]);
         for (int v = 0; v < 3; v++) BVXI_PREFETCH(positions + (size_t)c[i][v] * 12);
     }
+
     for (int32_t i = 0; i < p->count; i++)
         for (int v = 0; v < 3; v++) {
             float f[3];
@@ -79,6 +81,7 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 
 void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs)
 {
+    /* Packed arrays, the usual case, can be requested ahead: where a corner lies is known without reading. */
     if (bvxi_view_packed_f32(&n->view) && bvxi_view_packed_u32(&n->view)) gather_near_packed(n, pairs);
     else gather_near_any(n, pairs);
 #if BVXI_HAVE_AVX2

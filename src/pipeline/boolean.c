@@ -261,8 +261,8 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
 
 /* ---- The bar ---- */
 
-/* What each step takes by what is known before the first one, about; what is learnt later replaces it. Triangles
- * and the faces of the lattice stand for what is gone over. */
+/* What each step takes by what is known before the first one, about; what is learnt later replaces it.
+ * Triangles and the faces of the lattice stand for what is gone over. */
 static void plan_boolean(boolean_job *job)
 {
     const int32_t *const d = job->lattice.dims;
@@ -284,8 +284,8 @@ static void plan_boolean(boolean_job *job)
     cost[BOOLEAN_EXTRACT] = job->options->sharp != 0 ? BOOLEAN_SHARPER * job->plain : job->plain;
 }
 
-/* Winding numbers and the search for crossings take so many times what rows take. The second mesh is taken for
- * one like the first. */
+/* Winding numbers and the search for crossings take so many times what rows take. The second mesh is taken
+ * for one like the first. */
 static void plan_second_fill(boolean_job *job)
 {
     int32_t const fill = job->report.solid_a.fill;
@@ -386,12 +386,14 @@ static bvx_status judge_body(boolean_job *job, int32_t i, uint64_t voxels)
         if (advised == 0)
             return bvxi_fail(
                 job->ctx, BVX_ERR_EMPTY,
-                "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any resolution would "
+                "%s: none of %d x %d x %d voxels has its centre inside: the body encloses nothing that any "
+                "resolution would "
                 "show; repair it first",
                 boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
         return bvxi_fail(
             job->ctx, BVX_ERR_EMPTY,
-            "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or encloses nothing; "
+            "%s: none of %d x %d x %d voxels has its centre inside: the body is thinner than they are, or "
+            "encloses nothing; "
             "take a resolution of %d or more, or repair it first",
             boolean_mesh[i], (int64_t)n[0], (int64_t)n[1], (int64_t)n[2], (int64_t)advised);
     }

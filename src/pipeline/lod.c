@@ -324,7 +324,8 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
     if (low == 0)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so few",
+            "%s: level %i asks for at most %u triangles; none of the resolutions tried keeps anything in so "
+            "few",
             lod_name, level_number(job), asked);
     *resolution = low;
     return BVX_OK;

@@ -164,7 +164,8 @@ enum {
 
 /* Where each step ends in the call, by the time that each takes, in thousandths of a
  * millisecond for a triangle of the input or a cell that the surface crosses, about.
- * What is known of the mesh after the first step, and of thin walls after the fill, counts for those that follow. */
+ * What is known of the mesh after the first step, and of thin walls after the fill, counts for those that
+ * follow. */
 static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR_STEPS])
 {
     const bvx_repair_options *const o = job->options;

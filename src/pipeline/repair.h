@@ -93,8 +93,8 @@ bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const ui
 double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count);
 /* 1: each piece that faces inward has the box of one that faces outward around it. */
 int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count);
-/* Mark bodies that face inward though they are nobody's cavities by their boxes, and what lies in them; returns
- * how many pieces. Of more than 4,096 none. */
+/* Mark bodies that face inward though they are nobody's cavities by their boxes, and what lies in them;
+ * returns how many pieces. Of more than 4,096 none. */
 uint64_t bvxi_mark_inside_out(bvxi_part *pieces, uint64_t count);
 /* 0: no piece that faces outward can lie in another such. */
 int bvxi_bodies_may_nest(const bvxi_part *pieces, uint64_t count);

@@ -118,10 +118,10 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
  * that lie in themselves. Thin walls of closed pieces are kept as such (thicken.c). The lid is measured by
  * the vector area of each loop of open edges, which no way of closing it can fall below. A piece of large lid
  * is no sheet where the pieces together enclose something (see above): a face of a part whose faces
- * do not touch, the lid of a pot. A lid over all of these must be small in its turn, by themselves or with the
- * bodies that have holes, and they must enclose it without what are sheets.
- * A shell is what lies within half its thickness of the sheets: closed for any sheet.
- * Guarantee: sums go by triangle, so the answer follows from the mesh and the lattice only. */
+ * do not touch, the lid of a pot. A lid over all of these must be small in its turn, by themselves or with
+ * the bodies that have holes, and they must enclose it without what are sheets. A shell is what lies within
+ * half its thickness of the sheets: closed for any sheet. Guarantee: sums go by triangle, so the answer
+ * follows from the mesh and the lattice only. */
 
 #define SHEET_LID    0.7   /* of a piece's area */
 #define SHEET_KEPT   0.5   /* of a piece's area */

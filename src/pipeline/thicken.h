@@ -8,8 +8,8 @@
 
 /* Outside centres beside walls too thin for the lattice: where the wall ends when it is made thick enough. */
 typedef struct bvxi_thin {
-    /* The centres, before some were put inside; without words where no wall is thin. Distances, in floats: how
-     * far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
+    /* The centres, before some were put inside; without words where no wall is thin. Distances, in floats:
+     * how far off the mesh the thicker wall ends; below 0: of a sheet, as far as its size; 0: no wall is thin
      * [Units: largest spacings] */
     bvxi_sparse near;
     uint32_t *corner; /* of the body's triangles nearby, and a view of these */

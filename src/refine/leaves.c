@@ -10,7 +10,8 @@ typedef struct leaves_job {
     const bvx_octree *tree;
     bvx_octree_leaf *leaves; /* NULL: count */
     int32_t states, pieces;
-    /* by piece: the first walk counts its leaves, leaf_places makes that where they begin, the second reads it */
+    /* by piece: the first walk counts its leaves, leaf_places makes that where they begin, the second reads
+     * it */
     uint64_t place[BVXI_MOST_PIECES];
 } leaves_job;
 
@@ -49,8 +50,8 @@ static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, co
     memcpy(step->v, v, sizeof step->v);
 }
 
-/* Depth first without recursion: step[l] is the octet that was entered at level l, and its children are bits 8 n
- * to 8 n + 7 of that level (room.h). */
+/* Depth first without recursion: step[l] is the octet that was entered at level l, and its children are bits
+ * 8 n to 8 n + 7 of that level (room.h). */
 static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t v[3], uint64_t *place)
 {
     leaf_step step[BVXI_OCTREE_LEVELS];

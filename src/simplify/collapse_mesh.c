@@ -1,8 +1,8 @@
 /* collapse_mesh.c - a mesh made ready to be collapsed, run to a target, and given back. Source and method:
  * collapse.c.
  *
- * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and levels do
- * not depend on the order in which the mesh comes. */
+ * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and
+ * levels do not depend on the order in which the mesh comes. */
 #include "simplify/room.h"
 #include "bits/sort.h"
 #include "mesh/mesh.h"
@@ -74,8 +74,8 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
             continue;
         }
 
-        /* The queue is empty above the target. Edges that were refused may be safe now that others have gone: all
-         * are queued again, unless the last pass has collapsed nothing. */
+        /* The queue is empty above the target. Edges that were refused may be safe now that others have gone:
+         * all are queued again, unless the last pass has collapsed nothing. */
         if (collapsed == c->counts.collapsed) break;
         collapsed = c->counts.collapsed;
         pack_collapse(c);
@@ -89,8 +89,8 @@ typedef struct collapse_order {
     const bvx_mesh_view *view;
     uint64_t *key; /* of vertices, then of triangles */
     uint32_t *index;
-    /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its number in
-     * the new order */
+    /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
+     * number in the new order */
     uint32_t *rank;
     double low[3], scale;
 } collapse_order;
@@ -244,8 +244,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 
 /* ---- Quadrics ---- */
 
-/* A plane through the vertex, n of unit length. Quadrics are stored about their own vertex (corners.h), so only a
- * grows: the plane's offset from there, and with it b and c, is 0. */
+/* A plane through the vertex, n of unit length. Quadrics are stored about their own vertex (corners.h), so
+ * only a grows: the plane's offset from there, and with it b and c, is 0. */
 static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 {
     int index = 0;

@@ -86,6 +86,7 @@ static double smallest_angle(const bvx_mesh *level)
             }
             for (int a = 0; a < 3; a++)
                 n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+            /* Not atan2, which C libraries round differently. */
             angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2],
                                sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
             if (angle < least) least = angle;
@@ -118,6 +119,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.3, bvx_mesh_check(ctx, &view, 0, &r->certificate)));
 
+    /* Measuring takes longer than all checks, so it has most of the progress. */
     if (c->measure_samples == 0) return BVX_OK;
     r->measured = 1;
     return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance));
@@ -169,6 +171,8 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
         memset(made, 0, sizeof *made);
         return BVX_OK;
     }
+
+    /* The caller's arrays stay where they are: the mesh is copied into them. */
     BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count,
                             made->triangle_count, level));
     memcpy(level->positions, made->positions, (size_t)made->vertex_count * vertex_bytes);
@@ -189,7 +193,10 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         bvx_mesh made = {0};
 
         BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.76, measure_share(ctx, c, i, collapse, &part)));
+        /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
+
+        /* A collapse cannot be undone, so what may be the level is copied before the next step. */
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
         bvx_mesh_free(ctx, found);
         *found = made;
@@ -224,6 +231,7 @@ static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
 {
+    /* The level's share of the progress: what a report costs beside it. */
     double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
     int met = 0;
 

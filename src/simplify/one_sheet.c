@@ -43,6 +43,7 @@ static int gather_faces(const bvxi_corners *m, bvxi_star *star, int32_t sum[3])
         double const to = length_bound(star->p, bvxi_corner_position(m, star->link[i + 1]));
         bvxi_box_facing const f = bvxi_box_facing_of(star->normal[i], from * to);
 
+        /* The facing of a needle is a range: it may face anything, and nothing is known of the sum. */
         known &= f.low[0] == f.high[0];
         for (int k = 0; k < 3; k++) sum[k] += f.low[k];
         star->faces[i] = f;
@@ -66,10 +67,13 @@ static int face_together(const bvxi_corners *m, bvxi_star *star, bvxi_box_direct
         if (size_of_step(sum[k]) > largest) largest = size_of_step(sum[k]);
     if (!together || largest == 0) return 0;
 
+    /* The sum is what most of them face. Scaled so that products with facings stay within 16 bits. */
     for (int k = 0; k < 3; k++) {
         d->along[k] = (int16_t)(sum[k] * DIRECTION_MOST / largest);
         size += size_of_step(d->along[k]);
     }
+
+    /* Facings are known to half a step along each axis; a product must be beyond what that may add. */
     d->margin = (int16_t)(size * 17 / 32 + 1);
     for (int32_t i = 0; i < star->count; i++) {
         const int8_t *const n = star->faces[i].low;
@@ -93,6 +97,7 @@ static int region_faces(const bvxi_box_tree *tree, const bvxi_box *region, const
         const bvxi_box_node *const node = &tree->node[level][index];
         uint32_t bits = bvxi_box_overlaps(node, &query) & ~bvxi_box_faces(node, d);
 
+        /* Only children that meet the region and may face elsewhere are left; of triangles one is enough. */
         if (bits != 0 && level == 0) return 0;
         for (; bits != 0; bits &= bits - 1) {
             uint64_t const child = index * BVXI_BOX_WIDTH + (uint64_t)bvxi_lowest(bits);

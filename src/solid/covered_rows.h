@@ -103,7 +103,8 @@ static inline void bvxi_cover_span(const bvxi_triangle *t, int64_t y0, int64_t z
         } else if (dz < 0) {
             int64_t const least = bvxi_ceil_div(-e, -dz * step);
             if (least > *first) *first = least;
-        } /* else: the box's lower or upper side; a slice from the lower one on and below the upper one is inside */
+        } /* else: the box's lower or upper side; a slice from the lower one on and below the upper one is
+             inside */
     }
 }
 
@@ -132,7 +133,8 @@ static inline void bvxi_divider_setup(const bvxi_triangle *t, int32_t fraction_b
                d->scale;
 }
 
-/* Where the row whose centre is (y, z) in fixed point crosses the plane, to the divider's error [Units: centres]. */
+/* Where the row whose centre is (y, z) in fixed point crosses the plane, to the divider's error [Units:
+ * centres]. */
 static inline double bvxi_cross_place(const bvxi_divider *d, double y, double z)
 {
     double const s = d->ny * (y - d->ay) + d->nz * (z - d->az);

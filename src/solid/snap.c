@@ -115,7 +115,8 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
                                          function, (uint64_t)corner[i], t);
             return bvxi_fail_for(
                 ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                "%s: vertex %i at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's origin; "
+                "%s: vertex %i at (%g, %g, %g) is more than 2^30 fixed-point steps from the lattice's "
+                "origin; "
                 "with %d fraction bits coordinates up to %g voxels away fit",
                 function, (uint64_t)corner[i], p[0], p[1], p[2], (int64_t)lattice->fraction_bits,
                 BVXI_FIXED_LIMIT / (double)(1 << lattice->fraction_bits));

@@ -49,8 +49,8 @@ typedef void bvxi_missing_fn(const void *user, int32_t count, const bvxi_missing
 typedef struct bvxi_cut_rule {
     /* At centres of the lattice and window of the inside; only those at ends of crossing edges are looked at,
      * so they need not be a band. Vectors go to the closest point, and are there but for BVX_EDGE_SCALAR and
-     * MIDDLE; distances are of either sign, without them the vectors' lengths count [Units: world]; triangles,
-     * each below the mesh's count, are looked at where there is a mesh. */
+     * MIDDLE; distances are of either sign, without them the vectors' lengths count [Units: world];
+     * triangles, each below the mesh's count, are looked at where there is a mesh. */
     const bvxi_sparse *values;
     const bvx_mesh_view *mesh; /* sharp: checked, indices too; else NULL */
     /* crossings with an end that has no value (NULL: the middle), and those that no surface makes: the

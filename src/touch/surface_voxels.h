@@ -116,10 +116,10 @@ static inline void bvxi_touch_voxel(bvxi_surface_job *job, int32_t i, int32_t j,
  * crossings that solid does not show: a line of centres crosses the mesh between two neighbours, and neither
  * is in solid. So each is in no piece of solid, but for parts narrower than a voxel along the line and
  * sheets. Exact; any threads. Scratch: as bvx_voxelize_surface.
- * beyond: by axis, the voxels by which solid would grow if it ended where lines of centres leave the mesh, not
- * half way between two centres. Each crossing counts along the axis that its triangle faces most. What solid
- * does not show, and what it closes without a surface, is not in it. The same bits for any order of triangles
- * and corners. */
+ * beyond: by axis, the voxels by which solid would grow if it ended where lines of centres leave the mesh,
+ * not half way between two centres. Each crossing counts along the axis that its triangle faces most. What
+ * solid does not show, and what it closes without a surface, is not in it. The same bits for any order of
+ * triangles and corners. */
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, bvx_grid *lost, double beyond[3]);
 /* The conservative surface of a mesh over the window of solid, in

@@ -51,8 +51,8 @@ static double thin_extent(const bvxi_triangle *t, int a)
 }
 
 /* The last centre of a line before it crosses the triangle; -1: that is before the first of the window. Where
- * cross_along has moved the triangle by half a voxel, it is the voxel that holds the crossing. *place: where it
- * crosses. */
+ * cross_along has moved the triangle by half a voxel, it is the voxel that holds the crossing. *place: where
+ * it crosses. */
 static inline int32_t line_crossing(thin_lines *l, int32_t u, int32_t v, double *place)
 {
     int32_t const f = l->tile->job->fraction_bits;
@@ -217,7 +217,8 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
         if (l.low[a] > l.high[a]) return;
         for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? shift : 0);
     }
-    /* Beside a solid places are summed: from the least corner on they have the same bits for any order of corners. */
+    /* Beside a solid places are summed: from the least corner on they have the same bits for any order of
+     * corners. */
     first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
     if (!bvxi_triangle_setup(q[first], q[(first + 1) % 3], q[(first + 2) % 3], &l.t)) return;
     bvxi_triangle_walk(&l.t, axis);
@@ -238,8 +239,8 @@ void bvxi_touch_thin(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count
     for (uint64_t done = 0; done < count; done += BVXI_TOUCH_BATCH) {
         uint32_t const n = (uint32_t)(count - done < BVXI_TOUCH_BATCH ? count - done : BVXI_TOUCH_BATCH);
         bvxi_batch_gather(job, id, done, n, &b);
-        /* from the first centre at or after the least coordinate to the last one before the greatest: half open,
-         * as the rule of ties moves centres */
+        /* from the first centre at or after the least coordinate to the last one before the greatest: half
+         * open, as the rule of ties moves centres */
         bvxi_batch_boxes(&b, n, f, half - 1, -half - 1);
         for (uint32_t i = 0; i < n; i++) {
             /* A triangle crosses lines along an axis only where its box holds a centre along both others. */

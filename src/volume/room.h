@@ -46,8 +46,8 @@ static inline double bvxi_sample_value(const uint8_t *p, int32_t type)
 typedef void bvxi_bits_fn(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
                           uint64_t *words);
 
-/* n numbers beside one another of each of up to 64 columns, stride bytes apart: bit c of rows[i] is number i of column
- * c. The numbers `ahead` bytes further are those that the next call reads. */
+/* n numbers beside one another of each of up to 64 columns, stride bytes apart: bit c of rows[i] is number i
+ * of column c. The numbers `ahead` bytes further are those that the next call reads. */
 typedef void bvxi_columns_fn(const void *rule, const uint8_t *p, int64_t stride, int32_t columns, int32_t n,
                              int64_t ahead, uint64_t *rows);
 

@@ -1,8 +1,9 @@
 /* threshold_columns.c - columns of bytes to rows of bits: in range or not, and turned at the same time.
  *
- * NumPy's C order has z fastest and bits run along x. Comparing 64 bytes of each of eight columns and keeping another bit
- * of each comparison gives eight bits of x for 64 z; eight such sets of bytes are turned as bytes, by unpacking, instead
- * of 64 by 64 bits. Guarantee: the bits of the runs of threshold.c, turned; only bytes of the columns are read. */
+ * NumPy's C order has z fastest and bits run along x. Comparing 64 bytes of each of eight columns and keeping
+ * another bit of each comparison gives eight bits of x for 64 z; eight such sets of bytes are turned as
+ * bytes, by unpacking, instead of 64 by 64 bits. Guarantee: the bits of the runs of threshold.c, turned; only
+ * bytes of the columns are read. */
 #include "core/simd.h"
 #include "volume/room.h"
 

@@ -404,7 +404,8 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     return status;
 }
 
-/* By numbers and then what is left by places; where numbers cancel too little, all by places. Last by lines. */
+/* By numbers and then what is left by places; where numbers cancel too little, all by places. Last by
+ * lines. */
 bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *s, int odd_once,
                            uint64_t **edges, uint64_t *count)
 {

@@ -72,7 +72,8 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
     }
 }
 
-/* Two components of the moment: the third follows from them but on level lines, which part_lines tells apart. */
+/* Two components of the moment: the third follows from them but on level lines, which part_lines tells
+ * apart. */
 static uint64_t hash_line(const hole_line *l)
 {
     uint64_t h = 0;
