@@ -2106,7 +2106,7 @@ typedef struct bvx_section_loop {
 /** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and
  *  sections may be in any order. Loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
-    double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] */
+    double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
     double *positions;       /**< of each plane: point . normal / |normal| [Size: section_count] */
     uint64_t point_count;    /**< [Limit: < 2^31] */

@@ -204,8 +204,12 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
                         cli_input_name(o->input[0]));
-    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
-        return cli_fail_advised(run, status, cli_input_name(o->input[0]), "; --mend splits loops there");
+    /* Planes of any direction are not mended. */
+    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend &&
+        job->sections.normals == NULL)
+        return cli_fail_advised(run, status, cli_input_name(o->input[0]),
+                                reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
+                                                                : "; --mend leaves such loops out");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
     job->volume = run->report.mesh[job->n].certificate.volume;

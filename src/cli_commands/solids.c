@@ -33,10 +33,6 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
     }
 }
 
-/* Fewer voxels than this are no wall, as for repair: where a surface is
- * rough at the size of a voxel some always show. */
-enum { LEAST_WALL = 8 };
-
 /* By how much the voxels' volume is off, and why; 0 in *wanted where nothing is known. */
 static double part_off(const bvx_solid_report *r, double *wanted)
 {
@@ -56,7 +52,7 @@ static void tell_volume(cli_text *warnings, const char *of, double most_off, con
     cli_add_warning(warnings,
                     "%sthe volume of the voxels is %.6g, that of the mesh %s%.6g (%+.1f %%): %s; %s", of,
                     r->volume, r->mesh_volume > 0 ? "" : "about ", wanted, off * 100.0,
-                    r->thin_voxels >= LEAST_WALL && off < 0
+                    r->thin_voxels != 0 && off < 0
                         ? "walls are lost, and faces lie up to half a voxel from where voxels end"
                         : "faces lie up to half a voxel from where voxels end",
                     advice);
@@ -73,12 +69,13 @@ void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, dou
     if (r->thin_resolution > 0)
         snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
                  (int)r->thin_resolution);
-    if (r->thin_voxels >= LEAST_WALL)
+    if (r->thin_voxels != 0)
         cli_add_warning(
             warnings,
             "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
-            " voxels, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
-            of, r->thin_voxels, box[0], box[1], box[2], box[3], box[4], box[5], advice, remedy);
+            " voxel%s, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
+            of, r->thin_voxels, r->thin_voxels == 1 ? "" : "s", box[0], box[1], box[2], box[3], box[4],
+            box[5], advice, remedy);
     tell_volume(warnings, of, most_off, r);
 }
 

@@ -81,6 +81,10 @@ run sections wall.csv -o wall.ply --json --blend cubic --layers 3
 is 'a leaning wall has no window by the cubic blend' "$(field euler) $(field joined_slabs)" '0 0'
 printf 'section,position,loop,x,y\n' >keyhole.csv
 for k in 0 1; do for p in 0,0 4,0 4,4 0,4 0,2 1,2 1,3 3,3 3,1 1,1 1,2 0,2; do echo "$k,$k,0,$p"; done; done >>keyhole.csv
+printf 'section,position,loop,x,y\n0,0,0,1,1\n0,0,0,1,1\n0,0,0,1,1\n' >dot.csv
+sed 's/^0,0,0/0,0,1/;1d' keyhole.csv >>dot.csv
+gives 'a loop of one point is refused' 1 'has 1 different point; a loop needs three; --mend leaves such loops out' sections dot.csv -o x.ply
+gives 'and left out' 0 'loops mended' sections dot.csv -o dot.ply --mend
 gives 'a keyhole is refused' 1 '; --mend splits loops there' sections keyhole.csv -o x.ply
 run sections keyhole.csv -o keyhole.ply --mend --json
 near 'volume of a mended keyhole' "$(field volume)" 12 1e-6

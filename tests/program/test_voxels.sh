@@ -173,6 +173,9 @@ reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r
 reports 'and are not looked for with never' 'r["solid"]["thin_checked"] is False and len(r["warnings"]) == 1 and "thinner" not in r["warnings"][0]' voxelize plate.obj -o x.bvx --spacing 0.1 --check-thin never
 reports 'and nothing is told where nothing is missing' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0 and "thin_box" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
 reports 'also with always' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0' voxelize box.obj -o x.bvx --spacing 0.25 --check-thin always
+# Also of very small ones: a plate of two by two voxels.
+{ corners 0 2 2 2; for z in 3.06 3.1; do printf 'v 2.5 2.5 %s\nv 2.7 2.5 %s\nv 2.7 2.7 %s\nv 2.5 2.7 %s\n' $z $z $z $z; done; sides 0 <all; sides 8 <all; } >chip.obj
+warns "lost where no voxel's centre lies in them: 4 voxels, in 2.5,2.5,3 to 2.7,2.7,3.1" voxelize chip.obj -o x.bvx --spacing 0.1
 # Voxels of 1.3 for a cube of 2: eight of them.
 warns 'the volume of the voxels is 17.576, that of the mesh 8 (+119.7 %): faces lie up to half a voxel from where voxels end; --resolution 39' voxelize two.obj -o x.bvx --spacing 1.3
 # A per cent and no more, also where the mesh's own sum is not known; and of a mesh it is the surface that counts.

@@ -672,6 +672,19 @@ static void test_bad_loops_are_refused(void)
     refuse(BVX_ERR_FORMAT, "touches itself");
 }
 
+/* At the limit sums are still numbers. */
+static void test_volumes_of_far_contours_are_finite(void)
+{
+    two_squares();
+    for (int i = 0; i < 8; i++)
+        for (int a = 0; a < 2; a++) stack.point[3 * i + a] *= 0.25e75;
+    stack.position[1] = 1e75;
+    for (int i = 4; i < 8; i++) stack.point[3 * i + 2] = 1e75;
+    build_good();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, certificate.volume / 1e75 / 1e75 / 1e75);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, report.prismoid_volume / 1e75 / 1e75 / 1e75);
+}
+
 static void test_bad_stacks_are_refused(void)
 {
     refuse(BVX_ERR_EMPTY, "hold no loop");
@@ -690,6 +703,12 @@ static void test_bad_stacks_are_refused(void)
     two_squares();
     stack.position[0] = -INFINITY;
     refuse(BVX_ERR_RANGE, "the position of section 0 is not finite");
+    two_squares();
+    stack.point[3 * 5 + 1] = -1.1e75; /* areas' products would overflow: volumes were infinite */
+    refuse(BVX_ERR_RANGE, "point 5 has a coordinate of -1.1e75; the limit is 1e75");
+    two_squares();
+    stack.position[1] = 1e308;
+    refuse(BVX_ERR_RANGE, "the position of section 1 is 1e308; the limit is 1e75");
     two_squares();
     stack.loop[1].section = 2;
     refuse(BVX_ERR_RANGE, "loop 1 is in section 2 of 2");
@@ -929,6 +948,7 @@ int main(void)
     RUN_TEST(test_layers_keep_the_contours);
     RUN_TEST(test_f32_is_rounded_f64);
     RUN_TEST(test_bad_loops_are_refused);
+    RUN_TEST(test_volumes_of_far_contours_are_finite);
     RUN_TEST(test_bad_stacks_are_refused);
     RUN_TEST(test_bad_options_are_refused);
     RUN_TEST(test_threads_and_memory_change_nothing);
