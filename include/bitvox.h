@@ -197,8 +197,8 @@ BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size)
 
 /** Create a context; call it through bvx_context_create, which passes the header's version.
  *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones), BVX_ERR_UNSUPPORTED
- *  when this build or thread has arithmetic that would change results (bvx_arithmetic_fault says which).
- *  [Cost: O(1)] */
+ *  when this build or thread has arithmetic that would change results, BVX_ERR_ARGUMENT (options),
+ *  BVX_ERR_MEMORY. There is no context then to ask for a message: bvx_context_fault has it. [Cost: O(1)] */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -206,6 +206,12 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
 {
     return bvx_context_create_version(BVX_VERSION, options, context);
 }
+
+/** Why no context is made of these options, in one line, for people: which field, and what it must be; the
+ *  versions; bvx_arithmetic_fault; an arena that is too small. NULL when one is made, where the allocator has
+ *  the memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is allocated or changed.
+ *  options  NULL means all defaults */
+BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
 
 /** Why bvx_context_create returns BVX_ERR_UNSUPPORTED: products contracted by the compiler, results wider
  *  than their type, or rounding that is not to nearest. NULL when nothing is wrong. */

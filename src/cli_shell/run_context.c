@@ -52,6 +52,7 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
     bvx_context_options o;
+    const char *fault;
     bvx_status status;
 
     bvx_context_options_init(&o, sizeof o);
@@ -64,5 +65,9 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     /* choices do not depend on the machine */
     run->context_limit = run->general->memory_limit != 0 ? o.memory_limit : 0;
     status = bvx_context_create(&o, &run->context);
-    return cli_check_call(run, status, NULL);
+    if (status == BVX_OK) return CLI_DONE;
+
+    /* Without a context there is no message but this one. */
+    fault = bvx_context_fault(BVX_VERSION, &o);
+    return cli_fail(run, "%s", fault != NULL ? fault : bvx_status_text(status));
 }

@@ -12,20 +12,62 @@ void bvx_context_options_init(bvx_context_options *options, size_t size)
     bvxi_give_options(options, size, &context_defaults, sizeof context_defaults);
 }
 
-static int options_ok(const bvx_context_options *o)
-{
-    int const own = o->alloc != NULL || o->free != NULL;
-    if (own && (o->alloc == NULL || o->free == NULL || o->arena != NULL)) return 0;
-    if ((o->arena == NULL) != (o->arena_size == 0)) return 0;
-    if (o->threads < 0 || o->threads > BVXI_MAX_THREADS) return 0;
-    return o->cpu >= BVX_CPU_BEST && o->cpu <= BVX_CPU_AVX2;
-}
-
 /* Before 1.0 a minor version may change the interface. */
 static int same_interface(int32_t version)
 {
     int32_t const step = BVX_VERSION_MAJOR == 0 ? 100 : 10000;
     return version / step == BVX_VERSION / step;
+}
+
+/* Why no context can be made, and the status that says so; BVX_OK and NULL where one can. */
+typedef struct context_fault {
+    bvx_status status;
+    const char *text;
+} context_fault;
+
+static context_fault fault_of(bvx_status status, const char *text)
+{
+    context_fault const f = {status, text};
+    return f;
+}
+
+static context_fault check_context_options(const bvx_context_options *o)
+{
+    if ((o->alloc == NULL) != (o->free == NULL))
+        return fault_of(BVX_ERR_ARGUMENT, "alloc and free are given together");
+    if (o->alloc != NULL && o->arena != NULL)
+        return fault_of(BVX_ERR_ARGUMENT, "alloc and arena exclude each other");
+    if ((o->arena == NULL) != (o->arena_size == 0))
+        return fault_of(BVX_ERR_ARGUMENT, "arena and arena_size are given together");
+    if (o->threads < 0 || o->threads > BVXI_MAX_THREADS)
+        return fault_of(BVX_ERR_ARGUMENT, "threads is 0 to 1024");
+    if (o->cpu < BVX_CPU_BEST || o->cpu > BVX_CPU_AVX2)
+        return fault_of(BVX_ERR_ARGUMENT, "cpu is BVX_CPU_BEST, BVX_CPU_PORTABLE or BVX_CPU_AVX2");
+    return fault_of(BVX_OK, NULL);
+}
+
+/* The options of an older or newer caller as this library knows them. */
+static context_fault take_context_options(int32_t header_version, const bvx_context_options *options,
+                                          bvx_context_options *o)
+{
+    size_t given_size = 0;
+
+    *o = context_defaults;
+    if (!same_interface(header_version))
+        return fault_of(BVX_ERR_VERSION,
+                        "the header that was compiled and this library are of different versions");
+    /* A build that would give other results is refused before anything is taken. */
+    if (bvx_arithmetic_fault() != NULL) return fault_of(BVX_ERR_UNSUPPORTED, bvx_arithmetic_fault());
+    if (options == NULL) return fault_of(BVX_OK, NULL);
+
+    memcpy(&given_size, options, sizeof given_size);
+    if (given_size < sizeof given_size || given_size > 65536)
+        return fault_of(BVX_ERR_ARGUMENT, "struct_size is not set; call bvx_context_options_init first");
+    for (size_t i = sizeof *o; i < given_size; i++)
+        if (((const unsigned char *)options)[i] != 0)
+            return fault_of(BVX_ERR_VERSION, "a field is set that this library does not know");
+    memcpy(o, options, given_size < sizeof *o ? given_size : sizeof *o);
+    return check_context_options(o);
 }
 
 /* Where no threads are built in and none are given all runs on the calling one. */
@@ -47,16 +89,26 @@ static int32_t choose_cpu(int32_t wanted)
     return wanted == BVX_CPU_BEST || wanted > best ? best : wanted;
 }
 
+static size_t arena_skip(const void *memory)
+{
+    return (BVXI_ALIGN - (uintptr_t)memory % BVXI_ALIGN) % BVXI_ALIGN;
+}
+
+/* The context, one line at the end for the word of the arena's chain, and one to give. */
+static int fits_in_arena(const void *memory, uint64_t size, size_t own)
+{
+    return size <= SIZE_MAX && size >= arena_skip(memory) + own + 2 * (size_t)BVXI_ALIGN;
+}
+
 /* The context and a word for the arena's chain come off the arena's front; the rest becomes the arena. */
 static bvx_context *place_in_arena(void *memory, uint64_t size, size_t own, bvxi_arena *arena)
 {
     unsigned char *const base = memory;
-    size_t const skip = (BVXI_ALIGN - (uintptr_t)base % BVXI_ALIGN) % BVXI_ALIGN;
-    size_t const fixed = skip + own + BVXI_ALIGN; /* one line at the end holds the chain word */
+    size_t const skip = arena_skip(memory);
 
-    if (size > SIZE_MAX || size < fixed + BVXI_ALIGN) return NULL;
+    if (!fits_in_arena(memory, size, own)) return NULL;
     arena->memory = base + skip + own;
-    arena->size = ((size_t)size - fixed) / BVXI_ALIGN * BVXI_ALIGN;
+    arena->size = ((size_t)size - skip - own - BVXI_ALIGN) / BVXI_ALIGN * BVXI_ALIGN;
     arena->low = 0;
     arena->high = arena->size;
     memset(arena->memory + arena->size, 0, sizeof(size_t));
@@ -71,27 +123,38 @@ static void place_pool(bvx_context *c)
     else c->threads = 1;
 }
 
+/* The context and its helpers' state, where they are the library's own. */
+static size_t context_size(const bvx_context_options *o)
+{
+    return aligned_size(sizeof(bvx_context)) +
+           (o->parallel == NULL ? aligned_size(bvxi_pool_size(choose_threads(o))) : 0);
+}
+
+const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options)
+{
+    bvx_context_options o;
+    context_fault const f = take_context_options(header_version, options, &o);
+
+    /* Nothing is written to the arena, which may be another context's. */
+    if (f.status != BVX_OK || o.arena == NULL || fits_in_arena(o.arena, o.arena_size, context_size(&o)))
+        return f.text;
+    return "the arena is too small for the context and its threads";
+}
+
 bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                       bvx_context **context)
 {
-    bvx_context_options o = context_defaults;
+    bvx_context_options o;
     bvxi_arena arena = {0};
     bvx_context *c;
-    size_t given_size = 0, size, table;
+    size_t size, table;
     int32_t threads;
+    context_fault fault;
+
     if (context == NULL) return BVX_ERR_ARGUMENT;
     *context = NULL;
-    if (!same_interface(header_version)) return BVX_ERR_VERSION;
-    /* A build that would give other results is refused before anything is taken. */
-    if (bvx_arithmetic_fault() != NULL) return BVX_ERR_UNSUPPORTED;
-    if (options != NULL) {
-        memcpy(&given_size, options, sizeof given_size);
-        if (given_size < sizeof given_size || given_size > 65536) return BVX_ERR_ARGUMENT;
-        for (size_t i = sizeof o; i < given_size; i++)
-            if (((const unsigned char *)options)[i] != 0) return BVX_ERR_VERSION;
-        memcpy(&o, options, given_size < sizeof o ? given_size : sizeof o);
-    }
-    if (!options_ok(&o)) return BVX_ERR_ARGUMENT;
+    fault = take_context_options(header_version, options, &o);
+    if (fault.status != BVX_OK) return fault.status;
     if (o.alloc == NULL) {
         o.alloc = bvxi_heap_alloc;
         o.free = bvxi_heap_free;
@@ -100,7 +163,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
      * context takes. */
     threads = choose_threads(&o);
-    size = aligned_size(sizeof *c) + (o.parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
+    size = context_size(&o);
     table = o.arena == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
     c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena)
                         : o.alloc(o.alloc_user, size + table, BVXI_ALIGN);

@@ -406,7 +406,7 @@ static bvx_status build_any(bvx_context *context, const bvx_sections *sections, 
 /* Volumes by prismoids are roots of two areas' product: that must not overflow. */
 #define SECTIONS_FARTHEST 1e75
 
-static bvx_status check_far(bvx_context *ctx, const bvx_sections *given)
+static bvx_status check_far_contours(bvx_context *ctx, const bvx_sections *given)
 {
     for (uint64_t i = 0; i < given->section_count; i++)
         if (bvxi_absolute(given->positions[i]) > SECTIONS_FARTHEST)
@@ -434,7 +434,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(check_section_options(context, &o));
     if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
-    BVXI_TRY(check_far(context, sections));
+    BVXI_TRY(check_far_contours(context, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);

@@ -77,6 +77,7 @@ static void test_create_refuses_another_interface(void **state)
                                                                  &ctx);
             assert_int_equal(status, same ? BVX_OK : BVX_ERR_VERSION);
             assert_int_equal(ctx != NULL, same);
+            assert_int_equal(bvx_context_fault(major * 10000 + minor * 100 + 99, NULL) == NULL, same);
             bvx_context_destroy(ctx);
         }
 }
@@ -94,6 +95,7 @@ static void test_create_refuses_other_rounding(void **state)
         if (fesetround(modes[i]) != 0) continue;
         status = bvx_context_create(NULL, &ctx);
         fault = bvx_arithmetic_fault();
+        assert_ptr_equal(bvx_context_fault(BVX_VERSION, NULL), fault);
         fesetround(FE_TONEAREST);
         assert_int_equal(status, BVX_ERR_UNSUPPORTED);
         assert_null(ctx);
@@ -115,6 +117,14 @@ static void test_create_raises_no_floating_exception(void **state)
 static void test_create_refuses_bad_options(void **state)
 {
     static unsigned char memory[4096];
+    static const char *const why[8] = {"alloc and free are given together",
+                                       "alloc and free are given together",
+                                       "alloc and arena exclude each other",
+                                       "arena and arena_size are given together",
+                                       "arena and arena_size are given together",
+                                       "threads is 0 to 1024",
+                                       "threads is 0 to 1024",
+                                       "cpu is BVX_CPU_BEST, BVX_CPU_PORTABLE or BVX_CPU_AVX2"};
     fault_heap heap = {0};
     bvx_context_options bad[8];
     bvx_context *ctx = NULL;
@@ -134,12 +144,47 @@ static void test_create_refuses_bad_options(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_int_equal(bvx_context_create(&bad[i], &ctx), BVX_ERR_ARGUMENT);
         assert_null(ctx);
+        assert_string_equal(bvx_context_fault(BVX_VERSION, &bad[i]), why[i]);
     }
     bad[0] = default_options();
+    assert_null(bvx_context_fault(BVX_VERSION, &bad[0]));
+    assert_null(bvx_context_fault(BVX_VERSION, NULL));
     bad[0].cpu = -1;
     assert_int_equal(bvx_context_create(&bad[0], &ctx), BVX_ERR_ARGUMENT);
+    assert_string_equal(bvx_context_fault(BVX_VERSION, &bad[0]), why[7]);
     assert_int_equal(bvx_context_create(NULL, NULL), BVX_ERR_ARGUMENT);
     assert_int_equal(heap.asked, 0);
+}
+
+/* What is told of an arena is what creating a context in it finds, and the arena keeps its bytes. */
+static void test_fault_of_an_arena_is_that_of_its_context(void **state)
+{
+    static unsigned char memory[65536], same[65536];
+    bvx_context_options o = default_options();
+    uint64_t least = 0;
+
+    (void)state;
+    o.threads = 4;
+    memset(same, 0xEE, sizeof same);
+    for (uint64_t size = 1; size + 3 <= sizeof memory; size += size < 4096 ? 1 : 61) {
+        bvx_context *ctx = NULL;
+        const char *fault;
+        bvx_status status;
+
+        memset(memory, 0xEE, sizeof memory);
+        o.arena = memory + 3;
+        o.arena_size = size;
+        fault = bvx_context_fault(BVX_VERSION, &o);
+        assert_memory_equal(memory, same, sizeof memory);
+        status = bvx_context_create(&o, &ctx);
+        assert_int_equal(fault == NULL, status == BVX_OK);
+        if (fault != NULL) {
+            assert_int_equal(status, BVX_ERR_MEMORY);
+            assert_string_equal(fault, "the arena is too small for the context and its threads");
+        } else if (least == 0) least = size;
+        bvx_context_destroy(ctx);
+    }
+    assert_in_range(least, 1, sizeof memory - 3);
 }
 
 static void test_destroy_and_queries_take_null(void **state)
@@ -223,6 +268,8 @@ static void test_create_takes_options_of_a_newer_caller_with_a_zero_tail(void **
         unsigned char *const tail = (unsigned char *)o.unknown;
         tail[i] = 1;
         assert_int_equal(bvx_context_create(&o.known, &ctx), BVX_ERR_VERSION);
+        assert_string_equal(bvx_context_fault(BVX_VERSION, &o.known),
+                            "a field is set that this library does not know");
         assert_null(ctx);
         tail[i] = 0;
     }
@@ -239,6 +286,8 @@ static void test_create_refuses_a_size_that_is_none(void **state)
         o.struct_size = sizes[i];
         assert_int_equal(bvx_context_create(&o, &ctx), BVX_ERR_ARGUMENT);
         assert_null(ctx);
+        assert_string_equal(bvx_context_fault(BVX_VERSION, &o),
+                            "struct_size is not set; call bvx_context_options_init first");
     }
 }
 
@@ -362,6 +411,7 @@ int main(void)
         cmocka_unit_test(test_create_refuses_other_rounding),
         cmocka_unit_test(test_create_raises_no_floating_exception),
         cmocka_unit_test(test_create_refuses_bad_options),
+        cmocka_unit_test(test_fault_of_an_arena_is_that_of_its_context),
         cmocka_unit_test(test_destroy_and_queries_take_null),
         cmocka_unit_test(test_create_keeps_to_the_portable_path),
         cmocka_unit_test(test_options_init_keeps_to_the_callers_size),

@@ -61,7 +61,7 @@ no_cpu_detection() {
 }
 
 # Functions without a result that a machine could change, and without work that could fail, are named here.
-plain='bvx_arithmetic_fault bvx_context_cpu bvx_context_create_version bvx_context_destroy bvx_context_threads bvx_format_of_name
+plain='bvx_arithmetic_fault bvx_context_cpu bvx_context_create_version bvx_context_destroy bvx_context_fault bvx_context_threads bvx_format_of_name
     bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_reason_text
     bvx_status_text bvx_version'
 

@@ -27,11 +27,13 @@ class Call {
             machine.setField('context_options', options, 'progress', c.bridge_progress());
         const place = this.block(4);
         const status = c.bvx_context_create_version(c.bvx_version(), options, place);
-        if (status !== 0)
-            throw new BitvoxError(`${this.name}: no context: ${machine.text(c.bvx_status_text(status))}`, {
+        if (status !== 0) {
+            const fault = c.bvx_context_fault(c.bvx_version(), options) || c.bvx_status_text(status);
+            throw new BitvoxError(`${this.name}: no context: ${machine.text(fault)}`, {
                 status: NAMES.status_[status],
                 function: this.name,
             });
+        }
         this.context = machine.get('u32', place);
     }
 

@@ -23,6 +23,7 @@ NOT_NEEDED = {
     "bvx_write_mesh",  # bvx_write_mesh_with has all choices
     "bvx_lattice_fit",  # bvx_lattice_fit_with has all choices
     "bvx_last_message",  # bvx_last_error has it in parts
+    "bvx_arithmetic_fault",  # bvx_context_fault says it
     "bvx_reason_text",  # exceptions carry the reason's name and the message
 }
 

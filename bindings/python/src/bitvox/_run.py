@@ -227,7 +227,7 @@ class Run:
         out = ffi.new("bvx_context **")
         status = lib.bvx_context_create_version(lib.BVX_VERSION, options, out)
         if status != lib.BVX_OK:
-            fault = lib.bvx_arithmetic_fault()
+            fault = lib.bvx_context_fault(lib.BVX_VERSION, options)
             text = ffi.string(fault).decode() if fault != ffi.NULL else ffi.string(lib.bvx_status_text(status)).decode()
             raise BY_CODE.get(status, Error)(f"no context: {text}")
         self.context = ffi.gc(out[0], lib.bvx_context_destroy)
