@@ -84,10 +84,10 @@ static void put_commands(const cli_command *const *commands)
     for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
     /* Neither is a command in the table: both are taken before commands are looked for. */
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
-    put_roff("Tells the commands, the options of one, this page, or a script for bash to be read by its "
+    put_roff("Prints the commands, the options of one, this page, or a script for bash to be read by its "
              "\"source\".\n");
     putchar('\n');
-    printf(".SS \"bitvox \\-\\-version\"\nTells the version.\n");
+    printf(".SS \"bitvox \\-\\-version\"\nPrints the version.\n");
 }
 
 static void put_examples(const cli_command *const *commands)

@@ -245,7 +245,7 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         else if (a->least == 3)
             snprintf(
                 text, room,
-                "three whole numbers a place like 8,8,8 or 8,8,8,40,40,40, at most %d, from %.0f to %.0f",
+                "three whole numbers a voxel like 8,8,8 or 8,8,8,40,40,40, at most %d, from %.0f to %.0f",
                 a->most, a->low, a->high);
         else
             snprintf(text, room, "whole numbers like 64,32,16, at most %d, from %.0f to %.0f", a->most,

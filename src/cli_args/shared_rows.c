@@ -63,7 +63,7 @@ const cli_argument cli_takes_fill[] = {
            "inverted shells are one solid; vote: what rows along three axes agree\n"
            "on, else all directions, whichever way triangles face; flood: what a\n"
            "flood from outside cannot reach, cavities included; regions: what the\n"
-           "surface parts is inside or outside as a whole; below: all under a terrain;\n"
+           "surface separates is inside or outside as a whole; below: all under a terrain;\n"
            "winding: more than half a turn, for holes in overlapping parts [auto]"),
     {0}};
 
@@ -219,7 +219,7 @@ const cli_argument cli_takes_connectivity[] = {CHOICE("--connectivity", "N", SHA
 const cli_argument cli_takes_common[] = {
     WHOLE("--threads", "N", SHARED(general.threads), 0, 1024, "workers, 0: all there are [0]"),
     BYTES("--memory-limit", "BYTES", SHARED(general.memory_limit),
-          "most memory for data; K, M and G are understood [what there is;\n"
+          "maximum memory for data; K, M and G are understood [what there is;\n"
           "files: half of it]"),
     FLAG("--json", SHARED(general.json), "a report for programs on standard output, in place of the text"),
     CHOICE("--progress", "HOW", SHARED(general.progress), progress_names, CLI_BAR_AUTO,

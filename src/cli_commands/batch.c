@@ -106,11 +106,11 @@ static int make_folder(cli_run *run, const char *folder)
 
     /* It may be there already, or be made by another run at the same time. */
     if (mkdir(folder, 0777) == 0 || (stat(folder, &s) == 0 && S_ISDIR(s.st_mode))) return CLI_DONE;
-    return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
+    return cli_fail(run, "%s: the folder cannot be made: %s", folder, strerror(errno));
 #else
 #if defined(_WIN32)
     if (cli_make_folder(folder) != 0)
-        return cli_fail(run, "%s: cannot be made a folder: %s", folder, strerror(errno));
+        return cli_fail(run, "%s: the folder cannot be made: %s", folder, strerror(errno));
 #endif
     (void)run;
     (void)folder;

@@ -163,7 +163,7 @@ static void tell_mesh(cli_made *made, const char *name, const cli_mesh_entry *m)
              c->oriented ? "oriented" : "not oriented");
     /* The sum of an open mesh's triangles is no volume: it changes when the mesh is moved. */
     cli_tell(made, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
-             c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
+             c->closed ? "" : " (of an open mesh: depends on its position)", c->area);
 }
 
 static void tell_way(cli_made *made, const char *way, double mean, double most, double diagonal)

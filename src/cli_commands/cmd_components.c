@@ -29,7 +29,7 @@ static const cli_argument components_rows[] = {
          "keep parts that hold one of these voxels, counted from the grid's\n"
          "first one, three numbers each [all]"),
     LONG("--keep-largest", "N", OWN(keep_largest), 1, 1e15,
-         "keep so many of the largest parts, of those that other rules leave [all]"),
+         "keep so many of the largest parts, of those that remain by other rules [all]"),
     LONG("--at-least", "N", OWN(at_least), 0, 1e15, "keep parts of so many voxels or more [0]"),
     FLAG("--fill-cavities", OWN(fill_cavities), "fill the empty parts that are closed in through faces"),
     FILE_NAME("--labels", "FILE", OWN(labels), "also write the parts' numbers: .npy, u32"),

@@ -153,7 +153,7 @@ const cli_command cli_convert = {
         "Grids: reads " CLI_GRIDS ", also with .gz, and writes the same, or\n"
         "their surface half way between set and empty voxels as a mesh.\n"
         "Octrees: reads .bvx and writes .vtu, .bvx, and with --expand grids of one level.\n"
-        "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is said\n"
+        "What the new format cannot hold (colours, texture coordinates, a lattice around a window) is reported\n"
         "in a warning. .npy and .vox hold no lattice: it goes to OUT.json beside them, and is looked for "
         "there.",
     .example = "bitvox convert fixtures/knot.ply -o knot.glb\n"

@@ -63,7 +63,7 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
     if (c->closed && c->oriented && c->volume < 0) cli_tell(made, ", inside out");
     cli_tell(made, "\n  components  %" PRIu64 ", Euler number %" PRId64 "\n", c->components, c->euler);
     cli_tell(made, "  volume      %.9g%s\n  area        %.9g\n", c->volume,
-             c->closed ? "" : " (of an open mesh: depends on its place)", c->area);
+             c->closed ? "" : " (of an open mesh: depends on its position)", c->area);
 }
 
 static int check(cli_run *run, const bvx_mesh *mesh, int weld, bvx_certificate *c)

@@ -35,7 +35,7 @@ static const cli_argument lod_rows[] = {
          "level needs; else 8 x the finest level, less where memory is short]"),
     {.also = cli_takes_padding},
     LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
-         "most triangles of each level"),
+         "maximum number of triangles of each level"),
     {.also = cli_takes_errors},
     WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n"
@@ -53,7 +53,7 @@ static const cli_argument lod_rows[] = {
     FLAG("--sharp", SHARED(sharp), "of the measured surface: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", SHARED(no_sharp),
          "do not put vertices there [where many of the mesh's edges are sharp]"),
-    FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities go"),
+    FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities are dropped"),
     CHOICE("--method", "NAME", OWN(method), method_names, BVX_LOD_EDGE_RATIO,
            "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\n"
            "solid [collapse; edge-ratio for grids, volumes, and with --levels,\n"

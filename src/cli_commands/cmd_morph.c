@@ -104,9 +104,10 @@ static int take_action(cli_run *run, morph_job *job)
         }
     /* A misspelt action, or an input that stands in its place. */
     near = cli_nearest(word, action_at, NULL);
-    if (near != NULL) return cli_usage(run, "morph knows no '%s'; did you mean '%s'?", word, near);
+    if (near != NULL) return cli_usage(run, "unknown action '%s'; did you mean '%s'?", word, near);
     return cli_usage(
-        run, "morph knows no '%s'; it takes dilate, erode, open, close, hollow or distance before the input",
+        run,
+        "unknown action '%s'; it is one of dilate, erode, open, close, hollow and distance, before the input",
         word);
 }
 
@@ -136,7 +137,7 @@ static const cli_rule action_rules[] = {
     {.unless = MEASURES, .given = "--side --value-type", .message = "morph %w has no use for %o"},
     {.given = "--radius",
      .beside = "--neighbourhood --steps",
-     .message = "%o is in place of --neighbourhood and --steps"},
+     .message = "%o replaces --neighbourhood and --steps"},
     {.when = HOLLOWS, .unless = IS_THICK, .message = "morph hollow needs --thickness, above 0"},
     {.unless = DRAINS, .given = "--drain-side", .message = "%o needs --drain"},
     {.when = NOTHING_BEYOND,

@@ -35,7 +35,7 @@ static const cli_argument refine_rows[] = {
           "voxels along the longest axis before any is halved [8]"),
     WHOLE_OR("--halvings", "L|auto", OWN(depth), 0, 25, auto_names, -1,
              "how many times voxels are halved [6]; auto: with --resolution, as it\n"
-             "takes least time by an estimate [auto with --resolution]"),
+             "takes the shortest time by an estimate [auto with --resolution]"),
     WHOLE("--outer-levels", "L", OWN(tree.outer_levels), 0, 25,
           "with --window: how many times beyond it [0]"),
     BETWEEN("--adaptive", "T", OWN(tree.tolerance), 0, 1e300,

@@ -376,7 +376,7 @@ const cli_command cli_render = {
         "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
         "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
         "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
-        "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes round.",
+        "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes around.",
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
                "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
     .rows = render_rows,

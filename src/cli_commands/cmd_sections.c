@@ -175,8 +175,8 @@ static const cli_rule sections_rules[] = {
     {.when = HAS_NUMBER, .unless = ALL_LABELS, .message = "%f: %d is for --label all"},
     {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
     {.given = "--cells", .beside = "--spacing", .message = "%o and %b contradict each other"},
-    {.given = "--block-model", .lacking = "--block", .message = "--block-model and --block go together"},
-    {.given = "--block", .lacking = "--block-model", .message = "--block-model and --block go together"},
+    {.given = "--block-model", .lacking = "--block", .message = "%o requires --block"},
+    {.given = "--block", .lacking = "--block-model", .message = "%o requires --block-model"},
     {.unless = MODEL_IS_CSV, .given = "--block-model", .message = "%w: a block model's name ends in .csv"},
     {.when = STAYS_OPEN, .given = "--block-model", .message = "%o needs a closed body, not --caps open"},
     {.unless = HAS_BLOCKS, .given = "--block", .message = "%o: sides must be above 0"},
@@ -671,7 +671,7 @@ const cli_command cli_sections = {
         "Reads closed contours on planes (.csl, of any direction; .csv with the columns section, position,\n"
         "loop, x, y and perhaps label, for planes of any direction also z, nx, ny, nz; also with .gz) and\n"
         "writes the surface of the body through all of them: each contour point is a vertex. Loops in loops\n"
-        "are holes. Tells volumes, what of the contours was too fine for the grid, and how many distances\n"
+        "are holes. Reports volumes, what of the contours was too fine for the grid, and how many distances\n"
         "were not needed. Loops that cross or touch, points off their plane, a second section at one position\n"
         "and, without --thickness, a single section are refused; sections, loops and points are counted\n"
         "from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"

@@ -15,7 +15,7 @@ static const cli_argument simplify_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},
     LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
-         "most triangles, of each level where there are several [half]"),
+         "maximum number of triangles, of each level where there are several [half]"),
     {.also = cli_takes_errors},
     WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
           "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),

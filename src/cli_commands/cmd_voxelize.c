@@ -40,7 +40,7 @@ static const cli_argument voxelize_rows[] = {
     CHOICE("--sign", "RULE", SHARED(sign), cli_sign_names, BVX_SIGN_AUTO,
            "with --mode field, what is inside. exact: as --fill parity; winding:\n"
            "holes and overlaps; vote: holes and flipped triangles; pseudonormal,\n"
-           "normal: the side of the closest place or triangle; none; auto: as\n"
+           "normal: the side of the closest point or triangle; none; auto: as\n"
            "--fill auto [auto]"),
     FLAG("--vectors", SHARED(vectors), "with --mode field: vectors to the closest points, not distances"),
     CHOICE("--value-type", "TYPE", OWN(field.value_type), cli_value_type_names, BVX_F32,
@@ -55,7 +55,7 @@ static const cli_argument voxelize_rows[] = {
     FLAG("--check-edges", OWN(solid.check_edges),
          "count edges with one triangle, and those between flipped ones"),
     CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, -1,
-           "look for walls too thin for the voxels, for a warning with their place.\n"
+           "look for walls too thin for the voxels, for a warning with their position.\n"
            "auto: in whole lattices; always; never [auto]"),
     FLAG("--compare-fills", OWN(compare_fills), "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", OWN(solid.base),

@@ -25,7 +25,7 @@ static int check_batch(cli_run *run)
         return cli_usage(run, "--format %s is not written by %s", cli_format_name(o->format),
                          run->command->name);
     if (run->command->bit == CLI_CONVERT && o->format == 0)
-        return cli_usage(run, "convert lacks the format of the files in --output-dir; say it with --format");
+        return cli_usage(run, "convert lacks the format of the files in --output-dir; give it with --format");
     return CLI_DONE;
 }
 

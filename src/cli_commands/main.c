@@ -88,7 +88,7 @@ static int run_command(cli_run *run, int count, char **word)
     int status;
 
     run->own = calloc(1, run->command->own + 1);
-    if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to begin with"));
+    if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
     /* The library's defaults, before any row changes one of them. */
     if (run->command->start != NULL) run->command->start(run->own);
     status = cli_parse(run, count, word);

@@ -47,7 +47,7 @@ static int fail_ceiling(cli_run *run, const char *path, const char *more, uint64
                         cli_input_name(path), more, limit);
     return cli_fail(
         run, "%s: %s %" PRIu64 " bytes, %shalf of the memory there is; --memory-limit sets another limit",
-        cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what is left of " : "");
+        cli_input_name(path), more, limit, limit < bytes_ceiling(run) ? "what remains of " : "");
 }
 
 static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
@@ -192,8 +192,8 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
             }
             inflateReset(z);
         } else if (result == Z_BUF_ERROR && taken == packed->size) {
-            return cli_fail(run, "%s: gzip: the data end in their middle, at byte %" PRIu64,
-                            cli_input_name(path), (uint64_t)taken);
+            return cli_fail(run, "%s: gzip: the data end too early, at byte %" PRIu64, cli_input_name(path),
+                            (uint64_t)taken);
         } else if (result != Z_OK && result != Z_BUF_ERROR) {
             return cli_fail(run, "%s: gzip: %s near byte %" PRIu64, cli_input_name(path),
                             z->msg != NULL ? z->msg : "damaged data", (uint64_t)taken);

@@ -26,14 +26,14 @@ enum { IS_RAW = 1 << CLI_FIRST_FACT }; /* a .raw file is read */
 /* The word is the input's name. */
 static const cli_rule selection_rules[] = {
     {.given = "--below", .lacking = "--level", .message = "%o needs --level"},
-    {.unless = IS_RAW, .given = OF_RAW, .message = "%o is for .raw files; %w tells it itself"},
+    {.unless = IS_RAW, .given = OF_RAW, .message = "%o is for .raw files; %w states it itself"},
     {0}};
 
 static const cli_rule raw_rules[] = {
     {.lacking = "--shape",
-     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type tell what they are"},
+     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type say what they are"},
     {.lacking = "--sample-type",
-     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type tell what they are"},
+     .message = "%w holds bare samples: --shape X,Y,Z and --sample-type say what they are"},
     {0}};
 
 static int may_be_volume(int32_t format)

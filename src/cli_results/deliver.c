@@ -60,7 +60,7 @@ int cli_perform(cli_run *run)
     if (run->command->choose != NULL) CLI_TRY(run->command->choose(run, &run->job));
     /* Zeroed: what was not reached is freed as empty. */
     run->work = calloc(1, run->job->size);
-    if (run->work == NULL) return cli_fail(run, "no memory to begin with");
+    if (run->work == NULL) return cli_fail(run, "no memory to start");
     result = run->job->make(run, run->work, &made);
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);

@@ -80,7 +80,7 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
     if (bytes > limit || bytes > SIZE_MAX)
         return cli_fail(run,
                         "%s: %" PRIu64 " leaves as boxes would take %" PRIu64
-                        " MiB: take .vtu, fewer --levels or --states, or a larger "
+                        " MiB: take .vtu, fewer --halvings or --states, or a larger "
                         "--memory-limit",
                         run->options->output, count, bytes >> 20);
     /* As many as there may be: --cut takes away some of them later. */

@@ -51,7 +51,7 @@ static void target_text(const bvx_level_report *l, double diagonal, char *text, 
     else snprintf(text, room, "%" PRIu64, l->target);
 }
 
-/* Sheets are open as they were asked to be. */
+/* Sheets are open where that was requested. */
 static void defect_text(const bvx_level_report *l, char *text, size_t room)
 {
     const bvx_certificate *const c = &l->certificate;
@@ -65,7 +65,7 @@ static void defect_text(const bvx_level_report *l, char *text, size_t room)
 
 void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made *made)
 {
-    cli_tell(made, "level  triangles  asked for    share  smallest angle  pieces  target   closed, manifold, "
+    cli_tell(made, "level  triangles  requested    share  smallest angle  pieces  target   closed, manifold, "
                    "oriented, no crossings\n");
     for (int i = 0; i < count; i++) {
         const cli_mesh_entry *const m = &run->report.mesh[i];

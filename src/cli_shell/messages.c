@@ -76,7 +76,7 @@ void cli_interrupt_text(const cli_run *run, char *text, size_t room)
     }
     /* Outputs get their names all or none; only what is written in place can be cut. */
     if (kept != 0) snprintf(text, room, "interrupted; what was requested is written");
-    else if (cut != NULL) snprintf(text, room, "interrupted; %s may have got a part of its bytes", cut);
+    else if (cut != NULL) snprintf(text, room, "interrupted; %s may have received a part of its bytes", cut);
     else snprintf(text, room, "interrupted; nothing was written");
     tame(text);
 }

@@ -138,7 +138,7 @@ if has gzip && gzip -c mark.ply >tail.ply.gz 2>err; then
     warns '4 bytes after the data' info tail.ply.gz
 fi
 refuses 2 'boolean OPERATION A B' boolean union knot.obj -o x.ply
-refuses 2 'holds bare samples: --shape X,Y,Z and --sample-type tell what they are' info "$root/fixtures/waves.raw"
+refuses 2 'holds bare samples: --shape X,Y,Z and --sample-type say what they are' info "$root/fixtures/waves.raw"
 
 # ---- what files hold ----
 

@@ -219,7 +219,7 @@ refuses 2 'is not written by repair' repair in/a_stl.stl --output-dir some --for
 refuses 2 'standard input has no name' repair - --output-dir some
 refuses 2 'several with --output-dir' repair in/a_stl.stl in/a_obj.obj -o x.ply
 refuses 2 'lod has no use for --output-dir' lod in/a_stl.stl --output-dir some
-refuses 1 'cannot be made a folder' repair in/a_stl.stl --output-dir in/bad.stl
+refuses 1 'the folder cannot be made' repair in/a_stl.stl --output-dir in/bad.stl
 refuses 2 'lacks its input' repair --output-dir some
 
 # Names with the marks of other programs, or with a number where one file is written.

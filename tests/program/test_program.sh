@@ -460,11 +460,11 @@ if has gzip; then
         run info two.ply.gz
         holds 'gzip files joined are read' test $status = 0
         head -c 100000 k.ply.gz >cut.ply.gz
-        refuses 1 'end in their middle' info cut.ply.gz
+        refuses 1 'the data end too early' info cut.ply.gz
         cp "$knot" no.ply.gz
         refuses 1 'gzip: ' info no.ply.gz
         : >none.ply.gz
-        refuses 1 'end in their middle' info none.ply.gz
+        refuses 1 'the data end too early' info none.ply.gz
         head -c 50000000 /dev/zero | gzip -c >bomb.ply.gz
         refuses 1 'memory-limit' info bomb.ply.gz --memory-limit 20M
         # 10 GB of zeros in members of 100 MB; the memory taken is that of the limit and little more.
@@ -482,7 +482,7 @@ P
         fi
         if limits -v 600000 && (ulimit -v 600000 && "$program" info "$knot" --threads 1) >/dev/null 2>&1; then
             (ulimit -v 600000 && "$program" info bomb.ply.gz --threads 1) >out 2>err
-            holds 'a bomb without a limit stops at half the memory' grep -q 'holds more than [0-9]* bytes, what is left of half of the memory there is' err
+            holds 'a bomb without a limit stops at half the memory' grep -q 'holds more than [0-9]* bytes, what remains of half of the memory there is' err
         else
             skip 'a bomb without a limit' 'the address space cannot be limited here'
         fi

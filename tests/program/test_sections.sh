@@ -94,7 +94,7 @@ gives 'classic' 0 'closed, manifold, oriented' sections prism.csv -o prism.obj -
 gives 'no contour file' 2 'does not end in a contour format' sections "$knot" -o x.ply
 gives 'no mesh file' 2 'does not end in a mesh format' sections prism.csv -o x.csv
 gives 'grid and spacing' 2 'contradict' sections prism.csv -o x.ply --grid 5x5 --spacing 1
-gives 'block without model' 2 'go together' sections prism.csv -o x.ply --block 1,1,1
+gives 'block without model' 2 'block requires --block-model' sections prism.csv -o x.ply --block 1,1,1
 gives 'blocks of an open body' 2 'closed body' sections prism.csv -o x.ply --caps open --block 1,1,1 --block-model b.csv
 gives 'another label' 1 'no loop has the label 4' sections prism.csv -o x.ply --label 4
 sed 's/^1,0,2,6,5$/1,0,2,60,5/' prism.csv >crossed.csv

@@ -477,8 +477,8 @@ reports 'morph distance' 'r["morph"]["side"] == "inside" and r["morph"]["least"]
     morph distance body.bvx -o x.npy --side inside --beyond empty
 rm -f x.*
 refuses 2 "did you mean 'erode'" morph erod body.bvx -o x.bvx
-refuses 2 'morph knows no' morph body.bvx erode -o x.bvx
-refuses 2 'in place of' morph erode body.bvx -o x.bvx --radius 1 --steps 2
+refuses 2 'unknown action' morph body.bvx erode -o x.bvx
+refuses 2 '--radius replaces' morph erode body.bvx -o x.bvx --radius 1 --steps 2
 refuses 2 'no use for --thickness' morph erode body.bvx -o x.bvx --thickness 1
 refuses 2 'needs --thickness' morph hollow body.bvx -o x.bvx
 refuses 2 'is for meshes' morph open body.bvx -o x.bvx --resolution 64

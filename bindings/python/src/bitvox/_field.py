@@ -347,7 +347,7 @@ def field(
         of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
     sign
         what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
-        and flipped triangles), "pseudonormal", "normal" (the side of the closest place or triangle), "none", or "auto":
+        and flipped triangles), "pseudonormal", "normal" (the side of the closest point or triangle), "none", or "auto":
         inside is what fill "auto" has inside.
     dtype
         of the values, float32 or float64 (the program's ``--value-type``).
