@@ -27,8 +27,6 @@
 bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t connectivity,
                                 const int32_t size[3], uint64_t run_count, bvxi_components *c)
 {
-    bvx_status status;
-
     memset(c, 0, sizeof *c);
     c->ctx = ctx;
     /* Numbers of runs are 32 bits, with the last one kept free. */
@@ -44,14 +42,10 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
      * before and after each slice: neighbours need no test. */
     c->stride = (uint64_t)c->row_words + 2;
     c->slice = c->stride * ((uint64_t)size[1] + 2); /* below 2^45 */
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, run_count * sizeof *c->label, "the components' labels", &c->label);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 16, "the components' rows", &c->words);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 8, "the ranks of the components' rows",
-                                 &c->before);
-    if (status != BVX_OK) bvxi_components_free(c);
-    return status;
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, run_count * sizeof *c->label, "the components' labels", &c->label));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 16, "the components' rows", &c->words));
+    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, c->slice * 8, "the ranks of the components' rows", &c->before);
 }
 
 static void free_component_rows(bvxi_components *c)

@@ -57,23 +57,20 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
 {
     fill_spaces_work work = {filled, NULL};
     bvxi_spaces spaces;
-    bvx_status status;
 
     BVXI_TRY(bvxi_spaces_open(ctx, grid_fill_name, "fill", walls, 1, connectivity, &spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the spaces' marks", &work.wanted);
-    if (status == BVX_OK) {
-        /* The result holds the seeds first, so that runs are
-         * compared with words and no seed is searched for. */
-        memset(filled->words, 0, (size_t)bvxi_grid_words(filled) * 8);
-        for (uint64_t i = 0; i < count; i++)
-            bvx_grid_set(filled, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2], 1);
-        bvxi_spaces_each(&spaces, look_for_seed, &work);
-        /* Filling comes after all looking, as a space may have its seed in its last run. */
-        bvxi_spaces_each(&spaces, fill_space_run, &work);
-    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the spaces' marks", &work.wanted));
+    /* The result holds the seeds first, so that runs are
+     * compared with words and no seed is searched for. */
+    memset(filled->words, 0, (size_t)bvxi_grid_words(filled) * 8);
+    for (uint64_t i = 0; i < count; i++)
+        bvx_grid_set(filled, seeds[3 * i], seeds[3 * i + 1], seeds[3 * i + 2], 1);
+    bvxi_spaces_each(&spaces, look_for_seed, &work);
+    /* Filling comes after all looking, as a space may have its seed in its last run. */
+    bvxi_spaces_each(&spaces, fill_space_run, &work);
     bvxi_drop(ctx, work.wanted);
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,

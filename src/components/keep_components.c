@@ -48,22 +48,18 @@ static void close_keep_work(keep_work *w)
 static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty,
                                  int32_t connectivity, keep_work *w)
 {
-    bvx_status status;
-
     memset(w, 0, sizeof *w);
     w->ctx = ctx;
     BVXI_TRY(
         bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
 
     /* Spaces are counted by now, so the lists have their exact size. */
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks);
-    if (status == BVX_OK && empty)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side);
-    if (status == BVX_OK) bvxi_spaces_measure(&w->spaces, w->voxels, w->at_side);
-    else close_keep_work(w);
-    return status;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks));
+    if (empty)
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the sides of parts", &w->at_side));
+    bvxi_spaces_measure(&w->spaces, w->voxels, w->at_side);
+    return BVX_OK;
 }
 
 /* ---- Rules ---- */
@@ -172,25 +168,22 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     uint64_t const bytes = bvxi_grid_words(grid) * 8;
     bvx_grid seeds = *grid;
     keep_work w;
-    bvx_status status;
 
     seeds.words = NULL;
     BVXI_TRY(open_keep_work(ctx, keep_name, grid, 0, o->connectivity, &w));
-    if (o->seed_count != 0) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words);
-    else status = BVX_OK;
-    if (status == BVX_OK) {
-        /* Seeds first, then small parts, then the largest of what is left. */
-        if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
-        drop_small_parts(&w, o->at_least);
-        if (o->largest != 0) drop_all_but_largest(&w, o->largest);
-        if (o->report != NULL) report_kept(&w, o->report);
-        /* The result may be the grid itself; then only what goes is changed. */
-        if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
-        bvxi_spaces_flip(&w.spaces, w.marks, made->words);
-    }
+    if (o->seed_count != 0) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words));
+
+    /* Seeds first, then small parts, then the largest of what is left. */
+    if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
+    drop_small_parts(&w, o->at_least);
+    if (o->largest != 0) drop_all_but_largest(&w, o->largest);
+    if (o->report != NULL) report_kept(&w, o->report);
+    /* The result may be the grid itself; then only what goes is changed. */
+    if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
+    bvxi_spaces_flip(&w.spaces, w.marks, made->words);
     bvxi_drop(ctx, seeds.words);
     close_keep_work(&w);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,

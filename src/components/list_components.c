@@ -165,7 +165,6 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
 {
     uint64_t voxels = 1;
     bvxi_spaces spaces;
-    bvx_status status;
     int ok = 1;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -178,10 +177,10 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the window has %u voxels, the array given holds %u",
                          label_name, voxels, capacity);
     BVXI_TRY(bvxi_spaces_open(context, label_name, "components", grid, 0, connectivity, &spaces));
-    status = label_rows(context, &spaces, labels);
-    if (status == BVX_OK && count != NULL) *count = spaces.count;
+    BVXI_TRY(label_rows(context, &spaces, labels));
+    if (count != NULL) *count = spaces.count;
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels,

@@ -82,7 +82,6 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
 {
     carry_spaces s = {0};
     bvxi_spaces spaces;
-    bvx_status status;
 
     s.band = band;
     s.inside = s.to = inside;
@@ -90,16 +89,14 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
 
     /* Spaces of what the band leaves, through faces. */
     BVXI_TRY(bvxi_spaces_open(ctx, function, "signs", band, 1, BVXI_CONNECT_6, &spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of spaces", &s.sides);
-    if (status == BVX_OK) {
-        /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
-        bvxi_spaces_each(&spaces, look_around_space_run, &s);
-        bvxi_spaces_each(&spaces, settle_space_run, &s);
-        bvxi_drop(ctx, s.sides);
-    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of spaces", &s.sides));
+    /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
+    bvxi_spaces_each(&spaces, look_around_space_run, &s);
+    bvxi_spaces_each(&spaces, settle_space_run, &s);
+    bvxi_drop(ctx, s.sides);
     bvxi_spaces_free(&spaces);
     *mixed = s.mixed;
-    return status;
+    return BVX_OK;
 }
 
 /* ---- fronts ---- */
@@ -240,35 +237,31 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     carry_front f = {0};
     uint64_t *come = NULL;
     uint8_t *changed = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come);
 
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed);
-    if (status == BVX_OK) {
-        f.shape = band;
-        f.inside = inside;
-        f.open = open;
-        f.come = come;
-        f.come_in = come + bvxi_grid_words(band);
-        f.changed = changed;
-        f.change = changed + rows;
-        status = run_fronts(ctx, stage, at, &f);
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed));
+    f.shape = band;
+    f.inside = inside;
+    f.open = open;
+    f.come = come;
+    f.come_in = come + bvxi_grid_words(band);
+    f.changed = changed;
+    f.change = changed + rows;
+    BVXI_TRY(run_fronts(ctx, stage, at, &f));
     bvxi_drop(ctx, changed);
     bvxi_drop(ctx, come);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8;
     uint64_t *open = NULL, mixed = 0;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
-    status = settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed);
+    BVXI_TRY(settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed));
     /* Nearly always all spaces are of one side, and no front is needed. */
-    if (status == BVX_OK && mixed != 0)
-        status = meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words);
+    if (mixed != 0) BVXI_TRY(meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words));
     bvxi_drop(call.ctx, open);
-    return status;
+    return BVX_OK;
 }

@@ -168,16 +168,14 @@ static bvx_status make_features(bvx_context *ctx, measure_job *job)
     /* Signs by features need them even when the caller does not: then they are scratch and go at the end. */
     int const kind = job->o.features ? BVXI_RESULT : BVXI_SCRATCH;
     uint64_t const n = job->field.value_count;
-    bvx_status status;
 
     if (!job->o.features && !signs_by_features(job->field.sign)) return BVX_OK;
-    status = bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, kind, n, "the field's features", &job->features);
-    if (job->o.features) {
-        job->field.triangles = job->triangles;
-        job->field.features = job->features;
-    }
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, kind, n * 4, "the field's triangles", &job->triangles));
+    /* A result that fails is freed by the field, so the field has each array as soon as it is there. */
+    if (job->o.features) job->field.triangles = job->triangles;
+    BVXI_TRY(bvxi_alloc(ctx, kind, n, "the field's features", &job->features));
+    if (job->o.features) job->field.features = job->features;
+    return BVX_OK;
 }
 
 /* The field's values with features, which may be the job's alone. */

@@ -346,7 +346,6 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
     double const middle = call.from + (call.to - call.from) * 0.3;
     pseudo_rule rule = {0};
     double low[3], high[3];
-    bvx_status status;
 
     if (mesh->triangle_count > UINT32_MAX / 3)
         return bvxi_fail_for(call.ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -355,13 +354,11 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
     rule.mesh = mesh;
     rule.scale = bvxi_unit_scale(low, high);
-    status = pseudo_open(call.ctx, &rule);
+    BVXI_TRY(pseudo_open(call.ctx, &rule));
     rule.pieces = bvxi_piece_count(rule.mesh->vertex_count, PSEUDO_GRAIN);
-    if (status == BVX_OK)
-        status = bvxi_parallel(call.ctx, call.stage, call.from, middle, rule.pieces, sum_at_vertices, &rule);
-    if (status == BVX_OK)
-        status = bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule,
-                                inside);
+    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, call.from, middle, rule.pieces, sum_at_vertices, &rule));
+    BVXI_TRY(bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule,
+                            inside));
     pseudo_close(call.ctx, &rule);
-    return status;
+    return BVX_OK;
 }

@@ -97,7 +97,6 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
                               bvx_grid *turned, bvx_grid *solid, bvx_solid_report *report)
 {
     uint64_t const words = bvxi_grid_words(turned);
-    bvx_status status;
 
     /* Rows along x need no turned grid. */
     if (axis == 0) {
@@ -111,10 +110,10 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
                          function, words);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned->words));
     job->grid = turned;
-    status = fill_columns(ctx, job, report);
-    if (status == BVX_OK) status = bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL);
+    BVXI_TRY(fill_columns(ctx, job, report));
+    BVXI_TRY(bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL));
     bvxi_drop(ctx, turned->words);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
@@ -123,21 +122,18 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     below_job below = {0};
     int32_t *first = NULL, *second = NULL;
     bvx_grid turned;
-    bvx_status status;
 
     /* Heights of one surface after the other, by the same engine. */
     bvxi_turn_shape(solid, o->axis, &turned);
-    status = find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, o->axis, report, &first);
-    if (status == BVX_OK && second_job != NULL)
-        status = find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, o->axis, report,
-                              &second);
-    if (status == BVX_OK) {
-        below.first = first;
-        below.second = second;
-        below.base = base_index(&solid->lattice, o->axis, o->base);
-        status = fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report);
-    }
+    BVXI_TRY(find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, o->axis, report, &first));
+    if (second_job != NULL)
+        BVXI_TRY(
+            find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, o->axis, report, &second));
+    below.first = first;
+    below.second = second;
+    below.base = base_index(&solid->lattice, o->axis, o->base);
+    BVXI_TRY(fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report));
     bvxi_drop(ctx, second);
     bvxi_drop(ctx, first);
-    return status;
+    return BVX_OK;
 }

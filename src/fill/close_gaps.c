@@ -164,7 +164,6 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
 {
     gap_job job = {0};
     uint64_t bytes = 8;
-    bvx_status status;
     int ok = 1;
 
     /* Room for D: gap voxels more along each axis. */
@@ -181,14 +180,14 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
                          (int64_t)gap);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the grid for closing gaps", &job.words));
     copy_gap_rows(grid, &job, NULL);
-    status = run_gap_passes(ctx, &job, 0, 3);
+    BVXI_TRY(run_gap_passes(ctx, &job, 0, 3));
 
     /* Between the two halves the grid holds places of the cube, which is where a way for it is looked for. */
-    if (status == BVX_OK && pockets != NULL) status = lock_gap_cubes(ctx, function, &job, pockets);
-    if (status == BVX_OK) status = run_gap_passes(ctx, &job, 3, 6);
-    if (status == BVX_OK) copy_gap_rows(grid, &job, grid->words);
+    if (pockets != NULL) BVXI_TRY(lock_gap_cubes(ctx, function, &job, pockets));
+    BVXI_TRY(run_gap_passes(ctx, &job, 3, 6));
+    copy_gap_rows(grid, &job, grid->words);
     bvxi_drop(ctx, job.words);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)

@@ -231,19 +231,18 @@ static bvx_status run_compare_fills(bvx_context *context, const bvx_mesh_view *m
 {
     bvx_compare_fills_options o = fills_defaults;
     fills_work work;
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (comparison == NULL) return bvxi_fail_null(context, fills_name, "comparison");
     BVXI_TRY(check_fills(context, mesh, lattice, options, &o));
     memset(&work, 0, sizeof work);
     work.close_gaps = o.close_gaps;
-    status = open_fills(context, mesh, lattice, &work);
-    if (status == BVX_OK) status = run_fills(context, mesh, &work);
-    if (status == BVX_OK) status = give_fills(context, &work, &o);
+    BVXI_TRY(open_fills(context, mesh, lattice, &work));
+    BVXI_TRY(run_fills(context, mesh, &work));
+    BVXI_TRY(give_fills(context, &work, &o));
     close_fills(context, &work);
-    if (status == BVX_OK) *comparison = work.result;
-    return status;
+    *comparison = work.result;
+    return BVX_OK;
 }
 
 bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,

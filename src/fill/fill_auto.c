@@ -373,14 +373,13 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
 {
     int32_t filled = 0;
     double chosen;
-    bvx_status status;
     auto_work w;
 
     /* The view may be replaced by a turned one. */
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
-    status = choose_or_fill(ctx, &w, solid, report, &filled);
+    BVXI_TRY(choose_or_fill(ctx, &w, solid, report, &filled));
 
     /* All that the choice needed goes before the fill begins, whose memory is then that of the rule only. */
     bvxi_patches_close(ctx, &w.patches);
@@ -388,12 +387,12 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvxi_solid_close(ctx, &w.job);
 
     chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
-    if (status == BVX_OK && !filled)
-        status = BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report));
+    if (!filled)
+        BVXI_TRY(BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report)));
     bvxi_drop(ctx, w.choice.index);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;
     report->turned = w.choice.turned;
     report->doubles = w.choice.doubles;
-    return status;
+    return BVX_OK;
 }

@@ -56,19 +56,16 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
 static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_work *work)
 {
     bvxi_spaces spaces;
-    bvx_status status;
 
     BVXI_TRY(bvxi_spaces_open(ctx, function, "flood", work->walls, 1, BVXI_CONNECT_6, &spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the flood's reach", &work->reached);
-    if (status == BVX_OK) {
-        /* Two walks: a space is known to be outside only after the last of its runs was seen. */
-        bvxi_spaces_each(&spaces, reach_run, work);
-        bvxi_spaces_each(&spaces, flood_run, work);
-    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the flood's reach", &work->reached));
+    /* Two walks: a space is known to be outside only after the last of its runs was seen. */
+    bvxi_spaces_each(&spaces, reach_run, work);
+    bvxi_spaces_each(&spaces, flood_run, work);
     bvxi_drop(ctx, work->reached);
     work->reached = NULL;
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
@@ -96,14 +93,12 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     flood_work work = {
         .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    status = flood_twice(ctx, function, walls, &work, &report->closed_voxels);
-    if (status == BVX_OK && work.filled_voxels != 0)
-        status = bvxi_flood_rim(ctx, walls->surface, work.filled, solid);
+    BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
+    if (work.filled_voxels != 0) BVXI_TRY(bvxi_flood_rim(ctx, walls->surface, work.filled, solid));
     bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;
-    return status;
+    return BVX_OK;
 }

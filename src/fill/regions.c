@@ -62,19 +62,16 @@ bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *
 {
     region_work work = {sure, solid, NULL, report};
     bvxi_spaces spaces;
-    bvx_status status;
 
     BVXI_TRY(bvxi_spaces_open(ctx, function, "regions", surface, 1, BVXI_CONNECT_6, &spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the regions' sides", &work.sides);
-    if (status == BVX_OK) {
-        /* All sides first, then regions: a region is many runs. */
-        bvxi_spaces_each(&spaces, look_at_run, &work);
-        bvxi_spaces_each(&spaces, settle_run, &work);
-        report->regions = spaces.count;
-        for (uint64_t r = 0; r < spaces.count; r++)
-            report->mixed_regions += work.sides[r] != REGION_SURE_IN && work.sides[r] != REGION_SURE_OUT;
-    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the regions' sides", &work.sides));
+    /* All sides first, then regions: a region is many runs. */
+    bvxi_spaces_each(&spaces, look_at_run, &work);
+    bvxi_spaces_each(&spaces, settle_run, &work);
+    report->regions = spaces.count;
+    for (uint64_t r = 0; r < spaces.count; r++)
+        report->mixed_regions += work.sides[r] != REGION_SURE_IN && work.sides[r] != REGION_SURE_OUT;
     bvxi_drop(ctx, work.sides);
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }

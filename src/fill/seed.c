@@ -34,19 +34,17 @@ static bvx_status make_seed_vote(seed_judge *j)
     bvx_solid_report unused = {0};
     bvxi_solid_job job;
     uint64_t *sure = NULL;
-    bvx_status status;
 
     /* A window of the surface, and a vote over the same. */
     BVXI_TRY(bvxi_solid_open(j->ctx, j->function, j->mesh, &j->surface->lattice, &job));
     j->vote = *j->surface;
     j->vote.words = NULL;
-    status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words);
-    if (status == BVX_OK) status = bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure);
-    if (status == BVX_OK)
-        status = bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused);
+    BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words));
+    BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
+    BVXI_TRY(bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused));
     bvxi_drop(j->ctx, sure);
     bvxi_solid_close(j->ctx, &job);
-    return status;
+    return BVX_OK;
 }
 
 static void close_seed_judge(seed_judge *j)
@@ -253,7 +251,6 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
                                 uint64_t limit, bvx_seed *seed)
 {
     seed_search s;
-    bvx_status status = BVX_OK;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (seed == NULL) return bvxi_fail_null(context, seed_name, "seed");
@@ -267,12 +264,12 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
     BVXI_TRY(check_seed_mesh(&s.judge));
     if (find_seed_box(&s)) {
         /* The paper's way first, as it takes a few lines only. */
-        status = turn_from_middle(&s);
-        if (status == BVX_OK && !s.done) status = look_at_rows(context, &s);
+        BVXI_TRY(turn_from_middle(&s));
+        if (!s.done) BVXI_TRY(look_at_rows(context, &s));
     }
     close_seed_judge(&s.judge);
-    if (status == BVX_OK) *seed = s.seed;
-    return status;
+    *seed = s.seed;
+    return BVX_OK;
 }
 
 bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
@@ -325,30 +322,26 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
 {
     pocket_work work = {judge, NULL, 0, 0, seeds != NULL ? capacity : 0, seeds};
     bvxi_spaces spaces;
-    bvx_status status;
 
     BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside);
-    if (status == BVX_OK) {
-        /* Both passes meet spaces in the same order. */
-        bvxi_spaces_each(&spaces, judge_pocket, &work);
-        work.seen = 0;
-        bvxi_spaces_each(&spaces, give_pocket, &work);
-        *count = work.count;
-        if (seeds != NULL && work.count > capacity)
-            status = bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
-                               pockets_name, work.count, capacity);
-    }
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
+    /* Both passes meet spaces in the same order. */
+    bvxi_spaces_each(&spaces, judge_pocket, &work);
+    work.seen = 0;
+    bvxi_spaces_each(&spaces, give_pocket, &work);
+    *count = work.count;
+    if (seeds != NULL && work.count > capacity)
+        return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
+                         pockets_name, work.count, capacity);
     bvxi_drop(ctx, work.outside);
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                    int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
     seed_judge judge = {0};
-    bvx_status status = BVX_OK;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
@@ -358,10 +351,10 @@ static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface
     judge.mesh = mesh;
     judge.surface = surface;
     BVXI_TRY(check_seed_mesh(&judge));
-    if (mesh != NULL) status = make_seed_vote(&judge);
-    if (status == BVX_OK) status = list_pockets(context, &judge, seeds, capacity, count);
+    if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
+    BVXI_TRY(list_pockets(context, &judge, seeds, capacity, count));
     close_seed_judge(&judge);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,

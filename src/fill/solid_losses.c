@@ -272,7 +272,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
     bvx_status status;
     loss_sums sums;
-    uint64_t voxels;
+    uint64_t voxels, mark;
 
     BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
     report->volume = (double)voxels * voxel_size(l);
@@ -286,7 +286,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     }
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
+    mark = bvxi_scratch_begin(ctx);
     status = look ? BVXI_SHARE(ctx, 0.1, 0.95, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
+    status = bvxi_scratch_keep(ctx, mark, status);
     if (status == BVX_ERR_BUDGET && o->check_thin == -1) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;

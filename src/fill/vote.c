@@ -219,20 +219,18 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     int32_t const *const size = w->solid->size;
     uint64_t const row_bytes = (uint64_t)w->solid->words_per_row * 8;
     uint64_t const y_bytes = row_bytes * (uint64_t)size[2], z_bytes = row_bytes * (uint64_t)size[1];
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, y_bytes, "the columns along y", &w->even_y);
 
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, z_bytes, "the columns along z", &w->even_z);
-    if (status == BVX_OK) {
-        mark_even_columns(w->odd_rows[1], size[0], size[2], w->even_y);
-        mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, y_bytes, "the columns along y", &w->even_y));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, z_bytes, "the columns along z", &w->even_z));
+    mark_even_columns(w->odd_rows[1], size[0], size[2], w->even_y);
+    mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
 
-        /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
-         * votes. */
-        if (!drop_odd_rows(w)) status = find_holes_and_ask(ctx, job, w, from, to);
-    }
+    /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
+     * votes. */
+    if (!drop_odd_rows(w)) BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
     bvxi_drop(ctx, w->even_z);
     bvxi_drop(ctx, w->even_y);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,
@@ -241,18 +239,17 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
     /* Beside many holes the last step takes nearly all of the time, without any nearly none. */
     double const from = step.from, third = 0.4 * (step.to - from) / 3;
     vote_work w = {0};
-    bvx_status status;
 
     w.solid = solid;
     w.sure = sure;
     w.want_clear = want_clear;
-    status = open_vote(step.ctx, job->function, &w);
-    for (int32_t axis = 0; axis < 3 && status == BVX_OK; axis++)
-        status = vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,
-                            axis, report);
-    if (status == BVX_OK) status = ask_all_directions(step.ctx, job, &w, from + 3 * third, step.to);
+    BVXI_TRY(open_vote(step.ctx, job->function, &w));
+    for (int32_t axis = 0; axis < 3; axis++)
+        BVXI_TRY(vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,
+                            axis, report));
+    BVXI_TRY(ask_all_directions(step.ctx, job, &w, from + 3 * third, step.to));
     job->odd_rows = NULL;
     job->keep_odd = 0;
     close_vote(step.ctx, &w);
-    return status;
+    return BVX_OK;
 }

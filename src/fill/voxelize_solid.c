@@ -138,24 +138,23 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     walls.sure = sure;
-    status = bvxi_vote(bvxi_solid_step(ctx, job, 0.1, voted), job, more, solid, sure, report);
+    BVXI_TRY(bvxi_vote(bvxi_solid_step(ctx, job, 0.1, voted), job, more, solid, sure, report));
     /* A shell parts the centres; regions and floods go by it. */
-    if (status == BVX_OK && more) {
-        status = BVXI_SHARE(ctx, voted, shelled,
-                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels));
-        if (status == BVX_OK && o->fill == BVX_FILL_REGIONS)
-            status = BVXI_SHARE(ctx, shelled, 1.0,
-                                bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
-        if (status == BVX_OK && o->fill == BVX_FILL_FLOOD)
-            status = BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &walls, solid, report));
+    if (more) {
+        BVXI_TRY(BVXI_SHARE(ctx, voted, shelled,
+                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
+        if (o->fill == BVX_FILL_REGIONS)
+            BVXI_TRY(
+                BVXI_SHARE(ctx, shelled, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
+        if (o->fill == BVX_FILL_FLOOD)
+            BVXI_TRY(BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &walls, solid, report)));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_drop(ctx, sure);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,

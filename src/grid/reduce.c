@@ -297,26 +297,23 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
 {
     static const char *const function = "bvx_grid_coverage";
     coverage_job job;
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     /* The count is there after a failure too, 0 unless it is known. */
     *count = 0;
-    status = bvxi_blocks_open(context, function, grid, factor, BVXI_BLOCKS_COUNT, &job.blocks);
-    if (status == BVX_OK) {
-        *count = block_rows(&job.blocks) * (uint64_t)job.blocks.window.size[0];
-        job.counts = counts;
-        job.pieces = block_pieces(&job.blocks);
-        /* Without an array only the number of blocks is of interest. */
-        if (counts != NULL && capacity < *count)
-            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u",
-                               function, *count, capacity);
-        else if (counts != NULL)
-            status = bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, coverage_piece, &job);
-    }
+    BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, BVXI_BLOCKS_COUNT, &job.blocks));
+    *count = block_rows(&job.blocks) * (uint64_t)job.blocks.window.size[0];
+    job.counts = counts;
+    job.pieces = block_pieces(&job.blocks);
+    /* Without an array only the number of blocks is of interest. */
+    if (counts != NULL && capacity < *count)
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u",
+                         function, *count, capacity);
+    else if (counts != NULL)
+        BVXI_TRY(bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, coverage_piece, &job));
     bvxi_blocks_close(context, &job.blocks);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

@@ -169,7 +169,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     bvxi_samples samples = dense->samples;
     uint8_t *bytes = NULL;
     bvx_window part;
-    bvx_status status = BVX_OK;
 
     /* Raw samples and text are read where they stand, straight into the grid. */
     if (dense->encoding == BVXI_DENSE_RAW || dense->encoding == BVXI_DENSE_TEXT) {
@@ -181,11 +180,11 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     /* Packed ones are unpacked whole first: a part of them cannot be found before. */
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, dense->size, "the unpacked samples", &bytes));
     samples.first = bytes;
-    status = bvxi_unpack_dense(source, dense, bytes);
-    if (status == BVX_OK) status = bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid);
-    if (status == BVX_OK) status = bvxi_pack_samples(source->ctx, &samples, &part, grid);
+    BVXI_TRY(bvxi_unpack_dense(source, dense, bytes));
+    BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
+    BVXI_TRY(bvxi_pack_samples(source->ctx, &samples, &part, grid));
     bvxi_drop(source->ctx, bytes);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Written ---- */

@@ -234,7 +234,6 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
 {
     bvxi_samples samples = d->samples;
     uint8_t *bytes = NULL;
-    bvx_status status = BVX_OK;
     uint32_t const to_size = d->samples.kind == BVXI_SAMPLE_F16 ? 4 : bvxi_sample_size(d->samples.kind);
 
     /* Text and raw samples go to the result at once; packed ones need a block between only to be turned. */
@@ -243,10 +242,10 @@ static bvx_status unpack_volume(const bvxi_grid_source *source, const bvxi_dense
     if (stands_ready(&samples)) return bvxi_unpack_dense(source, d, to);
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, d->size, "the unpacked samples", &bytes));
     samples.first = bytes;
-    status = bvxi_unpack_dense(source, d, bytes);
-    if (status == BVX_OK) status = turn_samples(source->ctx, &samples, d->box.dims, to_size, to);
+    BVXI_TRY(bvxi_unpack_dense(source, d, bytes));
+    BVXI_TRY(turn_samples(source->ctx, &samples, d->box.dims, to_size, to));
     bvxi_drop(source->ctx, bytes);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status find_volume(const bvxi_grid_source *source, int32_t format, bvxi_dense *d)

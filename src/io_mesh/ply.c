@@ -124,23 +124,20 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
 {
     ply_header header = {0};
     ply_file f = {0};
-    bvx_status status;
 
     header.points = points;
-    status = bvxi_ply_header_read(source, &header);
-    if (status == BVX_OK) {
-        f.source = source;
-        f.header = &header;
-        f.mesh = mesh;
-        f.p = header.data;
-        f.big = header.encoding == PLY_BIG;
-        f.vertex_count = header.vertex->count;
-        f.uvs_at_corners = header.uvs == 2;
-        status = points ? ply_take_points(&f) : ply_take_data(&f);
-    }
+    BVXI_TRY(bvxi_ply_header_read(source, &header));
+    f.source = source;
+    f.header = &header;
+    f.mesh = mesh;
+    f.p = header.data;
+    f.big = header.encoding == PLY_BIG;
+    f.vertex_count = header.vertex->count;
+    f.uvs_at_corners = header.uvs == 2;
+    BVXI_TRY(points ? ply_take_points(&f) : ply_take_data(&f));
     bvxi_drop(source->ctx, f.fans);
     bvxi_ply_header_free(source->ctx, &header);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)

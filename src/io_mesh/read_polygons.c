@@ -90,15 +90,14 @@ bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon
 {
     bvx_context *const ctx = source->ctx;
     fan_work w = {0};
-    bvx_status status = BVX_OK;
 
     if (count == 0) return BVX_OK;
-    status = fan_make_work(ctx, fans, count, &w);
+    BVXI_TRY(fan_make_work(ctx, fans, count, &w));
     /* A progress call for each fan would cost more than cutting a small one. */
-    for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
-        if (i % FANS_BETWEEN_ASKS == 0) status = bvxi_progress(ctx, "read", source->reached);
-        if (status == BVX_OK) status = fan_cut(&w, mesh, &fans[i]);
+    for (uint64_t i = 0; i < count; i++) {
+        if (i % FANS_BETWEEN_ASKS == 0) BVXI_TRY(bvxi_progress(ctx, "read", source->reached));
+        BVXI_TRY(fan_cut(&w, mesh, &fans[i]));
     }
     fan_free_work(ctx, &w);
-    return status;
+    return BVX_OK;
 }

@@ -38,23 +38,20 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
     uint64_t const corners = mesh->triangle_count * 3;
     uint64_t *keys = NULL;
     uint32_t *corner = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 8, "the corners' keys", &keys);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the corners' numbers", &corner);
-    if (status == BVX_OK) {
-        for (uint64_t c = 0; c < corners; c++) {
-            /* Vertex above, texture coordinate below: equal keys
-             * are corners that can share one vertex of the file. */
-            keys[c] = (uint64_t)mesh->triangles[c] << 32 | mesh->uv_triangles[c];
-            corner[c] = (uint32_t)c;
-        }
-        status = bvxi_radix_sort(ctx, keys, corner, corners);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 8, "the corners' keys", &keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the corners' numbers", &corner));
+    for (uint64_t c = 0; c < corners; c++) {
+        /* Vertex above, texture coordinate below: equal keys
+         * are corners that can share one vertex of the file. */
+        keys[c] = (uint64_t)mesh->triangles[c] << 32 | mesh->uv_triangles[c];
+        corner[c] = (uint32_t)c;
     }
-    if (status == BVX_OK) seams->count = find_first_corners(keys, corner, corners, seams->triangles);
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, corner, corners));
+    seams->count = find_first_corners(keys, corner, corners, seams->triangles);
     bvxi_drop(ctx, corner);
     bvxi_drop(ctx, keys);
-    return status;
+    return BVX_OK;
 }
 
 /* A corner that is the first of its pair gets the next number; the others have been given theirs before. */
@@ -77,21 +74,15 @@ static void number_vertices_by_use(const bvx_mesh *mesh, bvxi_seams *seams)
 
 bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams)
 {
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles with seams",
                         &seams->triangles));
-    status = sort_corners(ctx, mesh, seams);
+    BVXI_TRY(sort_corners(ctx, mesh, seams));
 
     /* Both lists have one entry a pair, which is known only after the sort. */
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams",
-                            &seams->uv);
-    if (status == BVX_OK) number_vertices_by_use(mesh, seams);
-    else bvxi_free_seams(ctx, seams);
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams", &seams->uv));
+    number_vertices_by_use(mesh, seams);
+    return BVX_OK;
 }
 
 void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams)
@@ -250,7 +241,6 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     bvxi_output json = {0};
     bvxi_file_part *part;
     uint64_t head;
-    bvx_status status;
 
     /* Counted first, as the length of the description decides where the arrays begin. */
     bvxi_glb_put_json(glb, &json);
@@ -259,10 +249,10 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
     glb_list_parts(glb, part);
     /* Arrays are written before the head: the head needs the size that the file has in the end. */
-    status = bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file);
+    BVXI_TRY(bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file));
     bvxi_drop(ctx, part);
-    if (status == BVX_OK) glb_put_head(glb, json.size, file);
-    return status;
+    glb_put_head(glb, json.size, file);
+    return BVX_OK;
 }
 
 /* ---- what is known before the first byte ---- */
@@ -327,20 +317,19 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
 {
     bvxi_glb_file glb = {NULL, level_count};
     uint64_t const bytes = level_count * sizeof *glb.level;
-    bvx_status status;
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
     for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
 
-    status = glb_find_centre(ctx, levels, &glb);
-    for (uint64_t l = 0; l < level_count && status == BVX_OK; l++) status = glb_plan_level(ctx, &glb, l);
-    if (status == BVX_OK) status = glb_make_file(ctx, &glb, file);
+    BVXI_TRY(glb_find_centre(ctx, levels, &glb));
+    for (uint64_t l = 0; l < level_count; l++) BVXI_TRY(glb_plan_level(ctx, &glb, l));
+    BVXI_TRY(glb_make_file(ctx, &glb, file));
 
-    /* Freed in the reverse order of making, also after a failure: what was not made is NULL. */
+    /* Freed in the reverse order of making; what was not made is NULL. */
     for (uint64_t l = level_count; l-- > 0;) {
         bvxi_drop(ctx, glb.level[l].normal);
         bvxi_free_seams(ctx, &glb.level[l].seams);
     }
     bvxi_drop(ctx, glb.level);
-    return status;
+    return BVX_OK;
 }

@@ -265,7 +265,6 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
                              const double centre[3], bvxi_patches *patches)
 {
     patch_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
@@ -281,11 +280,10 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     w.centre = centre;
     w.out = patches;
 
-    status = open_patch_work(ctx, &w);
-    if (status == BVX_OK) status = find_patches(ctx, &w);
+    BVXI_TRY(open_patch_work(ctx, &w));
+    BVXI_TRY(find_patches(ctx, &w));
     close_patch_work(ctx, &w);
-    if (status != BVX_OK) bvxi_patches_close(ctx, patches);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)

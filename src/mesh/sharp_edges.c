@@ -116,7 +116,6 @@ bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const u
     uint64_t const bytes = view->vertex_count * 4;
     uint32_t *found = NULL;
     uint64_t different;
-    bvx_status status;
 
     *sharp = 0;
     *share = 0;
@@ -124,8 +123,8 @@ bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const u
     if (representative != NULL) return judge_edges(ctx, view, representative, sharp, share);
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
-    status = bvxi_weld(ctx, view, found, &different);
-    if (status == BVX_OK) status = judge_edges(ctx, view, found, sharp, share);
+    BVXI_TRY(bvxi_weld(ctx, view, found, &different));
+    BVXI_TRY(judge_edges(ctx, view, found, sharp, share));
     bvxi_drop(ctx, found);
-    return status;
+    return BVX_OK;
 }

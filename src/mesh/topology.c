@@ -316,7 +316,6 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
     topology c;
-    bvx_status status;
 
     memset(&c, 0, sizeof c);
     c.ctx = ctx;
@@ -325,14 +324,12 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     c.vertex_count = vertex_count;
     c.result = certificate;
     c.edges_alone = edges_alone;
-    status = allocate_topology(ctx, &c);
+    BVXI_TRY(allocate_topology(ctx, &c));
     /* Edges first: what they break decides which vertices have fans at all. */
-    if (status == BVX_OK) {
-        fill_edge_buckets(&c);
-        status = check_edges(&c);
-    }
-    if (status == BVX_OK && !edges_alone) status = check_vertices(&c);
-    if (status == BVX_OK && !edges_alone) conclude_topology(&c);
+    fill_edge_buckets(&c);
+    BVXI_TRY(check_edges(&c));
+    if (!edges_alone) BVXI_TRY(check_vertices(&c));
+    if (!edges_alone) conclude_topology(&c);
     free_topology(ctx, &c);
-    return status;
+    return BVX_OK;
 }

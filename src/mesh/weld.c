@@ -93,18 +93,17 @@ static void weld_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_WO
 static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
                                uint64_t *different)
 {
-    bvx_status status = BVX_OK;
     bvxi_key_tree tree;
 
     BVXI_TRY(bvxi_key_tree_open(ctx, &tree, weld_key, view, view->vertex_count));
-    for (uint64_t i = 0; i < view->vertex_count && status == BVX_OK; i++) {
-        status = weld_ask(ctx, view, i);
+    for (uint64_t i = 0; i < view->vertex_count; i++) {
+        BVXI_TRY(weld_ask(ctx, view, i));
         representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
         /* A vertex that finds itself is the first at its position. */
         *different += representative[i] == i;
     }
     bvxi_key_tree_close(ctx, &tree);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,

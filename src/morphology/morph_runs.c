@@ -205,7 +205,6 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
 {
     runs_job job = {0};
     uint64_t bytes;
-    bvx_status status;
     int32_t most;
     int ok = 1;
 
@@ -233,14 +232,12 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     most = source->size[2] / (4 * job.reach[2] + 1); /* what pieces do twice stays small */
     if (job.pieces > most) job.pieces = most < 1 ? 1 : most;
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch);
-    if (status == BVX_OK) {
-        measure_runs(morph, &job);
-        status = bvxi_parallel(ctx, morph->stage, from, to, job.pieces, run_runs_piece, &job);
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch));
+    measure_runs(morph, &job);
+    BVXI_TRY(bvxi_parallel(ctx, morph->stage, from, to, job.pieces, run_runs_piece, &job));
     bvxi_drop(ctx, job.scratch);
     bvxi_drop(ctx, job.half);
     bvxi_row_ends_free(ctx, &job.ends);
-    return status;
+    return BVX_OK;
 }

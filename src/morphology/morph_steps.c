@@ -326,7 +326,6 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
 {
     sweep_job job = {0};
     uint64_t bytes, outside_bytes;
-    bvx_status status;
     int ok = 1;
 
     /* Three slices a step and one for the sides, for each worker. */
@@ -340,12 +339,11 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: slices for the steps are beyond this machine's addresses",
                          morph->stage);
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch);
-    if (status == BVX_OK) status = run_sweeps(ctx, morph, source, first, second, &job);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch));
+    BVXI_TRY(run_sweeps(ctx, morph, source, first, second, &job));
     bvxi_drop(ctx, job.scratch);
     bvxi_drop(ctx, job.outside);
     bvxi_row_ends_free(ctx, &job.ends);
-    return status;
+    return BVX_OK;
 }

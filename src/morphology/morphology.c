@@ -136,20 +136,17 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     int32_t room[3];
     const bvxi_bit_box *last = NULL;
     bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
-    bvx_status status;
 
     BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
     /* Two wide boxes; each is read while the other is written. */
     other = wide;
-    status = alloc_box(ctx, morph->stage, &other);
-    if (status == BVX_OK) {
-        copy_into_wide(grid, room, morph->beyond, &wide);
-        status = run_between(ctx, morph, &wide, &other, &wide, &last);
-    }
-    if (status == BVX_OK) cut_from_wide(last, room, result);
+    BVXI_TRY(alloc_box(ctx, morph->stage, &other));
+    copy_into_wide(grid, room, morph->beyond, &wide);
+    BVXI_TRY(run_between(ctx, morph, &wide, &other, &wide, &last));
+    cut_from_wide(last, room, result);
     free_box(ctx, &other);
     free_box(ctx, &wide);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result)

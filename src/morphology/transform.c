@@ -384,12 +384,11 @@ static bvx_status run_tiles(transform_job *job)
 bvx_status bvxi_transform_run(const bvxi_transform *transform)
 {
     transform_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.t = transform;
-    status = open_transform(&job);
-    if (status == BVX_OK) status = run_tiles(&job);
+    BVXI_TRY(open_transform(&job));
+    BVXI_TRY(run_tiles(&job));
     close_transform(&job);
-    return status;
+    return BVX_OK;
 }

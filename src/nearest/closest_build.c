@@ -254,17 +254,16 @@ static uint64_t closest_corner_bytes(const bvxi_closest_tree *tree)
 static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, n * sizeof *b->keys, "the search tree's keys", &b->keys));
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
 
     /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
-    status = bvxi_parallel(call.ctx, call.stage, call.from, call.to, b->pieces, make_curve_keys, b);
-    if (status == BVX_OK) status = bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n);
-    if (status == BVX_OK && b->unnumbered) status = order_by_positions(call.ctx, b);
+    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, call.from, call.to, b->pieces, make_curve_keys, b));
+    BVXI_TRY(bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n));
+    if (b->unnumbered) BVXI_TRY(order_by_positions(call.ctx, b));
     bvxi_drop(call.ctx, b->keys);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)

@@ -280,17 +280,16 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
 static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
 {
     uint64_t const most = q->count < QUERY_TOGETHER ? q->count : QUERY_TOGETHER;
-    bvx_status status;
 
     /* A few points are not worth an order; none is work that says so. */
     if (q->count <= QUERY_GRAIN) return find_closest_batch(ctx, q, 0.0, 1.0);
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order);
-    if (status == BVX_OK) status = find_closest_batches(ctx, q);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order));
+    BVXI_TRY(find_closest_batches(ctx, q));
     bvxi_drop(ctx, q->order);
     bvxi_drop(ctx, q->keys);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points,

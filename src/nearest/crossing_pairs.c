@@ -275,7 +275,6 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
 {
     uint32_t *numbers = NULL;
     uint64_t sum = 0;
-    bvx_status status;
 
     /* Counts become places, so that pieces write side by side and no thread shows. */
     for (int32_t i = 0; i < job->pieces; i++) {
@@ -285,24 +284,21 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
         sum += own;
     }
 
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers",
-                                 &numbers);
-    if (status == BVX_OK)
-        status = bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers));
+    BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job));
 
     /* The order of the search shows in nothing: pairs are listed by their indices. */
-    if (status == BVX_OK) status = bvxi_radix_sort(ctx, job->keys, numbers, count);
+    BVXI_TRY(bvxi_radix_sort(ctx, job->keys, numbers, count));
 
-    for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
+    for (uint64_t i = 0; i < count; i++) {
         pairs[2 * i] = (uint32_t)(job->keys[i] >> 32);
         pairs[2 * i + 1] = (uint32_t)(job->keys[i] & UINT32_MAX);
     }
 
     bvxi_drop(ctx, numbers);
     bvxi_drop(ctx, job->keys);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_t *count)
@@ -330,22 +326,23 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
                                  uint32_t *pairs, uint64_t capacity)
 {
     uint64_t found = 0;
-    bvx_status status = search_crossings(ctx, job, &found);
+
+    BVXI_TRY(search_crossings(ctx, job, &found));
 
     /* The count is right also where the array is too small: the caller learns what would be enough. */
-    if (status == BVX_OK && pairs != NULL && capacity < found) {
+    if (pairs != NULL && capacity < found) {
         *count = found;
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pairs, the array given holds %u", function,
                          found, capacity);
     }
-    if (status == BVX_OK && pairs != NULL && found > UINT32_MAX)
+    if (pairs != NULL && found > UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: there are %u pairs, the limit of a list is %u", function, found,
                              (uint64_t)UINT32_MAX);
 
-    if (status == BVX_OK && pairs != NULL && found != 0) status = write_crossings(ctx, job, found, pairs);
-    if (status == BVX_OK) *count = found;
-    return status;
+    if (pairs != NULL && found != 0) BVXI_TRY(write_crossings(ctx, job, found, pairs));
+    *count = found;
+    return BVX_OK;
 }
 
 static void free_crossings(bvx_context *ctx, crossings_job *job)
@@ -380,7 +377,6 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     static const char *const function = "bvx_mesh_crossings";
     uint32_t *representative = NULL;
     bvxi_welded welded = {.view = mesh};
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
@@ -390,13 +386,13 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, welded.low, welded.high));
 
     /* Triangles that share a position share a corner, whatever their vertices' indices. */
-    status = bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding",
-                        &representative);
+    BVXI_TRY(
+        bvxi_alloc(context, BVXI_SCRATCH, mesh->vertex_count * 4, "the crossings' welding", &representative));
     welded.representative = representative;
-    if (status == BVX_OK) status = bvxi_weld(context, mesh, representative, &welded.different);
-    if (status == BVX_OK) status = bvxi_mesh_crossings(context, function, &welded, count, pairs, capacity);
+    BVXI_TRY(bvxi_weld(context, mesh, representative, &welded.different));
+    BVXI_TRY(bvxi_mesh_crossings(context, function, &welded, count, pairs, capacity));
     bvxi_drop(context, representative);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,

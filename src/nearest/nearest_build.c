@@ -384,7 +384,6 @@ bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, dou
 {
     double const middle = (from + to) * 0.5;
     near_builder b;
-    bvx_status status;
 
     memset(&b, 0, sizeof b);
     b.n = n;
@@ -392,12 +391,12 @@ bvx_status bvxi_near_build(bvx_context *ctx, const char *stage, double from, dou
 
     /* The order first, then leaves of what it puts side by side, then levels of boxes above them. */
     plan_near_tree(low, high, &b);
-    status = bvxi_near_order_make(ctx, stage, from, middle, n, &b.order);
-    if (status == BVX_OK) status = make_near_leaves(ctx, stage, middle, to, &b);
-    if (status == BVX_OK) status = make_near_nodes(ctx, &b);
+    BVXI_TRY(bvxi_near_order_make(ctx, stage, from, middle, n, &b.order));
+    BVXI_TRY(make_near_leaves(ctx, stage, middle, to, &b));
+    BVXI_TRY(make_near_nodes(ctx, &b));
     bvxi_drop(ctx, b.boxes);
     bvxi_near_order_free(ctx, &b.order);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_near_free(bvx_context *ctx, bvxi_nearest *n)

@@ -216,15 +216,15 @@ bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double
                    .to_world = 1.0 / nearest->scale,
                    .plan = bvxi_near_plan_of(where)};
     const bvxi_near_memo *const m = nearest->memo;
-    bvx_status status = bvxi_near_workers(call.ctx, 0, &w.workers);
+
+    BVXI_TRY(bvxi_near_workers(call.ctx, 0, &w.workers));
 
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
 
     /* What the band remembered is of use only where it lay as these values do. */
     w.remembered = m->cubes != 0 && memcmp(m->low, where->low, sizeof m->low) == 0 &&
                    memcmp(m->size, where->size, sizeof m->size) == 0;
-    if (status == BVX_OK)
-        status = bvxi_parallel(call.ctx, call.stage, call.from, call.to, w.pieces, fill_near_runs, &w);
+    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, call.from, call.to, w.pieces, fill_near_runs, &w));
     bvxi_drop(call.ctx, w.workers);
-    return status;
+    return BVX_OK;
 }

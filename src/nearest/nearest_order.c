@@ -147,17 +147,16 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
     uint64_t const key_bytes = n->triangle_count * sizeof *o->keys;
     near_keys k = {n, o, NULL, bvxi_piece_count(n->view.vertex_count, NEAR_GRAIN)};
     double const middle = from + (to - from) * 0.25;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, vertex_bytes, "the search tree's vertices", &k.vertex);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertex_bytes, "the search tree's vertices", &k.vertex));
 
     o->count = n->triangle_count;
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->keys);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, stage, from, middle, k.pieces, place_near_vertices, &k);
-    if (status == BVX_OK) status = sort_near_along_curve(ctx, stage, middle, to, &k, o);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare));
+    BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, k.pieces, place_near_vertices, &k));
+    BVXI_TRY(sort_near_along_curve(ctx, stage, middle, to, &k, o));
     bvxi_drop(ctx, k.vertex);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_near_order_free(bvx_context *ctx, bvxi_near_order *o)

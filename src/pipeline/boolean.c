@@ -490,19 +490,20 @@ static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
 static bvx_status drop_boolean_crumbs(boolean_job *job)
 {
     uint32_t *piece[2] = {NULL, NULL};
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.3, open_boolean_pieces(job, piece));
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.3, open_boolean_pieces(job, piece)));
     bvxi_crumb_source const source[2] = {{job->body[0].mesh, piece[0]}, {job->body[1].mesh, piece[1]}};
 
     /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
-    for (int32_t empty = 0; empty < 2 && status == BVX_OK; empty++) {
+    for (int32_t empty = 0; empty < 2; empty++) {
         uint64_t crumbs = 0;
-        status = BVXI_SHARE(
-            job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
-            bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs));
+        BVXI_TRY(
+            BVXI_SHARE(job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
+                       bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs)));
         job->report.crumbs += crumbs;
     }
     for (int32_t i = 2; i-- > 0;) bvxi_drop(job->ctx, piece[i]);
-    return status;
+    return BVX_OK;
 }
 
 /* By crumbs and by least_part. */

@@ -301,6 +301,7 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
     bvx_repair_report *const report = &job->report.repair;
     bvx_repair_report with;
     bvx_mesh without = {0};
+    uint64_t mark;
     bvx_status status;
 
     BVXI_TRY(repair_surface(job, resolution, BVX_THIN_KEEP, surface));
@@ -308,7 +309,8 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
 
     /* The report is written anew; the better surface's one stays. */
     with = *report;
-    status = repair_surface(job, resolution, BVX_THIN_SHELL, &without);
+    mark = bvxi_scratch_begin(job->ctx);
+    status = bvxi_scratch_keep(job->ctx, mark, repair_surface(job, resolution, BVX_THIN_SHELL, &without));
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
     if (status == BVX_OK && is_better_without(&with, report)) {
         bvx_mesh const kept = *surface;
@@ -369,14 +371,17 @@ static bvx_status simplify_measured(levels_job *job)
     const bvx_levels_options *const o = job->options;
     int32_t resolution = o->resolution;
     int const is_given = o->lattice != NULL || o->resolution != 0;
+    uint64_t mark;
     bvx_status status;
 
     /* A resolution that was given is not changed. */
     if (!is_given) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &resolution));
     job->report.planned_resolution = resolution;
+    mark = bvxi_scratch_begin(job->ctx);
 
-    while ((status = simplify_measured_at(job, resolution)) == BVX_ERR_BUDGET && !is_given &&
-           resolution > PLAN_LOWEST)
+    while ((status = bvxi_scratch_keep(job->ctx, mark, simplify_measured_at(job, resolution))) ==
+               BVX_ERR_BUDGET &&
+           !is_given && resolution > PLAN_LOWEST)
         resolution = resolution * 4 / 5 > PLAN_LOWEST ? resolution * 4 / 5 : PLAN_LOWEST;
     job->report.resolution = resolution;
     return status;
@@ -436,7 +441,6 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     uint32_t *same, *piece;
     bvxi_part *pieces = NULL;
     uint64_t count;
-    bvx_status status;
 
     if (c->components == 1 && c->volume > 0) return BVX_OK;
 
@@ -444,11 +448,11 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     piece = same + vertices;
     for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
     bvxi_pieces(welded, same, piece);
-    status = bvxi_parts_open(job->ctx, welded, piece, c, &pieces, &count);
-    if (status == BVX_OK) turn_or_measure(job, welded, corner, pieces, count);
+    BVXI_TRY(bvxi_parts_open(job->ctx, welded, piece, c, &pieces, &count));
+    turn_or_measure(job, welded, corner, pieces, count);
     bvxi_drop(job->ctx, pieces);
     bvxi_drop(job->ctx, same);
-    return status;
+    return BVX_OK;
 }
 
 /* Bodies that lie in others and face as they do: what lies in both counts twice in each level. */
@@ -587,6 +591,7 @@ static int may_go_over(const levels_job *job, bvx_status status)
 static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
 {
     bvx_certificate *const c = &job->report.before;
+    uint64_t mark;
     bvx_status status;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, welded, 0, c)));
@@ -594,7 +599,8 @@ static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t 
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          levels_name, job->mesh->triangle_count);
 
-    status = levels_of_mesh(job, welded, corner);
+    mark = bvxi_scratch_begin(job->ctx);
+    status = bvxi_scratch_keep(job->ctx, mark, levels_of_mesh(job, welded, corner));
     /* Measured instead: the lattice can be made coarser, the mesh cannot. */
     if (may_go_over(job, status)) {
         job->report.reason = BVX_MEASURED_MEMORY;

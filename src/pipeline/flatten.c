@@ -304,7 +304,6 @@ static bvx_status open_around(flatten_job *f)
     bvx_context *const ctx = f->ctx;
     const bvx_grid *const g = f->window;
     bvx_mesh_view all;
-    bvx_status status;
     uint64_t bytes = 1;
 
     for (int a = 0; a < 3; a++) {
@@ -321,26 +320,20 @@ static bvx_status open_around(flatten_job *f)
     mark_blocks_around(f, &all);
     /* Counted first, so that the arrays have their size. */
     take_around(f, &all);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls",
-                        &f->corner);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4,
-                            "the numbers of vertices at thin walls", &f->vertex);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24,
-                            "the places of vertices at thin walls", &f->position);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 4, "the triangles that change",
-                            &f->part);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles that change",
-                            &f->part_corner);
-    if (status == BVX_OK) {
-        /* Listed by now, with the numbers found before. */
-        take_around(f, &all);
-        number_around(f, all.vertex_count);
-    }
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles of thin walls",
+                        &f->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 4, "the numbers of vertices at thin walls",
+                        &f->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.vertex_count * 24, "the places of vertices at thin walls",
+                        &f->position));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 4, "the triangles that change", &f->part));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, f->near.triangle_count * 12, "the triangles that change",
+                        &f->part_corner));
+    /* Listed by now, with the numbers found before. */
+    take_around(f, &all);
+    number_around(f, all.vertex_count);
+    return BVX_OK;
 }
 
 static void read_positions(flatten_job *f)
@@ -446,17 +439,16 @@ static bvx_status mark_crossings(flatten_job *f, const bvx_mesh_view *view)
     bvx_context *const ctx = f->ctx;
     uint64_t count, room;
     uint32_t *pairs;
-    bvx_status status;
 
     BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, NULL, 0));
     if (count == 0) return BVX_OK;
     /* Counted first, as nearly always there is none. */
     room = count; /* a call that fails leaves no count */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of thin walls", &pairs));
-    status = bvx_mesh_crossings(ctx, view, &count, pairs, room);
-    for (uint64_t n = 0; status == BVX_OK && n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
+    BVXI_TRY(bvx_mesh_crossings(ctx, view, &count, pairs, room));
+    for (uint64_t n = 0; n < 2 * count; n++) mark_triangle(f, f->part[pairs[n]]);
     bvxi_drop(ctx, pairs);
-    return status;
+    return BVX_OK;
 }
 
 static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
@@ -477,18 +469,17 @@ static bvx_status mark_common_places(flatten_job *f, const bvx_mesh_view *view)
     uint64_t const bytes = view->vertex_count * 4;
     uint64_t different;
     uint32_t *same;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, bytes, "the places of vertices", &same));
-    status = bvxi_weld(f->ctx, view, same, &different);
+    BVXI_TRY(bvxi_weld(f->ctx, view, same, &different));
     /* All at places of their own: nothing to look for. */
-    for (uint64_t v = 0; status == BVX_OK && different != view->vertex_count && v < view->vertex_count; v++) {
+    for (uint64_t v = 0; different != view->vertex_count && v < view->vertex_count; v++) {
         if (same[v] == v) continue;
         mark_vertex(f, v);
         mark_vertex(f, same[v]);
     }
     bvxi_drop(f->ctx, same);
-    return status;
+    return BVX_OK;
 }
 
 /* Later rounds take the neighbours along, the last one all. */
@@ -562,7 +553,6 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
 {
     uint64_t const bytes = mesh->vertex_count * 4;
     flatten_job f;
-    bvx_status status = BVX_OK;
 
     memset(&f, 0, sizeof f);
     f.ctx = ctx;
@@ -578,11 +568,11 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     /* Which vertices, then where to, then what lies around them; then they move. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
-    if (f.count != 0) status = aim_vertices(&f);
-    if (status == BVX_OK && f.count != 0)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local);
-    if (status == BVX_OK && f.count != 0) status = open_around(&f);
-    if (status == BVX_OK && f.count != 0) status = move_vertices(&f);
+    if (f.count != 0) BVXI_TRY(aim_vertices(&f));
+    if (f.count != 0)
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local));
+    if (f.count != 0) BVXI_TRY(open_around(&f));
+    if (f.count != 0) BVXI_TRY(move_vertices(&f));
     bvxi_drop(ctx, f.part_corner);
     bvxi_drop(ctx, f.part);
     bvxi_drop(ctx, f.position);
@@ -592,5 +582,5 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     bvxi_drop(ctx, f.local);
     bvxi_drop(ctx, f.moved);
     bvxi_drop(ctx, f.number);
-    return status;
+    return BVX_OK;
 }

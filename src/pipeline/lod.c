@@ -189,21 +189,20 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     uint64_t const target = job->options->target_triangles[job->level];
     bvxi_collapse *collapse = NULL;
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(fine, &view);
     BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
     /* No fewer than requested, as more collapse than needed loses shape. */
-    status = bvxi_collapse_to(collapse, target, target, 0.0, 1.0);
-    if (status == BVX_OK && bvxi_collapse_triangles(collapse) > target)
-        status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-                               "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
-                               lod_name, level_number(job), target, fine->triangle_count,
-                               bvxi_collapse_triangles(collapse));
-    if (status == BVX_OK) status = bvxi_collapse_give(collapse, mesh);
-    if (status == BVX_OK) memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
+    BVXI_TRY(bvxi_collapse_to(collapse, target, target, 0.0, 1.0));
+    if (bvxi_collapse_triangles(collapse) > target)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+                             "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
+                             lod_name, level_number(job), target, fine->triangle_count,
+                             bvxi_collapse_triangles(collapse));
+    BVXI_TRY(bvxi_collapse_give(collapse, mesh));
+    memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
     bvxi_collapse_close(collapse);
-    return status;
+    return BVX_OK;
 }
 
 /* Extract into scratch, with the positions that the level will have; collapse to the target. */
@@ -213,38 +212,35 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     bvx_mesh fine = {.position_type = march->options.position_type,
                      .vertex_capacity = march->vertex_count,
                      .triangle_capacity = march->triangle_count};
-    bvx_status status;
 
     /* Scratch: the caller gets the collapsed mesh only. */
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes,
-                        "the positions before collapse", &fine.positions);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse",
-                            &fine.triangles);
-    if (status == BVX_OK) status = bvxi_march_fill(ctx, march, &fine);
-    if (status == BVX_OK) status = collapse_level(ctx, job, &fine, mesh);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fine.vertex_capacity * vertex_bytes,
+                        "the positions before collapse", &fine.positions));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse",
+                        &fine.triangles));
+    BVXI_TRY(bvxi_march_fill(ctx, march, &fine));
+    BVXI_TRY(collapse_level(ctx, job, &fine, mesh));
     bvxi_drop(ctx, fine.triangles);
     bvxi_drop(ctx, fine.positions);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, bvx_mesh *mesh)
 {
     level_work w;
-    bvx_status status = open_level(ctx, job, resolution, 0, &w);
+
+    BVXI_TRY(open_level(ctx, job, resolution, 0, &w));
 
     /* Nothing at all would look like success. */
-    if (status == BVX_OK && w.march.triangle_count == 0)
-        status = bvxi_fail(ctx, BVX_ERR_EMPTY,
-                           "%s: level %i, %d x %d x %d samples, keeps nothing of the solid", lod_name,
-                           level_number(job), (int64_t)w.samples.axis[0].count,
-                           (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
-    if (status == BVX_OK)
-        status = job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
-                                             : bvxi_march_fill(ctx, &w.march, mesh);
-    if (status == BVX_OK) report_lod(job, &w, mesh);
+    if (w.march.triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i, %d x %d x %d samples, keeps nothing of the solid",
+                         lod_name, level_number(job), (int64_t)w.samples.axis[0].count,
+                         (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
+    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
+                                         : bvxi_march_fill(ctx, &w.march, mesh));
+    report_lod(job, &w, mesh);
     close_level(ctx, &w);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- the resolution for a triangle count ---- */

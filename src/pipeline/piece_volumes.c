@@ -69,15 +69,14 @@ bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const ui
                            const bvx_certificate *of, bvxi_part **parts, uint64_t *count)
 {
     uint32_t *number;
-    bvx_status status;
 
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the numbers of the pieces", &number));
     *count = number_parts(mesh, piece, number);
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **parts, "the pieces' volumes", parts);
-    if (status == BVX_OK) add_triangles(mesh, piece, number, of, *parts);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **parts, "the pieces' volumes", parts));
+    add_triangles(mesh, piece, number, of, *parts);
     bvxi_drop(ctx, number);
-    return status;
+    return BVX_OK;
 }
 
 double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count)
@@ -150,20 +149,18 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
     uint64_t const bytes = bvx_grid_bound(lattice, NULL) * 8;
     bvx_voxelize_options o;
     bvx_grid grid[2];
-    bvx_status status = BVX_OK;
 
     /* Both rules on one lattice; equal bits say that no piece hides another. */
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
-    for (int i = 0; i < 2 && status == BVX_OK; i++) {
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the parts' solids", &grid[i].words);
+    for (int i = 0; i < 2; i++) {
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the parts' solids", &grid[i].words));
         grid[i].word_capacity = bytes / 8;
         o.fill = rule[i];
-        if (status == BVX_OK)
-            status = BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1),
-                                bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid[i]));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid[i])));
     }
-    if (status == BVX_OK) *agree = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
+    *agree = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
     for (int i = 2; i-- > 0;) bvxi_drop(ctx, grid[i].words);
-    return status;
+    return BVX_OK;
 }

@@ -43,7 +43,6 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
 {
     double centre[3];
     bvxi_patches patches;
-    bvx_status status = BVX_OK;
 
     /* Around the middle, so that volumes keep their digits. */
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
@@ -53,13 +52,13 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     } else {
         /* Scratch may be there from leaving out copies. */
         if (job->corner == NULL)
-            status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
-                                "the turned triangles", &job->corner);
-        if (status == BVX_OK) bvxi_patches_turn(&job->mesh, &patches, job->corner, &job->mesh);
+            BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
+                                "the turned triangles", &job->corner));
+        bvxi_patches_turn(&job->mesh, &patches, job->corner, &job->mesh);
         job->report.turned = patches.turned;
     }
     bvxi_patches_close(job->ctx, &patches);
-    return status;
+    return BVX_OK;
 }
 
 /* Flips that only show once triangles are there once each do not count:
@@ -204,7 +203,6 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     uint64_t const bytes = job->given->vertex_count * 4;
     double low[3], high[3];
     uint32_t *representative;
-    bvx_status status;
 
     if (job->given->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", bvxi_repair_name);
@@ -212,13 +210,13 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     job->mesh = *job->given;
     /* First of all, as what follows goes by welded vertices. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
-    status = check_given(job, low, high, representative);
-    if (status == BVX_OK) status = drop_duplicates(job, representative);
-    if (status == BVX_OK) status = choose_sign(job, low, high, representative);
-    if (status == BVX_OK) status = choose_sharp(job, representative);
-    if (status == BVX_OK) status = take_pieces(job, representative);
+    BVXI_TRY(check_given(job, low, high, representative));
+    BVXI_TRY(drop_duplicates(job, representative));
+    BVXI_TRY(choose_sign(job, low, high, representative));
+    BVXI_TRY(choose_sharp(job, representative));
+    BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_repair_let_go(bvxi_repair_job *job)

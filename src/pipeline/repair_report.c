@@ -51,24 +51,22 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
 {
     bvx_voxelize_options o;
     bvx_grid grid[2];
-    bvx_status status = BVX_OK;
 
     /* The same mesh by both rules: what one has and the other has not. */
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
-    for (int i = 0; i < 2 && status == BVX_OK; i++) {
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words);
+    for (int i = 0; i < 2; i++) {
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words));
         grid[i].word_capacity = job->grid_bytes / 8;
         o.fill = i == 0 ? BVX_FILL_VOTE : BVX_FILL_WINDING;
-        if (status == BVX_OK)
-            status = BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1),
-                                bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i]));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1),
+                            bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i])));
     }
-    for (uint64_t i = 0; i < job->grid_bytes / 8 && status == BVX_OK; i++)
+    for (uint64_t i = 0; i < job->grid_bytes / 8; i++)
         job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
     bvxi_drop(job->ctx, grid[1].words);
     bvxi_drop(job->ctx, grid[0].words);
-    return status;
+    return BVX_OK;
 }
 
 /* far[v] of the result: 1 when it stands off the input. */
@@ -100,36 +98,31 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
     bvx_distance_report report;
     uint32_t *corner = NULL;
     uint8_t *far = NULL;
-    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes",
-                                   &far);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes",
-                            &corner);
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.45, 0.6, find_far_vertices(job, result, far));
-    if (status == BVX_OK) {
-        near.triangle_count = 0;
-        for (uint64_t t = 0; t < result->triangle_count; t++) {
-            uint32_t *const c = corner + 3 * near.triangle_count;
-            bvxi_view_triangle(result, t, c);
-            near.triangle_count += (uint64_t)(!far[c[0]] && !far[c[1]] && !far[c[2]]);
-        }
-        near.indices = corner;
-        near.index_type = BVX_U32;
-        near.index_stride = 0;
-        if (near.triangle_count != 0) {
-            status = BVXI_SHARE(
-                job->ctx, 0.6, 1.0,
-                bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report));
-            if (status == BVX_OK) {
-                job->report.mean_off_caps = report.mean_a_to_b;
-                job->report.max_off_caps = report.max_a_to_b;
-            }
-        }
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes", &far));
+
+    BVXI_TRY(
+        bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.45, 0.6, find_far_vertices(job, result, far)));
+    near.triangle_count = 0;
+    for (uint64_t t = 0; t < result->triangle_count; t++) {
+        uint32_t *const c = corner + 3 * near.triangle_count;
+        bvxi_view_triangle(result, t, c);
+        near.triangle_count += (uint64_t)(!far[c[0]] && !far[c[1]] && !far[c[2]]);
+    }
+    near.indices = corner;
+    near.index_type = BVX_U32;
+    near.index_stride = 0;
+    if (near.triangle_count != 0) {
+        BVXI_TRY(BVXI_SHARE(
+            job->ctx, 0.6, 1.0,
+            bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report)));
+        job->report.mean_off_caps = report.mean_a_to_b;
+        job->report.max_off_caps = report.max_a_to_b;
     }
     bvxi_drop(job->ctx, corner);
     bvxi_drop(job->ctx, far);
-    return status;
+    return BVX_OK;
 }
 
 /* result with its frame added, in new positions. */
@@ -154,12 +147,11 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
 static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
 {
     double *world;
-    bvx_status status;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
-    status = move_result(job, repaired, world, result);
-    if (status == BVX_OK) status = measure_off_caps(job, result);
+    BVXI_TRY(move_result(job, repaired, world, result));
+    BVXI_TRY(measure_off_caps(job, result));
     bvxi_drop(job->ctx, world);
-    return status;
+    return BVX_OK;
 }
 
 /* Volume or area of a closed mesh have changed by a twentieth: overlaps may be why. */

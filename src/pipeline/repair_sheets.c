@@ -89,23 +89,22 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
     uint64_t const pieces = by->triangle_count / ENCLOSED_GRAIN + 1;
     bvxi_holes of_body;
     enclosed_job e;
-    bvx_status status;
 
     /* Sheets are left out of the body, so its holes are others. */
     if (parted)
         BVXI_TRY(bvxi_holes_open_rule(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill, &of_body));
-    status = bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill,
-                               parted ? &of_body : &job->holes, &job->winding);
+    BVXI_TRY(bvxi_winding_open(job->ctx, bvxi_repair_name, by, &job->lattice, job->fill,
+                               parted ? &of_body : &job->holes, &job->winding));
     e.job = job;
     e.answer = answer;
     e.pieces = pieces < ENCLOSED_PIECES ? (int32_t)pieces : ENCLOSED_PIECES;
     /* No winding number where there is no body. */
-    if (status == BVX_OK && job->winding != NULL)
-        status = bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e);
+    if (job->winding != NULL)
+        BVXI_TRY(bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     if (parted) bvxi_holes_close(job->ctx, &of_body);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Sheets ---- */
@@ -446,23 +445,21 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
     uint64_t const bytes = job->mesh.triangle_count;
     uint64_t asked, before = 0;
     uint8_t *answer;
-    bvx_status status = BVX_OK;
 
     if (job->fill == BVX_FILL_PARITY) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the open triangles", &answer));
     asked = ask_open_pieces(job, sums, answer);
 
     /* Each round leaves out what turned out as sheets, which changes the winding number. */
-    for (int round = 0; status == BVX_OK && asked != 0 && asked != before; round++) {
+    for (int round = 0; asked != 0 && asked != before; round++) {
         before = asked;
-        if (round > 0) status = list_parted(job, sums);
-        if (status == BVX_OK) status = bvxi_repair_enclosed(job, answer);
-        if (status != BVX_OK) break;
+        if (round > 0) BVXI_TRY(list_parted(job, sums));
+        BVXI_TRY(bvxi_repair_enclosed(job, answer));
         sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
         asked = ask_joined_pieces(job, sums, answer);
     }
     bvxi_drop(job->ctx, answer);
-    return status;
+    return BVX_OK;
 }
 
 /* Number the pieces, and open their sums. */
@@ -491,7 +488,6 @@ static void close_sums(bvxi_repair_job *job, all_sums *sums)
 bvx_status bvxi_repair_part(bvxi_repair_job *job)
 {
     all_sums sums;
-    bvx_status status;
 
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
@@ -500,13 +496,13 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     BVXI_TRY(open_sums(job, &sums));
     sum_areas(job, &sums);
     find_rods(job, &sums);
-    status = sum_lids(job, &sums);
-    if (status == BVX_OK) status = join_open_pieces(job, &sums);
-    if (status == BVX_OK) status = list_parted(job, &sums);
+    BVXI_TRY(sum_lids(job, &sums));
+    BVXI_TRY(join_open_pieces(job, &sums));
+    BVXI_TRY(list_parted(job, &sums));
     close_sums(job, &sums);
     job->report.shelled_triangles = job->sheets.triangle_count;
     job->report.shelled = job->sheets.triangle_count != 0;
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)

@@ -58,13 +58,14 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
 {
     double const thick = 0.5 * job->options->shell * bvxi_largest_spacing(&job->lattice);
     bvxi_sparse sheets = {.where = v->where, .first = v->first, .count = v->count}; /* at the same centres */
-    bvx_status status = bvxi_sparse_columns(job->ctx, &sheets, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES);
 
-    if (status == BVX_OK) status = measure_mesh(job, &sheets, &job->sheets, thick, 0.5, 1.0);
-    if (status == BVX_OK) join_values(job, v, thick, &sheets);
+    BVXI_TRY(bvxi_sparse_columns(job->ctx, &sheets, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES));
+
+    BVXI_TRY(measure_mesh(job, &sheets, &job->sheets, thick, 0.5, 1.0));
+    join_values(job, v, thick, &sheets);
     bvxi_drop(job->ctx, sheets.distances);
     bvxi_drop(job->ctx, sheets.vectors);
-    return status;
+    return BVX_OK;
 }
 
 /* What is measured, in doubles; triangles where edges are sharp, in the order of job->body. */
@@ -137,15 +138,16 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
 bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_sparse v = {.count = 0};
-    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.65, open_values(job, &v));
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.65, open_values(job, &v)));
 
     /* Lids lie where the winding number is a half; parity has none. */
-    if (status == BVX_OK && job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
-        status = bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
-                                   &job->holes, &job->winding);
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.65, 1.0, extract_repaired(job, &v, repaired));
+    if (job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
+        BVXI_TRY(bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
+                                   &job->holes, &job->winding));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.65, 1.0, extract_repaired(job, &v, repaired)));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     bvxi_sparse_close(job->ctx, &v);
-    return status;
+    return BVX_OK;
 }

@@ -39,24 +39,20 @@ static bvx_status clean_spaces(bvxi_repair_job *job, int32_t empty, uint64_t lea
     bvxi_spaces spaces;
     uint64_t *voxels = NULL;
     uint8_t *marks = NULL; /* at a side of the window at first: that is no cavity */
-    bvx_status status;
 
     BVXI_TRY(
         bvxi_spaces_open(job->ctx, bvxi_repair_name, "repair", &job->inside, empty, BVXI_CONNECT_6, &spaces));
     uint64_t const count = spaces.count;
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of parts", &voxels);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of parts", &marks);
-    if (status == BVX_OK) {
-        /* Parts need no look at the sides: they are cut off by none. */
-        bvxi_spaces_measure(&spaces, voxels, empty ? marks : NULL);
-        judge_parts(voxels, marks, count, least, kept, gone);
-        if (*gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
-    }
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of parts", &voxels));
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of parts", &marks));
+    /* Parts need no look at the sides: they are cut off by none. */
+    bvxi_spaces_measure(&spaces, voxels, empty ? marks : NULL);
+    judge_parts(voxels, marks, count, least, kept, gone);
+    if (*gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
     bvxi_drop(job->ctx, marks);
     bvxi_drop(job->ctx, voxels);
     bvxi_spaces_free(&spaces);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_repair_clean(bvxi_repair_job *job)
@@ -316,13 +312,12 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, double *distanc
 static bvx_status ask_meshes(crumb_job *job)
 {
     double *distance;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
-    status = find_nearest_pieces(job, 0, distance);
-    if (status == BVX_OK && job->sources > 1) status = find_nearest_pieces(job, 1, distance);
+    BVXI_TRY(find_nearest_pieces(job, 0, distance));
+    if (job->sources > 1) BVXI_TRY(find_nearest_pieces(job, 1, distance));
     bvxi_drop(job->ctx, distance);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- The answer ---- */
@@ -378,27 +373,23 @@ static bvx_status find_pieces(crumb_job *job)
 
 static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 {
-    bvx_status status;
-
     /* A grid of the small parts alone, by which triangles are judged. */
     job->small = *job->inside;
     job->small.words = NULL;
     job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words);
-    for (int32_t s = 0; s < job->sources && status == BVX_OK; s++)
-        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH,
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words));
+    for (int32_t s = 0; s < job->sources; s++)
+        BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH,
                                  job->source[s].mesh->vertex_count * sizeof *job->piece[s],
-                                 "the meshes' pieces", &job->piece[s]);
-    if (status == BVX_OK) {
-        bvxi_spaces_each(&job->spaces, mark_small_run, job);
-        status = find_pieces(job);
-    }
-    if (status == BVX_OK) *dropped = judge_crumbs(job);
+                                 "the meshes' pieces", &job->piece[s]));
+    bvxi_spaces_each(&job->spaces, mark_small_run, job);
+    BVXI_TRY(find_pieces(job));
+    *dropped = judge_crumbs(job);
     /* Only now bits change: all was judged by the solid as it was. */
-    if (status == BVX_OK && *dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
+    if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
     for (int32_t s = job->sources; s-- > 0;) bvxi_drop(job->ctx, job->piece[s]);
     bvxi_drop(job->ctx, job->small.words);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty,
@@ -410,14 +401,13 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
                      .empty = empty,
                      .sources = sources,
                      .source = source};
-    bvx_status status;
 
     *dropped = 0;
     BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part);
-    if (status == BVX_OK && job.spaces.count > 1) find_small_parts(&job);
-    if (status == BVX_OK && job.small_parts != 0) status = judge_small_parts(&job, dropped);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part));
+    if (job.spaces.count > 1) find_small_parts(&job);
+    if (job.small_parts != 0) BVXI_TRY(judge_small_parts(&job, dropped));
     bvxi_drop(ctx, job.part);
     bvxi_spaces_free(&job.spaces);
-    return status;
+    return BVX_OK;
 }

@@ -165,14 +165,17 @@ static void drop_octets(bvxi_refine_job *job, int32_t from)
     }
 }
 
-/* Levels that memory allowed: all that were made and leave room for their boundary states. */
-static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made)
+/* Levels that memory allowed: all that were made and leave room for their boundary states. What the step that
+ * failed left behind since its mark does not count. */
+static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made, uint64_t mark)
 {
     bvx_context *const ctx = job->ctx;
     int32_t const levels = job->tree->levels;
 
     bvxi_refine_free_front(job, &job->front);
     bvxi_refine_free_grids(job);
+    drop_octets(job, made < 0 ? 0 : made);
+    (void)bvxi_scratch_end(ctx, mark, BVX_ERR_BUDGET);
 
     /* From the deepest level on, one is given up at a time until the boundary states would fit too: then the
      * message names a number that works, instead of leaving the caller to search. */
@@ -204,10 +207,13 @@ static bvx_status run_refinement(bvxi_refine_job *job)
     double const begun = job->start == tree->levels ? 0.75 : 0.25;
     double const split = job->start == tree->levels ? 0.85 : 0.8;
 
+    uint64_t mark = bvxi_scratch_begin(job->ctx);
+
     /* Where the start is the last level, touching it is most of the work. */
     bvx_status status = BVXI_SHARE(job->ctx, 0.0, begun, bvxi_refine_start(job));
 
     while (status == BVX_OK && ++made < tree->levels) {
+        mark = bvxi_scratch_begin(job->ctx);
         status = BVXI_SHARE(job->ctx, begun, split, bvxi_refine_split(job, made));
         /* its order was the last that they were requested */
         if (made == job->start) bvxi_refine_free_grids(job);
@@ -217,6 +223,7 @@ static bvx_status run_refinement(bvxi_refine_job *job)
     if (status == BVX_OK) {
         bvxi_refine_free_front(job, &job->front);
         bvxi_refine_free_grids(job);
+        mark = bvxi_scratch_begin(job->ctx);
         status = BVXI_SHARE(job->ctx, split, 1.0,
                             job->windowed ? bvxi_octree_row_states(job)
                                           : bvxi_octree_states(job->ctx, tree, job->up));
@@ -226,13 +233,14 @@ static bvx_status run_refinement(bvxi_refine_job *job)
     if (status == BVX_ERR_BUDGET && job->windowed)
         return bvxi_fail(job->ctx, BVX_ERR_BUDGET, "%s: the window at level %d is beyond the memory limit",
                          bvx_refine_name, (int64_t)tree->levels);
-    return status == BVX_ERR_BUDGET ? fail_at_level(job, made < tree->levels ? made : tree->levels - 1)
+    return status == BVX_ERR_BUDGET ? fail_at_level(job, made < tree->levels ? made : tree->levels - 1, mark)
                                     : status;
 }
 
 /* A start level that was chosen, not requested, gives way to the base when memory does not allow it. */
 static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
+    uint64_t const mark = bvxi_scratch_begin(job->ctx);
     bvx_status status;
 
     job->start = asked >= 0 ? asked : choose_start(job);
@@ -243,6 +251,7 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
         drop_refinement(job);
         drop_octets(job, 0);
         bvxi_octets_close(job->ctx, &job->tree->root);
+        (void)bvxi_scratch_end(job->ctx, mark, status);
         job->start = 0;
         status = run_refinement(job);
     }

@@ -296,7 +296,6 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     int const lists = level >= job->start;
     double const from = (double)level / (double)tree->levels, to = (double)(level + 1) / (double)tree->levels;
     level_job *split;
-    bvx_status status = BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *split, "a level's counts", &split));
     split->refine = job;
@@ -308,21 +307,19 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     split->pieces = bvxi_piece_count(job->front.count, OCTETS_OF_PIECE);
 
     /* Lists were made with the start's grid; here each voxel learns which is its own. */
-    if (level == job->start) status = bvxi_refine_lists(job);
-    if (status == BVX_OK && lists && !split->last)
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children",
-                            &split->hits);
-    if (status == BVX_OK) status = split_front(split, from, to);
+    if (level == job->start) BVXI_TRY(bvxi_refine_lists(job));
+    if (lists && !split->last)
+        BVXI_TRY(
+            bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.pairs, "a level's touched children", &split->hits));
+    BVXI_TRY(split_front(split, from, to));
     bvxi_drop(job->ctx, split->hits);
 
     /* Above the start nobody reads the lists: they pass through to the level that does. */
-    if (status == BVX_OK && !lists) hand_lists_on(&job->front, &split->next);
+    if (!lists) hand_lists_on(&job->front, &split->next);
     bvxi_refine_free_front(job, &job->front);
 
-    /* The next level's voxels take the place of this one's, also after a failure, so that one call frees
-     * them. */
+    /* The next level's voxels take the place of this one's. */
     job->front = split->next;
-    if (status != BVX_OK) bvxi_refine_free_front(job, &job->front);
     bvxi_drop(job->ctx, split);
-    return status;
+    return BVX_OK;
 }

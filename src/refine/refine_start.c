@@ -198,7 +198,6 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     bvx_context *const ctx = job->ctx;
     uint64_t const words = bvxi_refine_grid_words(job->tree, job->start), bytes = bvxi_rank_bytes(words);
     uint32_t *prefix = NULL;
-    bvx_status status;
     uint64_t voxels = 0;
 
     for (uint64_t i = 0; i < words; i++) voxels += bvxi_popcount(job->grids.words[job->start][i]);
@@ -210,11 +209,11 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
                              voxels, (int64_t)job->start);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the start's ranks", &prefix));
     job->front.slots = bvxi_rank_build(&surface->rank, job->grids.words[job->start], words, prefix);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last);
-    if (status == BVX_OK) status = list_triangles(ctx, start, &job->front);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last));
+    BVXI_TRY(list_triangles(ctx, start, &job->front));
     bvxi_drop(ctx, surface->last);
     bvxi_drop(ctx, prefix);
-    return status;
+    return BVX_OK;
 }
 
 static void start_surface(const bvxi_refine_job *job, const bvx_grid *grid, bvxi_surface_job *surface)
@@ -240,22 +239,20 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
     const bvx_octree *const tree = job->tree;
     bvx_grid grid = {0};
     start_job *start;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *start, "the start's counts", &start));
     grid.words = job->grids.words[job->start];
     grid.words_per_row = bvxi_refine_row_words(tree, job->start);
     start->refine = job;
     start_surface(job, &grid, &start->surface);
-    status = bvxi_bins_open(job->ctx, refine_name, &start->surface);
-    if (status == BVX_OK)
-        status = touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95);
+    BVXI_TRY(bvxi_bins_open(job->ctx, refine_name, &start->surface));
+    BVXI_TRY(touch_start(job->ctx, start, BVXI_TOUCH_SET, 0.2, job->start < tree->levels ? 0.6 : 0.95));
 
     /* Where the start is the last level the bits are the answer, and no lists are needed. */
-    if (status == BVX_OK && job->start < tree->levels) status = make_start_lists(job, start);
+    if (job->start < tree->levels) BVXI_TRY(make_start_lists(job, start));
     bvxi_bins_close(job->ctx, &start->surface);
     bvxi_drop(job->ctx, start);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- coarser levels ---- */

@@ -203,22 +203,19 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
 {
     bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
     uint64_t places;
-    bvx_status status;
 
     w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
     places = (uint64_t)w.pieces * (uint64_t)bands;
     bins->bands = bands;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
-    status = bvxi_parallel(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w);
+    BVXI_TRY(bvxi_parallel(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w));
     /* Counts are places now, and their sum is the size of the list. */
-    if (status == BVX_OK) {
-        place_bins(&w);
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle);
-    }
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w);
+    place_bins(&w);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle));
+    BVXI_TRY(bvxi_parallel(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w));
     bvxi_drop(ctx, w.place);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_triangle_bins_close(bvx_context *ctx, bvxi_triangle_bins *bins)

@@ -221,7 +221,6 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4;
     collapse_order o = {.view = mesh, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
-    bvx_status status;
 
     memcpy(o.low, low, sizeof o.low);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, bytes, "the order of the triangles", &block));
@@ -232,14 +231,14 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     o.rank = o.index + items;
 
     c->mesh.vertex_room = mark_used(&o);
-    status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
-                        &c->mesh.at);
-    if (status == BVX_OK && c->options.colour_weight > 0 && mesh->colours != NULL)
-        status = bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours",
-                            &c->mesh.tint);
-    if (status == BVX_OK) status = take_mesh(c, &o);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
+                        &c->mesh.at));
+    if (c->options.colour_weight > 0 && mesh->colours != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours",
+                            &c->mesh.tint));
+    BVXI_TRY(take_mesh(c, &o));
     bvxi_drop(c->ctx, block);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Quadrics ---- */
@@ -422,7 +421,6 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
                               const bvxi_collapse_options *options, bvxi_collapse **collapse)
 {
     bvxi_collapse *c;
-    bvx_status status;
 
     if (mesh->triangle_count > INT32_MAX / 4)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -437,10 +435,9 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     /* All costs are allowed; cells have a limit of their own. */
     c->dearest = BVXI_QUEUE_FINE - 1;
     c->queue.batch = INT32_MAX;
-    status = open_steps(c, mesh);
-    if (status == BVX_OK) *collapse = c;
-    else bvxi_collapse_close(c);
-    return status;
+    BVXI_TRY(open_steps(c, mesh));
+    *collapse = c;
+    return BVX_OK;
 }
 
 void bvxi_collapse_close(bvxi_collapse *c)

@@ -322,7 +322,6 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
 {
     uint64_t const bytes = m->triangles * 16 + m->vertices * 8;
     edge_lists lists;
-    bvx_status status;
 
     m->left = m->triangles;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges", &lists.next));
@@ -330,13 +329,11 @@ bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_cor
     lists.around = (uint32_t *)(void *)(lists.first + m->vertices);
 
     /* A closed mesh has fans to be checked, one with borders fans to be parted. */
-    status = pair_corners(ctx, function, m, &lists, borders);
-    if (status == BVX_OK && borders == BVXI_BORDERS_REFUSED)
-        status = check_fans(ctx, function, m, lists.first);
-    if (status == BVX_OK && borders != BVXI_BORDERS_REFUSED)
-        status = close_borders(ctx, function, m, lists.first, lists.next);
+    BVXI_TRY(pair_corners(ctx, function, m, &lists, borders));
+    if (borders == BVXI_BORDERS_REFUSED) BVXI_TRY(check_fans(ctx, function, m, lists.first));
+    if (borders != BVXI_BORDERS_REFUSED) BVXI_TRY(close_borders(ctx, function, m, lists.first, lists.next));
     bvxi_drop(ctx, lists.next);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Pieces ---- */

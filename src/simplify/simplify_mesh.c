@@ -46,35 +46,31 @@ static bvx_status drop_doubles(bvx_context *ctx, bvx_mesh_view *welded, uint32_t
     uint64_t const bytes = welded->triangle_count * 12;
     uint32_t *kept;
     uint64_t count = 0;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles without doubles", &kept));
-    status = bvxi_drop_duplicates(ctx, welded, own, kept, &count);
-    if (status == BVX_OK) {
-        /* Back into the caller's array, which the view reads. */
-        memcpy(corner, kept, (size_t)count * 12);
-        welded->triangle_count = count;
-    }
+    BVXI_TRY(bvxi_drop_duplicates(ctx, welded, own, kept, &count));
+    /* Back into the caller's array, which the view reads. */
+    memcpy(corner, kept, (size_t)count * 12);
+    welded->triangle_count = count;
     bvxi_drop(ctx, kept);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
                                bvxi_sheets_report *report)
 {
     uint64_t const triangles = welded->triangle_count, bytes = welded->vertex_count * 4;
-    bvx_status status;
     uint32_t *own; /* the mesh is welded: each vertex stands for itself */
 
     memset(report, 0, sizeof *report);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices of triangles without doubles", &own));
     for (uint64_t v = 0; v < welded->vertex_count; v++) own[v] = (uint32_t)v;
 
-    status = drop_doubles(ctx, welded, corner, own);
+    BVXI_TRY(drop_doubles(ctx, welded, corner, own));
     report->doubles = triangles - welded->triangle_count;
-    if (status == BVX_OK) status = orient_sheets(ctx, welded, corner, own, report);
+    BVXI_TRY(orient_sheets(ctx, welded, corner, own, report));
     bvxi_drop(ctx, own);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Levels of a mesh as it is, with its borders where it has some: bvx_mesh_simplify ---- */
@@ -95,16 +91,15 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
     uint64_t const bytes = mesh->vertex_count * 4;
     uint64_t different, kept = 0;
     uint32_t *representative = NULL, *to;
-    bvx_status status;
 
     *view = *mesh;
     *corner = NULL;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the welded triangles", corner));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' positions", &representative);
-    if (status == BVX_OK) status = bvxi_weld(ctx, mesh, representative, &different);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' positions", &representative));
+    BVXI_TRY(bvxi_weld(ctx, mesh, representative, &different));
 
     to = *corner;
-    for (uint64_t t = 0; t < mesh->triangle_count && status == BVX_OK; t++) {
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         uint32_t v[3];
 
         bvxi_view_triangle(mesh, t, v);
@@ -121,7 +116,7 @@ bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mes
     view->index_type = BVX_U32;
     view->index_stride = 0;
     view->triangle_count = kept;
-    return status;
+    return BVX_OK;
 }
 
 static const bvxi_option simplify_rows[] = {
@@ -146,10 +141,12 @@ static bvx_status simplify_welded(bvx_context *ctx, bvxi_level_chain *chain, bvx
                                   uint32_t *corner, int32_t open)
 {
     bvxi_sheets_report sheets;
+    uint64_t mark;
     bvx_status status;
 
     chain->collapse.borders = open == BVX_OPEN_SHELL ? BVXI_BORDERS_REFUSED : BVXI_BORDERS_KEPT;
-    status = bvxi_levels_make(ctx, chain, welded);
+    mark = bvxi_scratch_begin(ctx);
+    status = bvxi_scratch_keep(ctx, mark, bvxi_levels_make(ctx, chain, welded));
     if (status != BVX_ERR_ARGUMENT || open == BVX_OPEN_SHELL) return status;
 
     chain->collapse.borders = open == BVX_OPEN_CUT ? BVXI_BORDERS_CUT : BVXI_BORDERS_KEPT;
@@ -166,7 +163,6 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     double low[3], high[3];
     bvx_mesh_view welded;
     uint32_t *corner = NULL;
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, simplify_name, "levels");
@@ -197,11 +193,11 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(bvxi_levels_check(context, &chain));
 
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
-    status = bvxi_welded_view(context, mesh, &welded, &corner);
-    if (status == BVX_OK) status = bvxi_progress(context, "collapse", 0.01);
-    if (status == BVX_OK) status = simplify_welded(context, &chain, &welded, corner, o.open);
+    BVXI_TRY(bvxi_welded_view(context, mesh, &welded, &corner));
+    BVXI_TRY(bvxi_progress(context, "collapse", 0.01));
+    BVXI_TRY(simplify_welded(context, &chain, &welded, corner, o.open));
     bvxi_drop(context, corner);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,

@@ -105,7 +105,6 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     uint64_t const bytes = job->view->vertex_count * 4;
     uint64_t sum = 0, bad = UINT64_MAX;
     balance_work w;
-    bvx_status status;
 
     w.view = job->view;
     w.xyz = job->snapped.xyz;
@@ -113,10 +112,9 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     if (w.pieces > BALANCE_PIECES) w.pieces = BALANCE_PIECES;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' numbers", &w.mixed));
-    status = bvxi_parallel(ctx, "solid", at, at, w.pieces, mix_vertices, &w);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w);
+    BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, w.pieces, mix_vertices, &w));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w));
     bvxi_drop(ctx, w.mixed);
-    if (status != BVX_OK) return status;
 
     /* Sums modulo 2^64: in any order the same. */
     for (int32_t i = 0; i < w.pieces; i++) {

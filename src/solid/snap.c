@@ -155,7 +155,6 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
                      const bvx_lattice *lattice, bvxi_snapped *out)
 {
     snap_job job = {0};
-    bvx_status status;
     int any_bad = 0;
 
     memset(out, 0, sizeof *out);
@@ -167,13 +166,12 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     memcpy(job.origin, lattice->origin, sizeof job.origin);
     BVXI_TRY(bvxi_snap_scale(ctx, function, lattice, job.scale));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell));
+    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
     /* Gone over once more only where something did not fit. */
-    if (status == BVX_OK && any_bad) status = snap_judge(ctx, function, &job, lattice);
-    if (status != BVX_OK) bvxi_snap_free(ctx, out);
-    return status;
+    if (any_bad) BVXI_TRY(snap_judge(ctx, function, &job, lattice));
+    return BVX_OK;
 }
 
 static inline uint32_t clamp_side(int32_t v, int32_t side)

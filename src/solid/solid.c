@@ -222,17 +222,13 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
 bvx_status bvxi_solid_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                            const bvx_lattice *lattice, bvxi_solid_job *job)
 {
-    bvx_status status;
-
     memset(job, 0, sizeof *job);
     job->function = function;
     job->view = mesh;
     job->fraction_bits = lattice->fraction_bits;
     job->cpu = bvxi_cpu(ctx);
-    status = open_chunks(ctx, job);
-    if (status == BVX_OK) status = bvxi_snap(ctx, function, mesh, lattice, &job->snapped);
-    if (status != BVX_OK) bvxi_solid_close(ctx, job);
-    return status;
+    BVXI_TRY(open_chunks(ctx, job));
+    return bvxi_snap(ctx, function, mesh, lattice, &job->snapped);
 }
 
 void bvxi_solid_close(bvx_context *ctx, bvxi_solid_job *job)

@@ -154,28 +154,24 @@ bvx_status bvxi_solid_gather(bvx_context *ctx, bvxi_solid_job *job, double from,
 {
     bvxi_row_lists *const lists = &job->lists;
     double const middle = 0.5 * (from + to);
-    bvx_status status;
 
     memset(lists, 0, sizeof *lists);
     lists->rows = (uint64_t)job->block.ny * (uint64_t)job->block.nz;
 
     /* Counted first, then filled: one array of the exact size, whatever rows the crossings fall on. */
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts",
-                             &lists->row_end);
-    if (status == BVX_OK) status = bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle);
-    if (status == BVX_OK) {
-        /* counts become begins; filling turns them into ends */
-        for (uint64_t row = 0; row < lists->rows; row++) {
-            uint64_t const n = lists->row_end[row];
-            lists->row_end[row] = lists->total;
-            lists->total += n;
-        }
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, lists->total * 4, "the crossings", &lists->crossing);
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_SCRATCH, lists->rows * 8, "the rows' crossing counts", &lists->row_end));
+    BVXI_TRY(bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST, from, middle));
+    /* counts become begins; filling turns them into ends */
+    for (uint64_t row = 0; row < lists->rows; row++) {
+        uint64_t const n = lists->row_end[row];
+        lists->row_end[row] = lists->total;
+        lists->total += n;
     }
-    if (status == BVX_OK) status = bvxi_solid_again(ctx, job, BVXI_FILL_LIST, middle, to);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, lists->total * 4, "the crossings", &lists->crossing));
+    BVXI_TRY(bvxi_solid_again(ctx, job, BVXI_FILL_LIST, middle, to));
     *made = *lists;
-    if (status != BVX_OK) bvxi_row_lists_free(ctx, made);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job, double from)

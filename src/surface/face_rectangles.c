@@ -322,23 +322,21 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const threads = (uint64_t)bvxi_threads(ctx);
     face_merge m;
-    bvx_status status;
 
     memset(&m, 0, sizeof m);
     m.f = f;
     m.tasks = f->words + f->grid->size[1] + 1 + f->grid->size[2] + 1;
     m.scratch_words = plane_bits(f->grid);
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before));
     /* Scratch for each worker, as planes are cut side by side. */
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch);
-    if (status == BVX_OK) status = count_rectangles(ctx, &m);
-    if (status == BVX_OK) status = list_rectangles(ctx, &m);
-    if (status == BVX_OK && mesh != NULL) status = emit_merged(ctx, &m, mesh);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
+    BVXI_TRY(count_rectangles(ctx, &m));
+    BVXI_TRY(list_rectangles(ctx, &m));
+    if (mesh != NULL) BVXI_TRY(emit_merged(ctx, &m, mesh));
     bvxi_drop(ctx, m.prefix);
     bvxi_drop(ctx, m.corners);
     bvxi_drop(ctx, m.list);
     bvxi_drop(ctx, m.scratch);
     bvxi_drop(ctx, m.before);
-    return status;
+    return BVX_OK;
 }

@@ -182,12 +182,11 @@ static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
 static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_report *report)
 {
     uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
-    bvx_status status;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
-    status = bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c);
-    if (status == BVX_OK) report_cuts(c, report);
+    BVXI_TRY(bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c));
+    report_cuts(c, report);
     bvxi_drop(ctx, c->piece_counts);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
@@ -213,26 +212,24 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     uint64_t const triangle_bytes = m->triangle_count * 12;
     uint64_t const position_bytes = m->vertex_count * (m->options.position_type == BVX_F32 ? 12 : 24);
     bvx_mesh plain = {0};
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
 
     /* As large as the plain surface is: it is made here first. */
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening",
-                            &plain.positions);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening",
-                            &plain.triangles);
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain));
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report));
-    if (status == BVX_OK)
-        status = BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
     bvxi_drop(ctx, plain.triangles);
     bvxi_drop(ctx, plain.positions);
     bvxi_drop(ctx, c->planes);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,
@@ -243,7 +240,6 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     bvx_extract_options extract;
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
-    bvx_status status;
 
     memset(&report, 0, sizeof report);
     bvx_extract_options_init(&extract, sizeof extract);
@@ -252,19 +248,18 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    status = BVXI_SHARE(ctx, 0.0, options->sharp ? 0.1 : 0.4, bvxi_march_open(ctx, &m, inside, &extract));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, options->sharp ? 0.1 : 0.4, bvxi_march_open(ctx, &m, inside, &extract)));
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
     /* Both ways share the march; sharpening only adds to it. */
-    if (status == BVX_OK)
-        status = options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
-                                : make_plain(ctx, &m, &cuts, surface, &report);
+    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
+                            : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);
     report.sharp = options->sharp != 0;
-    if (status == BVX_OK && options->report != NULL) *options->report = report;
-    return status;
+    if (options->report != NULL) *options->report = report;
+    return BVX_OK;
 }
 
 /* ---- public ---- */

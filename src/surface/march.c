@@ -303,16 +303,15 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     static const char name[] = "bvx_extract_surface";
     bvx_extract_options o = extract_defaults;
     bvxi_march m = {0};
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
-    status = bvxi_march_open(context, &m, grid, &o);
-    if (status == BVX_OK) status = bvxi_march_fill(context, &m, mesh);
+    BVXI_TRY(bvxi_march_open(context, &m, grid, &o));
+    BVXI_TRY(bvxi_march_fill(context, &m, mesh));
     bvxi_march_close(context, &m);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,

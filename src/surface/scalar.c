@@ -65,7 +65,6 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     bvxi_level_samples level;
     bvx_volume_report report;
     bvxi_range range;
-    bvx_status status;
 
     bvx_extract_options_init(&extract, sizeof extract);
 
@@ -84,16 +83,15 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     m.function = function;
     m.level = &level;
     /* Bits first; then samples are read only at the ends of crossed edges. */
-    status = bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range,
-                            o->report != NULL ? &report : NULL, inside);
-    if (status == BVX_OK) status = bvxi_march_open(ctx, &m, inside, &extract);
+    BVXI_TRY(bvxi_threshold(bvxi_call_of(ctx, NULL, "threshold", 0.0, 1.0), volume, stride, &range,
+                            o->report != NULL ? &report : NULL, inside));
+    BVXI_TRY(bvxi_march_open(ctx, &m, inside, &extract));
     /* Neighbouring positions must differ as doubles. */
-    if (status == BVX_OK && m.options.position_type == BVX_F64)
-        status = bvxi_check_f64(ctx, function, inside, m.origin);
-    if (status == BVX_OK) status = bvxi_march_fill(ctx, &m, mesh);
+    if (m.options.position_type == BVX_F64) BVXI_TRY(bvxi_check_f64(ctx, function, inside, m.origin));
+    BVXI_TRY(bvxi_march_fill(ctx, &m, mesh));
     bvxi_march_close(ctx, &m);
-    if (status == BVX_OK && o->report != NULL) *o->report = report;
-    return status;
+    if (o->report != NULL) *o->report = report;
+    return BVX_OK;
 }
 
 static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view *volume,

@@ -189,28 +189,24 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     uint64_t const piece_bytes = (uint64_t)march->pieces * sizeof *w.counts;
     uint64_t count = 0;
     uint32_t kept = 0;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, slot_bytes, "the rows' sharp cells", &w.first));
 
     /* Sharp loops are counted, then filled, so that one array holds all. */
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts);
-    if (status == BVX_OK)
-        status = bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w);
-    if (status == BVX_OK) status = number_loops(ctx, &w, &count);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops);
-    if (status == BVX_OK)
-        status = bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w);
-    if (status == BVX_OK) kept = number_apexes(&w, count);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts));
+    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w));
+    BVXI_TRY(number_loops(ctx, &w, &count));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
+    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w));
+    kept = number_apexes(&w, count);
     /* Sides are turned when all apexes are known. */
-    if (status == BVX_OK)
-        status = bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, bvxi_sharp_turn_piece, &w);
-    if (status == BVX_OK) status = write_sharp(ctx, &w, kept, surface);
-    for (int32_t p = 0; status == BVX_OK && p < march->pieces; p++) report->flipped_edges += w.counts[p];
+    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, bvxi_sharp_turn_piece, &w));
+    BVXI_TRY(write_sharp(ctx, &w, kept, surface));
+    for (int32_t p = 0; p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;
     report->sharp_taken_back = count - kept;
     bvxi_drop(ctx, w.loops);
     bvxi_drop(ctx, w.counts);
     bvxi_drop(ctx, w.first);
-    return status;
+    return BVX_OK;
 }

@@ -139,31 +139,28 @@ static bvx_status run_bins(bvx_context *ctx, const char *function, bin_job *b)
 bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_job *job)
 {
     bin_job *b;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *b, "the triangles' counts", &b));
     b->job = job;
     b->pieces = bvxi_piece_count(job->view->triangle_count, BIN_GRAIN);
     if (b->pieces > BIN_PIECES) b->pieces = BIN_PIECES;
     for (int32_t i = 0; i < BIN_PIECES; i++) b->bad[i] = UINT64_MAX;
-    status = job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b)
-                                  : BVX_OK;
-    if (status == BVX_OK) status = run_bins(ctx, function, b); /* one tile: a check of the indices */
+    BVXI_TRY(job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b)
+                                  : BVX_OK);
+    BVXI_TRY(run_bins(ctx, function, b)); /* one tile: a check of the indices */
     /* One tile takes triangles as they come, and needs no list. */
-    if (status == BVX_OK && job->tiles.count == 1) {
+    if (job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;
         bvxi_drop(ctx, b);
         return BVX_OK;
     }
     /* Counts are places now, so the second walk knows where each triangle goes. */
-    if (status == BVX_OK) {
-        job->bins.total = place_surface_bins(b);
-        b->fill = 1;
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id);
-    }
-    if (status == BVX_OK) status = run_bins(ctx, function, b);
+    job->bins.total = place_surface_bins(b);
+    b->fill = 1;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id));
+    BVXI_TRY(run_bins(ctx, function, b));
     bvxi_drop(ctx, b);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job)

@@ -232,16 +232,15 @@ static bvx_status check_surface_arguments(bvx_context *ctx, const bvx_mesh_view 
 static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_surface_options *o,
                               bvxi_surface_job *job)
 {
-    bvx_status status = bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped);
+    BVXI_TRY(bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped));
 
-    /* Each step needs the one before; what was made is freed in any case. */
-    if (status == BVX_OK) status = bvxi_bins_open(ctx, function, job);
-    if (status == BVX_OK)
-        status = touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0);
-    if (status == BVX_OK && o->attached != NULL) status = attach_triangles(ctx, job, o->attached);
+    /* Each step needs the one before. */
+    BVXI_TRY(bvxi_bins_open(ctx, function, job));
+    BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0));
+    if (o->attached != NULL) BVXI_TRY(attach_triangles(ctx, job, o->attached));
     bvxi_bins_close(ctx, job);
     bvxi_snap_free(ctx, &job->snapped);
-    return status;
+    return BVX_OK;
 }
 
 /* A job for a grid that is open; the mesh and the lattice have been checked. */
@@ -337,7 +336,6 @@ bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
 {
     uint64_t const words = bvxi_grid_words(solid);
     bvx_surface_options o;
-    bvx_status status;
 
     bvx_surface_options_init(&o, sizeof o);
     memcpy(o.window.low, solid->low, sizeof o.window.low);
@@ -347,8 +345,6 @@ bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
     /* Scratch of the caller's size: the shell lives no longer than the step that needs it. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the conservative surface", &shell->words));
     shell->word_capacity = words;
-    status = bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell);
-    if (status == BVX_OK) status = bvx_grid_count(ctx, shell, voxels);
-    if (status != BVX_OK) bvxi_shell_close(ctx, shell);
-    return status;
+    BVXI_TRY(bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell));
+    return bvx_grid_count(ctx, shell, voxels);
 }

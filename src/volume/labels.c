@@ -183,17 +183,16 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
     uint64_t const flip = is_signed ? UINT64_C(1) << 63 : 0;
     uint64_t *keys = NULL;
     uint32_t *order = NULL;
-    bvx_status status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 8, "the labels' order", &keys);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order);
+    BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 8, "the labels' order", &keys));
+    BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, t->count * 4, "the labels' numbers", &order));
     /* The highest bit turned: negative values come first. */
-    for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
+    for (uint64_t i = 0; i < t->count; i++) {
         keys[i] = t->entries[i].value ^ flip;
         order[i] = (uint32_t)i;
     }
-    if (status == BVX_OK) status = bvxi_radix_sort(t->ctx, keys, order, t->count);
-    for (uint64_t i = 0; i < t->count && status == BVX_OK; i++) {
+    BVXI_TRY(bvxi_radix_sort(t->ctx, keys, order, t->count));
+    for (uint64_t i = 0; i < t->count; i++) {
         const label_entry *const e = &t->entries[order[i]];
         memset(&labels[i], 0, sizeof labels[i]);
         memcpy(&labels[i].value, &e->value, sizeof e->value);
@@ -205,7 +204,7 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
     }
     bvxi_drop(t->ctx, order);
     bvxi_drop(t->ctx, keys);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
@@ -213,7 +212,6 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
 {
     label_table t = {0};
     int64_t stride[3];
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
@@ -222,20 +220,17 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
                          labels_name);
     t.ctx = context;
-    status = list_volume(&t, volume, stride);
-    if (status == BVX_OK) {
-        /* The count is given even where the array is too small. */
-        *count = t.count;
-        if (labels != NULL && capacity < t.count)
-            status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",
-                               labels_name, t.count, capacity);
-        else if (labels != NULL && t.count != 0)
-            status = give_labels(&t, volume->sample_type % 2 == 0, labels);
-    }
+    BVXI_TRY(list_volume(&t, volume, stride));
+    /* The count is given even where the array is too small. */
+    *count = t.count;
+    if (labels != NULL && capacity < t.count)
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",
+                         labels_name, t.count, capacity);
+    else if (labels != NULL && t.count != 0) BVXI_TRY(give_labels(&t, volume->sample_type % 2 == 0, labels));
     free_label_slots(&t);
     bvxi_key_tree_close(context, &t.tree);
     bvxi_drop(context, t.entries);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,

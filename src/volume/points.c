@@ -155,17 +155,15 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
 
 static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, points_work *w)
 {
-    bvx_status status = BVX_OK;
-
     w->words = bvxi_grid_words(w->grid);
     w->plane_count = count_point_planes(o->minimum);
     /* Zeros first: only full voxels are set. */
     memset(w->grid->words, 0, (size_t)w->words * 8);
-    if (w->plane_count != 0) status = open_point_planes(ctx, o->minimum, w);
-    if (status == BVX_OK) status = take_points(ctx, w);
+    if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
+    BVXI_TRY(take_points(ctx, w));
     bvxi_drop(ctx, w->planes);
-    if (status == BVX_OK && o->body) status = make_points_body(ctx, o->close_gaps, w);
-    return status;
+    if (o->body) BVXI_TRY(make_points_body(ctx, o->close_gaps, w));
+    return BVX_OK;
 }
 
 static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view *points,

@@ -376,7 +376,6 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
 {
     bvxi_sample_walk walk = {0};
     bvxi_range_tally *tally = NULL;
-    bvx_status status = BVX_OK;
 
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
@@ -388,7 +387,7 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     /* One count a piece, as no two threads may write one. */
     uint64_t const bytes = report != NULL ? (uint64_t)walk.pieces * sizeof *tally : 0;
     if (report != NULL)
-        status = bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally);
+        BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the counts of samples", &tally));
     /* Extremes begin at the opposite ends. */
     for (int32_t p = 0; p < walk.pieces && tally != NULL; p++) {
         tally[p].least = THRESHOLD_F64_MAX;
@@ -396,10 +395,10 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     }
     walk.tallies = tally;
     walk.tally_size = sizeof *tally;
-    if (status == BVX_OK) status = bvxi_samples_to_bits(call.ctx, call.stage, call.from, call.to, &walk);
-    if (status == BVX_OK && report != NULL) report_range(tally, walk.pieces, report);
+    BVXI_TRY(bvxi_samples_to_bits(call.ctx, call.stage, call.from, call.to, &walk));
+    if (report != NULL) report_range(tally, walk.pieces, report);
     bvxi_drop(call.ctx, tally);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- public ---- */

@@ -39,16 +39,12 @@ static void close_edge_table(bvx_context *ctx, edge_table *t)
 
 static bvx_status open_edge_table(bvx_context *ctx, uint64_t size, edge_table *t)
 {
-    bvx_status status;
-
     memset(t, 0, sizeof *t);
     t->size = size;
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges that wait", &t->key);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges' directions", &t->net);
-    if (status != BVX_OK) close_edge_table(ctx, t);
-    else
-        for (uint64_t i = 0; i < size; i++) t->key[i] = HOLE_EMPTY;
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges that wait", &t->key));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size * 8, "the edges' directions", &t->net));
+    for (uint64_t i = 0; i < size; i++) t->key[i] = HOLE_EMPTY;
+    return BVX_OK;
 }
 
 /* Edges stand at most twice as far from their places, all together, as they did in the smaller table. */
@@ -370,19 +366,18 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
 {
     place_table p;
     uint32_t from = 0, to = 0;
-    bvx_status status = open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count,
-                                         &p);
+
+    BVXI_TRY(open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count, &p));
 
     /* Edges that did not meet by number may meet by place, where vertices are not welded. */
-    for (uint64_t i = 0; i < count && status == BVX_OK; i++) {
-        status = vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from);
-        if (status == BVX_OK) status = vertex_at_place(ctx, &p, (uint32_t)list[i], &to);
-        if (status != BVX_OK) break;
+    for (uint64_t i = 0; i < count; i++) {
+        BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from));
+        BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)list[i], &to));
         put_hole_edge(t, from, to);
-        status = make_room_for_edges(ctx, t);
+        BVXI_TRY(make_room_for_edges(ctx, t));
     }
     close_place_table(ctx, &p);
-    return status;
+    return BVX_OK;
 }
 
 /* All triangles, by their corners' places. */
@@ -392,16 +387,16 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *same = NULL;
     place_table p;
-    bvx_status status = open_place_table(ctx, s, s->vertex_count, &p);
+
+    BVXI_TRY(open_place_table(ctx, s, s->vertex_count, &p));
 
     /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same);
-    for (uint64_t v = 0; v < s->vertex_count && status == BVX_OK; v++)
-        status = vertex_at_place(ctx, &p, (uint32_t)v, &same[v]);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
+    for (uint64_t v = 0; v < s->vertex_count; v++) BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)v, &same[v]));
     close_place_table(ctx, &p);
-    if (status == BVX_OK) status = cancel_triangles(ctx, view, same, UINT64_MAX, t);
+    BVXI_TRY(cancel_triangles(ctx, view, same, UINT64_MAX, t));
     bvxi_drop(ctx, same);
-    return status;
+    return BVX_OK;
 }
 
 /* By numbers and then what is left by places; where numbers cancel too little, all by places. Last by
@@ -413,30 +408,28 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;
     edge_table t;
     int full = 0;
-    bvx_status status;
 
     *edges = NULL;
     *count = 0;
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
 
     /* By numbers first: in a welded mesh that is all, without a look at a place. */
-    status = cancel_triangles(ctx, view, NULL, limit, &t);
+    BVXI_TRY(cancel_triangles(ctx, view, NULL, limit, &t));
     full = t.used > limit;
-    if (status == BVX_OK && !full) status = list_open_edges(ctx, &t, 0, &list, &left);
+    if (!full) BVXI_TRY(list_open_edges(ctx, &t, 0, &list, &left));
     close_edge_table(ctx, &t);
-    if (status == BVX_OK) status = open_edge_table(ctx, HOLE_TABLE, &t);
+    BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));
     /* Too many were left for numbers to be of use: all of it again, by places. */
-    if (status == BVX_OK)
-        status = full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t);
+    BVXI_TRY(full ? cancel_places(ctx, view, s, &t) : cancel_list(ctx, s, list, left, &t));
     bvxi_drop(ctx, list);
-    if (status == BVX_OK) status = list_open_edges(ctx, &t, odd_once, edges, count);
+    BVXI_TRY(list_open_edges(ctx, &t, odd_once, edges, count));
     close_edge_table(ctx, &t);
     /* What is left may still cancel along lines, where vertices lie on the middle of edges. */
-    if (status == BVX_OK) status = bvxi_cancel_lines(ctx, s, odd_once, edges, count);
-    if (status == BVX_OK) return BVX_OK;
+    BVXI_TRY(bvxi_cancel_lines(ctx, s, odd_once, edges, count));
+    return BVX_OK;
 
     bvxi_drop(ctx, *edges);
     *edges = NULL;
     *count = 0;
-    return status;
+    return BVX_OK;
 }

@@ -243,25 +243,22 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
 {
     uint64_t const n = *count;
     line_work w = {s, *edges, odd_once, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0};
-    bvx_status status;
 
     /* ends have numbers of 32 bits; more edges than those only stay as they are */
     if (n < 2 || n > UINT32_MAX / 2) return BVX_OK;
 
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *w.line, "the open edges' lines", &w.line);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges' hashes", &w.key);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges by line", &w.order);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 16, "the ends on a line", &w.place);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the ends in order", &w.end);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the edges left on a line", &w.start);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges left", &w.left);
-    if (status == BVX_OK) status = cancel_lines(ctx, &w, n);
-    if (status == BVX_OK) {
-        /* Never more edges than before, so they fit where the others were. */
-        memcpy(*edges, w.left, (size_t)w.left_count * 8);
-        status = bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.left_count * 8, "the open edges");
-        if (status == BVX_OK) *count = w.left_count;
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * sizeof *w.line, "the open edges' lines", &w.line));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the open edges' hashes", &w.key));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges by line", &w.order));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 16, "the ends on a line", &w.place));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the ends in order", &w.end));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the edges left on a line", &w.start));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges left", &w.left));
+    BVXI_TRY(cancel_lines(ctx, &w, n));
+    /* Never more edges than before, so they fit where the others were. */
+    memcpy(*edges, w.left, (size_t)w.left_count * 8);
+    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.left_count * 8, "the open edges"));
+    *count = w.left_count;
 
     bvxi_drop(ctx, w.left);
     bvxi_drop(ctx, w.start);
@@ -270,5 +267,5 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
     bvxi_drop(ctx, w.order);
     bvxi_drop(ctx, w.key);
     bvxi_drop(ctx, w.line);
-    return status;
+    return BVX_OK;
 }

@@ -177,28 +177,23 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
 {
     uint64_t const bytes = (corners + 1) * 8;
     hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out);
 
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the open edges by end", &w.incoming);
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, count, "the open edges' marks", &w.used);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the trail along open edges", &w.trail);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, corners * 4, "the trail's marks", &w.met);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the open edges by end", &w.incoming));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count, "the open edges' marks", &w.used));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the trail along open edges", &w.trail));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, corners * 4, "the trail's marks", &w.met));
     /* All arrays were made: the walk itself cannot fail. */
-    if (status == BVX_OK) {
-        start_hole_walk(&w, corners);
-        walk_loops(&w, place, holes);
-    }
+    start_hole_walk(&w, corners);
+    walk_loops(&w, place, holes);
     bvxi_drop(ctx, w.met);
     bvxi_drop(ctx, w.trail);
     bvxi_drop(ctx, w.used);
     bvxi_drop(ctx, w.incoming);
     bvxi_drop(ctx, w.in);
     bvxi_drop(ctx, w.out);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
@@ -221,42 +216,37 @@ static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *place = NULL, *number = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place));
 
     /* A loop has as many points as edges, so these arrays hold all of them. */
     holes->room = count;
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end);
-    if (status == BVX_OK) {
-        uint64_t const corners = number_places(s, edges, count, number, place);
-        holes->repeated = has_repeated_edge(edges, count);
-        status = join_loops(ctx, edges, count, place, corners, holes);
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
+    uint64_t const corners = number_places(s, edges, count, number, place);
+    holes->repeated = has_repeated_edge(edges, count);
+    BVXI_TRY(join_loops(ctx, edges, count, place, corners, holes));
     bvxi_drop(ctx, number);
     bvxi_drop(ctx, place);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
                              int odd_once, bvxi_holes *holes)
 {
     uint64_t *edges = NULL, count = 0;
-    bvx_status status;
 
     memset(holes, 0, sizeof *holes);
 
     /* The edges first; most meshes have none, and need nothing more. */
-    status = bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count);
-    if (status == BVX_OK && count >= HOLE_NONE)
-        status = bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                               "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
-    if (status == BVX_OK && count > 0) status = make_loops(ctx, snapped, edges, count, holes);
+    BVXI_TRY(bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count));
+    if (count >= HOLE_NONE)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
+    if (count > 0) BVXI_TRY(make_loops(ctx, snapped, edges, count, holes));
     bvxi_drop(ctx, edges);
-    if (status != BVX_OK) bvxi_holes_close(ctx, holes);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_holes_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,

@@ -113,38 +113,35 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
     uint64_t const loops = s->holes->loops;
     uint64_t *key = NULL, *range = NULL, count = 0, i, j;
     bvxi_sheet_walk w;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 8, "the holes' places", &key);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, loops * 8, "the holes' places", &key));
 
     /* Loops that lie near each other become neighbours, so that groups of them are small in space. */
-    if (status == BVX_OK) {
-        for (uint32_t l = 0; l < loops; l++) {
-            key[l] = loop_place(s, l);
-            s->order[l] = l;
-        }
-        status = bvxi_radix_sort(ctx, key, s->order, loops);
+    for (uint32_t l = 0; l < loops; l++) {
+        key[l] = loop_place(s, l);
+        s->order[l] = l;
     }
-    if (status == BVX_OK) status = bvxi_alloc(ctx, BVXI_SCRATCH, loops * 16, "the groups of holes", &range);
-    if (status == BVX_OK) {
-        /* From the whole down, halving by count. */
-        w.count = 0;
-        if (loops > 0) bvxi_sheet_push(&w, 0, loops);
-        while (bvxi_sheet_take(&w, &i, &j)) {
-            if (j - i < 2) continue;
-            range[2 * count] = i;
-            range[2 * count++ + 1] = j;
-            bvxi_sheet_push(&w, i, i + (j - i) / 2);
-            bvxi_sheet_push(&w, i + (j - i) / 2, j);
-        }
-        /* Backwards: both halves of a group stand after it, so they are done. */
-        while (count-- > 0) {
-            uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
-            join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
-                       &s->group[m]);
-        }
+    BVXI_TRY(bvxi_radix_sort(ctx, key, s->order, loops));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, loops * 16, "the groups of holes", &range));
+    /* From the whole down, halving by count. */
+    w.count = 0;
+    if (loops > 0) bvxi_sheet_push(&w, 0, loops);
+    while (bvxi_sheet_take(&w, &i, &j)) {
+        if (j - i < 2) continue;
+        range[2 * count] = i;
+        range[2 * count++ + 1] = j;
+        bvxi_sheet_push(&w, i, i + (j - i) / 2);
+        bvxi_sheet_push(&w, i + (j - i) / 2, j);
+    }
+    /* Backwards: both halves of a group stand after it, so they are done. */
+    while (count-- > 0) {
+        uint64_t const m = range[2 * count] + (range[2 * count + 1] - range[2 * count]) / 2;
+        join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
+                   &s->group[m]);
     }
     bvxi_drop(ctx, range);
     bvxi_drop(ctx, key);
-    return status;
+    return BVX_OK;
 }
 
 static void fill_sheet(bvxi_sheet *s)
@@ -174,7 +171,6 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
                            const bvx_lattice *lattice, bvxi_sheet *sheet)
 {
     double const largest = bvxi_largest_spacing(lattice);
-    bvx_status status;
 
     memset(sheet, 0, sizeof *sheet);
     sheet->holes = holes;
@@ -187,20 +183,13 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
         sheet->step[a] = lattice->spacing[a] / largest;
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);
     }
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node,
-                            "the sheet over the holes", &sheet->node);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
-                            &sheet->group);
-    if (status == BVX_OK) {
-        fill_sheet(sheet);
-        status = group_loops(ctx, sheet);
-    }
-    if (status == BVX_OK) status = bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);
-    if (status != BVX_OK) bvxi_sheet_close(ctx, sheet);
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node, "the sheet over the holes",
+                        &sheet->node));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * 4, "the holes' order", &sheet->order));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
+                        &sheet->group));
+    fill_sheet(sheet);
+    BVXI_TRY(group_loops(ctx, sheet));
+    return bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);
 }

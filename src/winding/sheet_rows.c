@@ -121,26 +121,24 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
     uint64_t const cells = tree == NULL ? 0 : tree->leaves * BVXI_TURNS_LEVELS;
     uint64_t const cell_bytes = (uint64_t)bvxi_threads(ctx) * cells * 4;
     uint32_t *pending = NULL;
-    bvx_status status;
 
     job->columns_y = (rows->ny - 1) / BVXI_TURNS_SIDE + 1;
     job->columns = job->columns_y * ((rows->nz - 1) / BVXI_TURNS_SIDE + 1);
 
     /* Memory for each worker, not for each column: a block is used again. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the workers' blocks of turns", &job->worker));
-    status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)job->columns * 8, "the columns' counts",
-                             &job->odd_rows);
-    if (status == BVX_OK && tree != NULL)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, cell_bytes, "the workers' cells", &pending);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)job->columns * 8, "the columns' counts",
+                             &job->odd_rows));
+    if (tree != NULL) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, cell_bytes, "the workers' cells", &pending));
     /* Each worker has a part of one block of memory for its cells. */
     for (int32_t w = 0; w < bvxi_threads(ctx) && pending != NULL; w++)
         job->worker[w].block.pending = pending + (uint64_t)w * cells;
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job);
-    for (int32_t c = 0; c < job->columns && status == BVX_OK; c++) *odd += job->odd_rows[c];
+    BVXI_TRY(bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job));
+    for (int32_t c = 0; c < job->columns; c++) *odd += job->odd_rows[c];
     bvxi_drop(ctx, pending);
     bvxi_drop(ctx, job->odd_rows);
     bvxi_drop(ctx, job->worker);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- The sheet as a mesh ---- */

@@ -63,24 +63,21 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
 {
     uint64_t const count = tree->triangles;
     uint32_t *number = NULL, *listed = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the sheet's order", &number);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the sheet's order", &number));
 
     /* The triangles' own order is by loops; by place, near ones become neighbours. */
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sheet's triangles as they come", &listed);
-    if (status == BVX_OK) {
-        list_tree_triangles(s->holes, listed);
-        for (uint64_t t = 0; t < count; t++) {
-            keys[t] = triangle_place(s, listed + 3 * t);
-            number[t] = (uint32_t)t;
-        }
-        status = bvxi_radix_sort(ctx, keys, number, count);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sheet's triangles as they come", &listed));
+    list_tree_triangles(s->holes, listed);
+    for (uint64_t t = 0; t < count; t++) {
+        keys[t] = triangle_place(s, listed + 3 * t);
+        number[t] = (uint32_t)t;
     }
-    for (uint64_t t = 0; t < count && status == BVX_OK; t++)
-        memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
+    BVXI_TRY(bvxi_radix_sort(ctx, keys, number, count));
+    for (uint64_t t = 0; t < count; t++) memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
     bvxi_drop(ctx, listed);
     bvxi_drop(ctx, number);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- Cells ---- */
@@ -249,22 +246,19 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
 {
     uint64_t const bytes = tree->triangles * 8;
     uint64_t *keys = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys);
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys));
 
     /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
-    if (status == BVX_OK) status = order_sheet(ctx, s, tree, keys);
-    if (status == BVX_OK) {
-        cut_sheet_cells(keys, tree);
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells",
-                            &tree->cell);
-    }
-    if (status == BVX_OK) {
-        cut_sheet_cells(keys, tree);
-        /* Backwards, as halves stand after what they are halves of. */
-        for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
-    }
+    BVXI_TRY(order_sheet(ctx, s, tree, keys));
+    cut_sheet_cells(keys, tree);
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells", &tree->cell));
+    cut_sheet_cells(keys, tree);
+    /* Backwards, as halves stand after what they are halves of. */
+    for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
     bvxi_drop(ctx, keys);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_sheet_tree_close(bvx_context *ctx, bvxi_sheet_tree *tree)
@@ -279,7 +273,6 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
 {
     const bvxi_holes *const holes = sheet->holes;
     bvxi_sheet_tree *t;
-    bvx_status status;
 
     *tree = NULL;
     /* Few or large holes are served better by their own groups. */
@@ -288,11 +281,10 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *t, "the sheet's tree", &t));
     bvxi_series_open(&t->table);
     t->triangles = holes->points - 2 * holes->loops;
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner);
-    if (status == BVX_OK) status = make_sheet_cells(ctx, sheet, t);
-    if (status == BVX_OK) *tree = t;
-    else bvxi_sheet_tree_close(ctx, t);
-    return status;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner));
+    BVXI_TRY(make_sheet_cells(ctx, sheet, t));
+    *tree = t;
+    return BVX_OK;
 }
 
 /* ---- From one place ---- */

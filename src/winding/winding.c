@@ -107,24 +107,20 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     wind_work w = {solid, NULL, NULL, report};
     bvx_mesh_view view;
     bvxi_sheet sheet;
-    bvx_status status;
 
     BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &solid->lattice, &sheet));
-    status = bvxi_sheet_mesh_open(ctx, job->view, holes, &view);
+    BVXI_TRY(bvxi_sheet_mesh_open(ctx, job->view, holes, &view));
     /* The sheet's rows are gathered block by block, with those of the mesh. */
-    if (status == BVX_OK) {
-        w.sheet = &sheet;
-        w.sheet_view = &view;
-        job->user = &w;
-        job->take_lists = wind_block;
-        status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO,
-                                 report);
-        job->take_lists = NULL;
-        job->user = NULL;
-        bvxi_sheet_mesh_close(ctx, &view);
-    }
+    w.sheet = &sheet;
+    w.sheet_view = &view;
+    job->user = &w;
+    job->take_lists = wind_block;
+    BVXI_TRY(bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report));
+    job->take_lists = NULL;
+    job->user = NULL;
+    bvxi_sheet_mesh_close(ctx, &view);
     bvxi_sheet_close(ctx, &sheet);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
@@ -180,18 +176,16 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              bvxi_winding **winding)
 {
     bvxi_winding *w;
-    bvx_status status;
 
     *winding = NULL;
     if (holes->loops == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
     w->rule = rule;
     w->holes = holes;
-    status = bvxi_snap(ctx, function, mesh, lattice, &w->snapped);
-    if (status == BVX_OK) status = bvxi_sheet_open(ctx, holes, &w->snapped, lattice, &w->sheet);
-    if (status == BVX_OK) *winding = w;
-    else bvxi_winding_close(ctx, w);
-    return status;
+    BVXI_TRY(bvxi_snap(ctx, function, mesh, lattice, &w->snapped));
+    BVXI_TRY(bvxi_sheet_open(ctx, holes, &w->snapped, lattice, &w->sheet));
+    *winding = w;
+    return BVX_OK;
 }
 
 /* The winding number's fraction is the sheet's. Without a triangle on the way
