@@ -314,9 +314,10 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
     char name[BVXI_LEVEL_NAME];
 
     if (level_count == 0 || level_count > WRITTEN_LEVELS)
-        return bvxi_fail(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
-                         "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
-                         (uint64_t)WRITTEN_LEVELS);
+        return bvxi_fail_for(ctx, level_count == 0 ? BVX_ERR_ARGUMENT : BVX_ERR_RANGE,
+                             level_count == 0 ? BVX_REASON_RANGE : BVX_REASON_TOO_MANY,
+                             "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
+                             (uint64_t)WRITTEN_LEVELS);
     /* A message names the level, so each is checked under its own name. */
     for (uint64_t l = 0; l < level_count; l++) {
         bvxi_level_name(function, l, name);

@@ -205,7 +205,8 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
 
     /* The answer is written into the caller's struct, which an older header may have made shorter. */
     if (given->struct_size < offsetof(bvx_refine_options, start_level))
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: options have no room for levels", choose_name);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS, "%s: options have no room for levels",
+                             choose_name);
     for (int a = 0; a < 3; a++)
         if (o->window.size[a] < 0 || (o->window.size[a] == 0) != (o->window.size[0] == 0))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the window's sides are %d, %d, %d", choose_name,

@@ -86,7 +86,8 @@ static bvx_status check_picture_options(bvx_context *ctx, const char *function, 
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(picture_rows)));
     if (o->colour[3] != 0 || o->background[3] != 0)
-        return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the fourth byte of a colour is not 0", function);
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
+                             "%s: the fourth byte of a colour is not 0", function);
     return check_picture_cut(ctx, function, o);
 }
 

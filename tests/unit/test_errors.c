@@ -290,6 +290,32 @@ static void test_choices_and_reserved_fields(void)
            "bvx_voxelize_solid");
 }
 
+/* What neither status nor range says by itself. */
+static void test_counts_and_bytes(void)
+{
+    bvx_grid grid = {0};
+    bvx_mesh mesh = {0};
+    bvx_image image = {0};
+    bvx_buffer file = {0};
+    bvx_render_options r;
+    bvx_lattice lattice;
+    int32_t const dims[3] = {1, 1, 1};
+    double const low[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+
+    failed(BVX_ERR_ARGUMENT, bvx_write_levels(ctx, &mesh, 0, BVX_FORMAT_GLB, &file), BVX_REASON_RANGE,
+           "bvx_write_levels");
+    failed(BVX_ERR_RANGE, bvx_write_levels(ctx, &mesh, UINT64_MAX, BVX_FORMAT_GLB, &file),
+           BVX_REASON_TOO_MANY, "bvx_write_levels");
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, low, spacing, dims, &lattice));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));
+    bvx_grid_set(&grid, 0, 0, 0, 1);
+    bvx_render_options_init(&r, sizeof r);
+    r.colour[3] = 1;
+    failed(BVX_ERR_ARGUMENT, bvx_render_grid(ctx, &grid, &r, &image), BVX_REASON_RESERVED, "bvx_render_grid");
+    bvx_grid_free(ctx, &grid);
+}
+
 static void build_contours(double *points, uint32_t count, int32_t second_label, bvx_status expected,
                            int32_t reason, int64_t index)
 {
@@ -340,6 +366,7 @@ int main(void)
     RUN_TEST(test_positions_that_are_too_coarse);
     RUN_TEST(test_levels_by_their_numbers);
     RUN_TEST(test_choices_and_reserved_fields);
+    RUN_TEST(test_counts_and_bytes);
     RUN_TEST(test_contours);
     RUN_TEST(test_packed_samples);
     return UNITY_END();
